@@ -1,0 +1,51 @@
+/// A force law without history, tabulated: force, its integral and its slope.
+#pragma once
+
+#include <vector>
+
+namespace haptic_cloth {
+
+/// Force f(s) of a deformation s (strain [-], curvature [1/m] or shear angle [rad]) as a piecewise linear
+/// function on equal intervals, continued linearly past both ends. Its integral ψ is C1 and ψ' = f exactly,
+/// so an energy built on it is consistent with its gradient to round-off.
+class Curve {
+ public:
+  struct Point {
+    double potential;  ///< ψ(s) = ∫₀ˢ f  [f · s]
+    double force;      ///< f(s)
+    double slope;      ///< f'(s), that of the interval s lies in
+  };
+
+  /// f = 0: no law.
+  Curve() : Curve(0.0, 1.0, {0.0, 0.0}) {}
+
+  /// @param begin  s of the first sample
+  /// @param step   distance of samples, > 0
+  /// @param forces f at begin, begin + step, ...; at least two samples
+  Curve(double begin, double step, const std::vector<double>& forces);
+
+  /// f = slope · s.
+  static Curve linear(double slope) { return Curve(0.0, 1.0, {0.0, slope}); }
+
+  Point operator()(double s) const {
+    const double t = (s - begin_) * inverse_step_;
+    const double last = static_cast<double>(intervals_.size() - 1);
+    const Interval& interval = intervals_[static_cast<std::size_t>(t > 0.0 ? (t < last ? t : last) : 0.0)];
+    const double ds = s - interval.begin;
+    return {interval.potential + ds * (interval.force + 0.5 * ds * interval.slope),
+            interval.force + ds * interval.slope, interval.slope};
+  }
+
+  /// True where f vanishes everywhere, so that the term can be left out of a model.
+  bool isZero() const;
+
+ private:
+  struct Interval {
+    double begin, potential, force, slope;
+  };
+  double begin_;
+  double inverse_step_;
+  std::vector<Interval> intervals_;
+};
+
+}  // namespace haptic_cloth

@@ -1,0 +1,22 @@
+/// The one exception of the library: an input that breaks a rule.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace haptic_cloth {
+
+/// Bad configuration or file. The message is one line that names file, key, value and rule.
+class InputError : public std::runtime_error {
+ public:
+  /// @param file  where the value stands ("scene.yaml", "--set", "~ (parameters)")
+  /// @param key   dotted path of the key ("cloth.particles[0]"), empty for the file itself
+  /// @param value the offending value as written, empty if there is none
+  /// @param rule  what would be right ("must be > 0")
+  InputError(const std::string& file, const std::string& key, const std::string& value,
+             const std::string& rule)
+      : std::runtime_error(file + (key.empty() ? "" : ": " + key) + (value.empty() ? "" : " = " + value) +
+                           ": " + rule) {}
+};
+
+}  // namespace haptic_cloth

@@ -1,0 +1,92 @@
+/// From the solver's pace to the hand's: the force for the newest device pose, every tick, whatever the
+/// solver does.
+#pragma once
+
+#include <array>
+#include <atomic>
+
+#include "haptic_cloth/types.h"
+
+namespace haptic_cloth {
+
+/// What the solver hands to the haptic thread after each step. Times are of one steady clock [s].
+struct ProbeSnapshot {
+  double taken = -1.0;                 ///< when the snapshot was published; < 0: none yet
+  double device_received = -1.0;       ///< receipt time of the device pose it was solved for
+  Vec3 device = Vec3::Zero();          ///< [m]
+  Vec3 proxy = Vec3::Zero();           ///< [m]
+  Vec3 proxy_velocity = Vec3::Zero();  ///< in wall-clock time [m/s]
+  Vec3 force = Vec3::Zero();           ///< on the probe at that solve [N]
+  bool contact = false;
+};
+
+/// A device pose as received.
+struct DeviceSample {
+  double received = -1.0;        ///< steady clock [s]; < 0: none yet
+  double stamp = 0.0;            ///< of the message [s]
+  Vec3 position = Vec3::Zero();  ///< in the cloth's frame [m]
+  Vec3 velocity = Vec3::Zero();  ///< filtered [m/s]
+};
+
+/// Newest-value mailbox for one writer and one reader, wait-free on both sides (three slots).
+template <class T>
+class Mailbox {
+ public:
+  /// Writer: replaces the value.
+  void write(const T& value) {
+    slots_[write_] = value;
+    write_ = shared_.exchange(write_ | kFresh, std::memory_order_acq_rel) & kIndex;
+  }
+  /// Reader: the newest value; the reference stays valid until the next read().
+  const T& read() {
+    if (shared_.load(std::memory_order_relaxed) & kFresh) {
+      read_ = shared_.exchange(read_, std::memory_order_acq_rel) & kIndex;
+    }
+    return slots_[read_];
+  }
+
+ private:
+  static constexpr unsigned kFresh = 4, kIndex = 3;
+  std::array<T, 3> slots_{};
+  unsigned write_ = 0, read_ = 1;
+  std::atomic<unsigned> shared_{2};
+};
+
+/// Limits of what the hand may feel. Defaults suit a small desktop device.
+struct HapticOptions {
+  double rate = 1000.0;           ///< ticks a second [Hz]
+  double max_force = 3.3;         ///< [N]
+  double max_force_rate = 200.0;  ///< largest change of the force [N/s]
+  double soft_start = 0.5;        ///< the limit rises from zero in this time after start, pause and fault [s]
+  double pose_timeout = 0.05;     ///< an older device pose ramps the force to zero [s]
+  double snapshot_timeout = 0.1;  ///< an older snapshot ramps the force to zero [s]
+  double ramp_time = 0.02;        ///< from full force to zero [s]
+  double coupling_stiffness = 400.0;  ///< [N/m], the scene's
+  double coupling_damping = 1.0;      ///< [N·s/m], the scene's
+};
+
+/// Why the force is, or is not, what the snapshot says.
+enum class HapticStatus { NoPose, NoSnapshot, PoseStale, SnapshotStale, Paused, Free, Contact };
+
+const char* toString(HapticStatus status);
+
+/// The haptic tick: pure arithmetic on its own state, no clock, no lock, no allocation.
+class HapticLoop {
+ public:
+  explicit HapticLoop(const HapticOptions& options);
+
+  /// Force on the probe [N] in the cloth's frame for the newest pose at `now` (steady clock [s]).
+  /// Always finite, at most max_force, changes by at most max_force_rate; zero when stale or paused.
+  Vec3 tick(const DeviceSample& device, const ProbeSnapshot& snapshot, bool paused, double now);
+
+  HapticStatus status() const { return status_; }
+
+ private:
+  HapticOptions options_;
+  HapticStatus status_ = HapticStatus::NoPose;
+  Vec3 force_ = Vec3::Zero();
+  double last_tick_ = -1.0;
+  double soft_ = 0.0;  ///< 0..1, progress of the soft start
+};
+
+}  // namespace haptic_cloth

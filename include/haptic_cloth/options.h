@@ -1,0 +1,37 @@
+/// Numerical options, each default in this one place. Scene files, parameters and tests refer to these.
+#pragma once
+
+namespace haptic_cloth {
+
+enum class Cost { Condensed };
+enum class Preconditioner { None, Jacobi };
+enum class Strategy { Finest, Coarsest, Refine, Coarsen, Amrc };
+
+/// When the minimizer stops, and what it may cost.
+struct MinimizerOptions {
+  Preconditioner preconditioner = Preconditioner::Jacobi;
+  double tolerance = 0.1;    ///< stop when rms_m(|∇Φ|/m) < tolerance · |gravity|  [-]
+  int max_iterations = 200;  ///< [-]
+  double time_budget = 0.0;  ///< wall clock of one solve [s]; 0: none. The best state so far is kept.
+};
+
+/// How a step is made.
+struct SolverOptions {
+  double time_step = 1e-3;  ///< [s]
+  Cost cost = Cost::Condensed;
+  MinimizerOptions minimizer;
+  int threads = 0;  ///< OpenMP threads; 0: as many as the machine gives
+};
+
+/// How the mesh follows the shape.
+struct AdaptOptions {
+  Strategy strategy = Strategy::Amrc;
+  int levels = 2;              ///< L: the coarsest cell is 2^L finest cells wide
+  int interval = 3;            ///< steps between two looks at the mesh
+  double refine_above = 0.20;  ///< turning angle at a triple above which its cells split [rad]
+  double coarsen_below =
+      0.10;              ///< turning angle, judged on the coarse cell, below which four siblings merge [rad]
+  int minimum_age = 30;  ///< steps a new cell stays as it is before it may merge; against chatter
+};
+
+}  // namespace haptic_cloth

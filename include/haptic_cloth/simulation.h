@@ -1,0 +1,77 @@
+/// The cloth in its world: one object, one step.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "haptic_cloth/report.h"
+#include "haptic_cloth/scene.h"
+
+namespace haptic_cloth {
+
+/// One leaf of the adaptive mesh, for display and output.
+struct CellView {
+  std::array<int, 4>
+      particles;  ///< corners (i,j), (i+s,j), (i,j+s), (i+s,j+s) as finest-grid indices j·I + i
+  int level;      ///< 0: finest
+};
+
+/// Cloth, obstacles and probe, advanced step by step. Not thread-safe: one thread owns it.
+class Simulation {
+ public:
+  /// @throws InputError if the scene is not valid
+  explicit Simulation(const Scene& scene);
+  ~Simulation();
+  Simulation(Simulation&&) noexcept;
+  Simulation& operator=(Simulation&&) noexcept;
+
+  /// Takes the device's position [m] and velocity [m/s] for the next step. The first call puts the proxy
+  /// there.
+  void setDevice(const Vec3& position, const Vec3& velocity);
+
+  /// Takes the probe out of the scene until the next setDevice().
+  void removeDevice();
+
+  /// Advances by one time step: take inputs, adapt, find contacts, minimise, accept or restore, report.
+  StepReport step();
+
+  /// Back to the flat start at time 0, without the probe.
+  void reset();
+
+  const Scene& scene() const;
+  double time() const;  ///< simulated since reset [s]
+  int threads() const;
+  double mass() const;  ///< of the cloth [kg]
+  int activeParticles() const;
+  ProbeReport probe() const;
+  EnergyReport energy() const;
+  CostReport cost() const;
+  double maxStrain() const;   ///< largest |strain| of an edge [-]
+  double maxSpeed() const;    ///< of an active particle [m/s]
+  Vec3 supportForce() const;  ///< sum of what pins and obstacles exert on the cloth [N]
+
+  /// Hash over the bits of the state: equal for equal bits.
+  std::uint64_t stateHash() const;
+
+  /// Positions [m] of all I·J finest particles, index j·I + i; inactive ones interpolated in their cell.
+  /// `positions` is resized on first use and then reused.
+  void positions(std::vector<Vec3>& positions) const;
+
+  /// For each finest particle whether it is active (simulated; ghosts are not).
+  void activeFlags(std::vector<char>& flags) const;
+
+  /// Leaves of the mesh in a fixed order.
+  void cells(std::vector<CellView>& cells) const;
+
+  /// Largest tension of the edges [N/m] and largest bending energy per area of the triples [J/m²] at the
+  /// corners of each leaf, in the order of cells().
+  void cellLoads(std::vector<float>& tension, std::vector<float>& bending) const;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace haptic_cloth
