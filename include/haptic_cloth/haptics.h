@@ -4,6 +4,7 @@
 
 #include <array>
 #include <atomic>
+#include <string>
 
 #include "haptic_cloth/types.h"
 
@@ -65,6 +66,10 @@ struct HapticOptions {
   double coupling_damping = 1.0;      ///< [N·s/m], the scene's
 };
 
+/// Checks every option. @param origin names the source in messages.
+/// @throws InputError naming the option, its value and the rule.
+void validateHapticOptions(const HapticOptions& options, const std::string& origin);
+
 /// Why the force is, or is not, what the snapshot says.
 enum class HapticStatus { NoPose, NoSnapshot, PoseStale, SnapshotStale, Paused, Free, Contact };
 
@@ -73,10 +78,12 @@ const char* toString(HapticStatus status);
 /// The haptic tick: pure arithmetic on its own state, no clock, no lock, no allocation.
 class HapticLoop {
  public:
+  /// @throws InputError if an option is not valid
   explicit HapticLoop(const HapticOptions& options);
 
   /// Force on the probe [N] in the cloth's frame for the newest pose at `now` (steady clock [s]).
-  /// Always finite, at most max_force, changes by at most max_force_rate; zero when stale or paused.
+  /// Always finite, at most max_force, changes by at most max_force_rate; ramps to exactly zero when an input
+  /// is stale, paused or not finite. No contact in the snapshot: no force.
   Vec3 tick(const DeviceSample& device, const ProbeSnapshot& snapshot, bool paused, double now);
 
   HapticStatus status() const { return status_; }

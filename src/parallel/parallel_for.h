@@ -1,4 +1,5 @@
-/// The one place with OpenMP pragmas: loops shared out over threads, with results that do not depend on how many.
+/// The one place with OpenMP pragmas: loops shared out over threads, with results that do not depend on how
+/// many.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,6 +11,9 @@
 #endif
 
 namespace haptic_cloth {
+
+/// Sums formed in one pass over a list.
+using Sums = Eigen::Array<double, 6, 1>;
 
 /// Runs loops over index ranges on a fixed number of threads. Work is cut into blocks of fixed size, whatever
 /// the number of threads; sums are formed per block and added in block order. So the bits never change.
@@ -29,15 +33,15 @@ class Team {
               [&](int block) { work(block * kBlock, std::min(count, (block + 1) * kBlock)); });
   }
 
-  /// Up to four sums at once: work(begin, end) returns those of its part of [0, count).
+  /// Several sums at once: work(begin, end) returns those of its part of [0, count).
   template <class Work>
-  Eigen::Array4d sum(int count, const Work& work) {
+  Sums sum(int count, const Work& work) {
     const int blocks = (count + kBlock - 1) / kBlock;
     if (static_cast<int>(partial_.size()) < blocks) partial_.resize(blocks);
     forBlocks(blocks, [&](int block) {
       partial_[block] = work(block * kBlock, std::min(count, (block + 1) * kBlock));
     });
-    Eigen::Array4d total = Eigen::Array4d::Zero();
+    Sums total = Sums::Zero();
     for (int block = 0; block < blocks; ++block) total += partial_[block];
     return total;
   }
@@ -64,7 +68,7 @@ class Team {
   }
 
   int threads_;
-  std::vector<Eigen::Array4d> partial_;
+  std::vector<Sums> partial_;
 };
 
 }  // namespace haptic_cloth

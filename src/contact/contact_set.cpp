@@ -1,0 +1,243 @@
+#include "contact/contact_set.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptic_cloth {
+
+ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles, const Options& options)
+    : options_(options), law_(options.range), grid_(grid) {
+  for (const Obstacle& obstacle : obstacles) obstacles_.emplace_back(obstacle);
+  const std::size_t capacity = grid.particles() * (obstacles.size() + 1) + 4 * grid.cells();
+  samples_.reserve(capacity);
+  slots_.reserve(capacity);
+  entries_.reserve(4 * capacity);
+  rows_.reserve(grid.particles() + 1);
+}
+
+Vec3 ContactSet::samplePosition(const ContactSample& sample, const std::vector<Vec3>& values) const {
+  return sample.weights[0] * values[sample.nodes[0]] + sample.weights[1] * values[sample.nodes[1]] +
+         sample.weights[2] * values[sample.nodes[2]] + sample.weights[3] * values[sample.nodes[3]];
+}
+
+Distance ContactSet::distance(int solid, const Vec3& point, const Vec3& proxy) const {
+  if (solid != kProbe) return obstacles_[solid].distance(point);
+  const Vec3 offset = point - proxy;
+  const double d = offset.norm();
+  return {d - options_.probe_radius, d > 0.0 ? Vec3(offset / d) : Vec3::UnitZ()};
+}
+
+void ContactSet::collect(const ActiveMesh& mesh, const std::vector<Vec3>& nodes, double speed,
+                         const Vec3* proxy, double probe_reach) {
+  samples_.clear();
+  deepest_ = 0.0;
+  // A sample can come this much nearer within a step: twice what its speed would bring, and a little.
+  const double margin = law_.range() + 2.0 * speed * options_.time_step + 0.1 * std::min(grid_.dx, grid_.dy);
+  sampleObstacles(mesh, nodes, margin);
+  if (proxy) sampleProbe(mesh, nodes, margin + probe_reach, *proxy);
+  slots_.resize(samples_.size());
+  buildRows(mesh.nodes());
+}
+
+namespace {
+
+/// Centre and radius of a sphere around a cell's surface.
+std::pair<Vec3, double> boundingSphere(const Patch& patch, const std::vector<Vec3>& nodes) {
+  const auto& n = patch.nodes;
+  const Vec3 centre = 0.25 * (nodes[n[0]] + nodes[n[1]] + nodes[n[2]] + nodes[n[3]]);
+  double radius = 0.0;
+  for (const int corner : n) radius = std::max(radius, (nodes[corner] - centre).squaredNorm());
+  return {centre, std::sqrt(radius)};
+}
+
+}  // namespace
+
+void ContactSet::sampleObstacles(const ActiveMesh& mesh, const std::vector<Vec3>& nodes, double margin) {
+  if (obstacles_.empty()) return;
+  for (const Patch& patch : mesh.patches) {
+    const auto [centre, radius] = boundingSphere(patch, nodes);
+    const Cell& cell = patch.cell;
+    const int s = cell.span();
+    // Each finest-grid point belongs to one cell: the one it is the lower left of, or the last on a border.
+    const int i_end = cell.i + s == grid_.columns - 1 ? s : s - 1,
+              j_end = cell.j + s == grid_.rows - 1 ? s : s - 1;
+    for (int solid = 0; solid < static_cast<int>(obstacles_.size()); ++solid) {
+      if (obstacles_[solid].distance(centre).value > radius + margin) continue;
+      for (int j = 0; j <= j_end; ++j) {
+        const double height = cell.j + j == 0 || cell.j + j == grid_.rows - 1 ? 0.5 : 1.0;
+        for (int i = 0; i <= i_end; ++i) {
+          const double width = cell.i + i == 0 || cell.i + i == grid_.columns - 1 ? 0.5 : 1.0;
+          addSample(patch, static_cast<double>(i) / s, static_cast<double>(j) / s,
+                    width * height * grid_.dx * grid_.dy, solid, nodes, margin, Vec3::Zero());
+        }
+      }
+    }
+  }
+}
+
+void ContactSet::sampleProbe(const ActiveMesh& mesh, const std::vector<Vec3>& nodes, double margin,
+                             const Vec3& proxy) {
+  const double spacing = options_.probe_radius / 3.0;
+  for (const Patch& patch : mesh.patches) {
+    const auto [centre, radius] = boundingSphere(patch, nodes);
+    if ((centre - proxy).norm() > options_.probe_radius + radius + margin) continue;
+    const double lx = patch.cell.span() * grid_.dx, ly = patch.cell.span() * grid_.dy;
+    const int columns = static_cast<int>(std::ceil(lx / spacing)),
+              rows = static_cast<int>(std::ceil(ly / spacing));
+    for (int j = 0; j < rows; ++j) {
+      for (int i = 0; i < columns; ++i) {
+        addSample(patch, (i + 0.5) / columns, (j + 0.5) / rows, lx * ly / (columns * rows), kProbe, nodes,
+                  margin, proxy);
+      }
+    }
+  }
+}
+
+void ContactSet::addSample(const Patch& patch, double u, double v, double area, int solid,
+                           const std::vector<Vec3>& nodes, double margin, const Vec3& proxy) {
+  ContactSample sample{
+      patch.nodes, {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v}, area, solid, 0.0, Vec3::Zero(),
+      Vec3::Zero()};
+  const Vec3 position = samplePosition(sample, nodes);
+  const Distance d = distance(solid, position, proxy);
+  deepest_ = std::max(deepest_, -d.value);
+  if (d.value > margin) return;
+  const double friction = solid == kProbe ? options_.probe_friction : obstacles_[solid].friction();
+  sample.friction_force = friction * area * law_(d.value).pressure;
+  sample.start = solid == kProbe ? Vec3(position - proxy) : position;
+  sample.start_normal = d.normal;
+  samples_.push_back(sample);
+}
+
+void ContactSet::buildRows(int nodes) {
+  rows_.assign(nodes + 1, 0);
+  const auto visit = [&](const auto& put) {
+    for (int k = 0; k < size(); ++k) {
+      for (int c = 0; c < 4; ++c) {
+        if (samples_[k].weights[c] > 0.0) put(samples_[k].nodes[c], Entry{k, samples_[k].weights[c]});
+      }
+    }
+  };
+  visit([&](int node, const Entry&) { ++rows_[node + 1]; });
+  for (int n = 0; n < nodes; ++n) rows_[n + 1] += rows_[n];
+  entries_.resize(rows_[nodes]);
+  visit([&](int node, const Entry& entry) { entries_[rows_[node]++] = entry; });
+  for (int n = nodes; n > 0; --n) rows_[n] = rows_[n - 1];
+  rows_[0] = 0;
+}
+
+ContactSet::Energy ContactSet::evaluate(int begin, int end, const std::vector<Vec3>& nodes,
+                                        const Vec3& proxy) {
+  const double epsilon = options_.slip_speed * options_.time_step;
+  Energy energy;
+  for (int k = begin; k < end; ++k) {
+    const ContactSample& sample = samples_[k];
+    const Vec3 position = samplePosition(sample, nodes);
+    const Distance d = distance(sample.solid, position, proxy);
+    const ContactLaw::Point contact = law_(d.value);
+    Slot& slot = slots_[k];
+    slot.normal = d.normal;
+    slot.normal_stiffness = sample.area * contact.stiffness;
+    slot.tangent_stiffness = 0.0;
+    slot.gradient = -sample.area * contact.pressure * d.normal;
+    energy.contact += sample.area * contact.energy;
+    if (sample.friction_force > 0.0) {
+      const Vec3 moved = (sample.solid == kProbe ? Vec3(position - proxy) : position) - sample.start;
+      const Vec3 slip = moved - sample.start_normal.dot(moved) * sample.start_normal;
+      const SmoothSlip smooth = smoothSlip(slip.norm(), epsilon);
+      energy.friction += sample.friction_force * smooth.potential;
+      slot.tangent_stiffness = sample.friction_force * smooth.ratio;
+      slot.gradient += slot.tangent_stiffness * slip;
+    }
+  }
+  return energy;
+}
+
+double ContactSet::curvature(int begin, int end, const std::vector<Vec3>& d, const Vec3& d_proxy) const {
+  double sum = 0.0;
+  for (int k = begin; k < end; ++k) {
+    const ContactSample& sample = samples_[k];
+    const Slot& slot = slots_[k];
+    if (slot.normal_stiffness == 0.0 && slot.tangent_stiffness == 0.0) continue;
+    Vec3 moved = samplePosition(sample, d);
+    if (sample.solid == kProbe) moved -= d_proxy;
+    const double normal = slot.normal.dot(moved), start = sample.start_normal.dot(moved);
+    sum += slot.normal_stiffness * normal * normal +
+           slot.tangent_stiffness * (moved.squaredNorm() - start * start);
+  }
+  return sum;
+}
+
+void ContactSet::addGradient(int node, Vec3& gradient) const {
+  for (int e = rows_[node]; e < rows_[node + 1]; ++e) {
+    gradient += entries_[e].weight * slots_[entries_[e].sample].gradient;
+  }
+}
+
+namespace {
+
+Vec3 diagonalOf(const Vec3& normal, const Vec3& start_normal, double normal_stiffness,
+                double tangent_stiffness) {
+  return normal_stiffness * normal.cwiseAbs2() +
+         tangent_stiffness * (Vec3::Ones() - start_normal.cwiseAbs2());
+}
+
+}  // namespace
+
+void ContactSet::addDiagonal(int node, Vec3& diagonal) const {
+  for (int e = rows_[node]; e < rows_[node + 1]; ++e) {
+    const Slot& slot = slots_[entries_[e].sample];
+    diagonal += entries_[e].weight * entries_[e].weight *
+                diagonalOf(slot.normal, samples_[entries_[e].sample].start_normal, slot.normal_stiffness,
+                           slot.tangent_stiffness);
+  }
+}
+
+Vec3 ContactSet::proxyGradient() const {
+  Vec3 sum = Vec3::Zero();
+  for (int k = 0; k < size(); ++k) {
+    if (samples_[k].solid == kProbe) sum -= slots_[k].gradient;
+  }
+  return sum;
+}
+
+Vec3 ContactSet::proxyDiagonal() const {
+  Vec3 sum = Vec3::Zero();
+  for (int k = 0; k < size(); ++k) {
+    if (samples_[k].solid != kProbe) continue;
+    sum += diagonalOf(slots_[k].normal, samples_[k].start_normal, slots_[k].normal_stiffness,
+                      slots_[k].tangent_stiffness);
+  }
+  return sum;
+}
+
+Vec3 ContactSet::obstacleForce() const {
+  Vec3 sum = Vec3::Zero();
+  for (int k = 0; k < size(); ++k) {
+    if (samples_[k].solid != kProbe) sum -= slots_[k].gradient;
+  }
+  return sum;
+}
+
+double ContactSet::maxStep(const std::vector<Vec3>& nodes, const Vec3& proxy, const std::vector<Vec3>& d,
+                           const Vec3& d_proxy) const {
+  constexpr double kShareOfGap = 0.9;
+  double step = 1e300;
+  for (int k = 0; k < size(); ++k) {
+    const ContactSample& sample = samples_[k];
+    if (sample.solid != kProbe) continue;
+    const Distance now = distance(kProbe, samplePosition(sample, nodes), proxy);
+    const double closing = -now.normal.dot(samplePosition(sample, d) - d_proxy);
+    // The distance is convex along the step: its tangent bounds it from below.
+    if (now.value > 0.0 && closing > 0.0) step = std::min(step, kShareOfGap * now.value / closing);
+  }
+  return step;
+}
+
+bool ContactSet::probeTouched() const {
+  return std::any_of(slots_.begin(), slots_.end(), [this](const Slot& slot) {
+    return slot.normal_stiffness > 0.0 && samples_[&slot - slots_.data()].solid == kProbe;
+  });
+}
+
+}  // namespace haptic_cloth

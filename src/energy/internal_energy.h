@@ -1,0 +1,79 @@
+/// Elastic energy of the cloth over the active lists: stretch, bend and shear.
+#pragma once
+
+#include <vector>
+
+#include "haptic_cloth/fabric.h"
+#include "mesh/active_mesh.h"
+
+namespace haptic_cloth {
+
+/// Elements are numbered in one range: edges, triples, patches. Each leaves its force in slots of its own,
+/// which the nodes then gather in a fixed order, so any split of the range over threads gives the same bits.
+class InternalEnergy {
+ public:
+  struct Energy {
+    double stretch = 0.0, bend = 0.0, shear = 0.0;  ///< [J]
+  };
+
+  explicit InternalEnergy(const Fabric& fabric, const ActiveMesh& mesh);
+
+  /// Adjusts to a rebuilt mesh.
+  void resize();
+
+  /// Takes the surface normals for a step; triples bend about them until the next call.
+  void setNormals(const std::vector<Vec3>& positions);
+
+  /// Number of elements; laws that are zero everywhere count none.
+  int size() const { return edge_count_ + triple_count_ + patch_count_; }
+
+  /// Energy of elements begin..end at `x`; leaves forces and stiffness in their slots.
+  Energy evaluate(int begin, int end, const std::vector<Vec3>& x);
+
+  /// d · H⁺ d of elements begin..end at the last evaluation.
+  double curvature(int begin, int end, const std::vector<Vec3>& d) const;
+
+  /// Adds the energy gradient [N] at a node.
+  void addGradient(int node, Vec3& gradient) const {
+    for (int e = mesh_.rows[node]; e < mesh_.rows[node + 1]; ++e) {
+      gradient += mesh_.incidences[e].coefficient * slots_[mesh_.incidences[e].slot];
+    }
+  }
+
+  /// Diagonal of H⁺ [N/m] at all nodes, added to `diagonal`, from the last evaluation.
+  void addDiagonal(std::vector<Vec3>& diagonal) const;
+
+  /// Largest |ε| of the edges and the maxima per patch for display, at positions `x`.
+  double maxStrain(const std::vector<Vec3>& x) const;
+  double tension(int edge, const std::vector<Vec3>& x) const;           ///< [N/m]
+  double curvature(int triple, const std::vector<Vec3>& x) const;       ///< of one triple [1/m]
+  double bendingDensity(int triple, const std::vector<Vec3>& x) const;  ///< ψ_b of one triple [J/m²]
+
+ private:
+  struct EdgeTangent {
+    Vec3 axis;
+    double along, across;
+  };
+  struct PatchTangent {
+    Vec3 rising, falling;
+    double stiffness;
+  };
+
+  double evaluateEdges(int begin, int end, const std::vector<Vec3>& x);
+  double evaluateTriples(int begin, int end, const std::vector<Vec3>& x);
+  double evaluatePatches(int begin, int end, const std::vector<Vec3>& x);
+  double strain(int edge, const std::vector<Vec3>& x) const;
+
+  const ActiveMesh& mesh_;
+  std::array<Curve, 2> tensile_, bending_;
+  Curve shear_;
+  bool bends_, shears_;
+  int edge_count_ = 0, triple_count_ = 0, patch_count_ = 0;
+  std::vector<Vec3> node_normals_;
+  std::vector<Vec3> slots_;  ///< one an edge, one a triple, two a patch [N] or [N·m²] along the normal
+  std::vector<EdgeTangent> edge_tangents_;
+  std::vector<double> triple_stiffness_;
+  std::vector<PatchTangent> patch_tangents_;
+};
+
+}  // namespace haptic_cloth

@@ -1,0 +1,38 @@
+/// The finest grid of particles and the index arithmetic of its nested levels.
+#pragma once
+
+#include <array>
+
+namespace haptic_cloth {
+
+/// I x J particles at the crossings of warp (i, x) and weft (j, y). Level l has spacing 2^l finest cells.
+struct Grid {
+  int columns;  ///< I
+  int rows;     ///< J
+  int levels;   ///< L, the coarsest level; (I-1) and (J-1) are divisible by 2^L
+  double dx;    ///< finest spacing along warp [m]
+  double dy;    ///< finest spacing along weft [m]
+
+  int particles() const { return columns * rows; }
+  int cells() const { return (columns - 1) * (rows - 1); }
+  int particle(int i, int j) const { return j * columns + i; }
+  int cell(int i, int j) const { return j * (columns - 1) + i; }
+  int column(int particle) const { return particle % columns; }
+  int row(int particle) const { return particle / columns; }
+};
+
+/// A square of 2^level x 2^level finest cells with its lower left corner at particle (i, j).
+struct Cell {
+  int i, j, level;
+
+  int span() const { return 1 << level; }
+
+  /// Particles (i,j), (i+s,j), (i,j+s), (i+s,j+s).
+  std::array<int, 4> corners(const Grid& grid) const {
+    const int s = span();
+    return {grid.particle(i, j), grid.particle(i + s, j), grid.particle(i, j + s),
+            grid.particle(i + s, j + s)};
+  }
+};
+
+}  // namespace haptic_cloth

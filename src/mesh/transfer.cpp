@@ -1,0 +1,85 @@
+#include "mesh/transfer.h"
+
+#include <algorithm>
+
+namespace haptic_cloth {
+
+void interpolateCell(const Grid& grid, const Cell& cell, std::vector<Vec3>& values) {
+  const int s = cell.span();
+  const auto c = cell.corners(grid);
+  for (int j = 0; j <= s; ++j) {
+    const double v = static_cast<double>(j) / s;
+    for (int i = 0; i <= s; ++i) {
+      if (i % s == 0 && j % s == 0) continue;
+      const double u = static_cast<double>(i) / s;
+      values[grid.particle(cell.i + i, cell.j + j)] = (1 - v) * ((1 - u) * values[c[0]] + u * values[c[1]]) +
+                                                      v * ((1 - u) * values[c[2]] + u * values[c[3]]);
+    }
+  }
+}
+
+void transferAfterSplit(const Grid& grid, const std::vector<Cell>& cells, ParticleState& state) {
+  for (const Cell& cell : cells) {
+    const auto c = cell.corners(grid);
+    const int middle = (c[0] + c[3]) / 2;
+    for (auto* values : {&state.position, &state.velocity}) {
+      auto& x = *values;
+      for (const auto& [a, b] : {std::pair(c[0], c[1]), {c[2], c[3]}, {c[0], c[2]}, {c[1], c[3]}}) {
+        x[(a + b) / 2] = 0.5 * (x[a] + x[b]);
+      }
+      x[middle] = 0.25 * (x[c[0]] + x[c[1]] + x[c[2]] + x[c[3]]);
+    }
+  }
+}
+
+MergeTransfer::MergeTransfer(const Grid& grid)
+    : momentum_(grid.particles(), Vec3::Zero()), changed_(grid.particles(), 0) {
+  active_.reserve(grid.particles());
+}
+
+void MergeTransfer::capture(const ActiveMesh& mesh, const ParticleState& state) {
+  active_.assign(mesh.particle.begin(), mesh.particle.begin() + mesh.active());
+  std::fill(momentum_.begin(), momentum_.end(), Vec3::Zero());
+  for (int n = 0; n < mesh.active(); ++n) {
+    momentum_[mesh.particle[n]] = mesh.mass[n] * state.velocity[mesh.particle[n]];
+  }
+}
+
+void MergeTransfer::give(int particle, const Vec3& momentum) {
+  momentum_[particle] += momentum;
+  changed_[particle] = 1;
+}
+
+void MergeTransfer::apply(const LeafMesh& leaves, const ActiveMesh& mesh, ParticleState& state) {
+  const Grid& grid = mesh.grid;
+  std::fill(changed_.begin(), changed_.end(), 0);
+  for (const int p : active_) {
+    if (mesh.node[p] >= 0) continue;
+    const Vec3 momentum = momentum_[p];
+    const int i = std::min(grid.column(p), grid.columns - 2), j = std::min(grid.row(p), grid.rows - 2);
+    const Cell cell = leaves.leafAt(i, j);
+    const double s = cell.span(), u = (grid.column(p) - cell.i) / s, v = (grid.row(p) - cell.j) / s;
+    const double weights[4] = {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v};
+    const auto corners = cell.corners(grid);
+    for (int k = 0; k < 4; ++k) {
+      if (weights[k] > 0.0) give(corners[k], weights[k] * momentum);
+    }
+  }
+  for (auto g = mesh.ghosts.rbegin(); g != mesh.ghosts.rend(); ++g) {
+    const Vec3 half = 0.5 * momentum_[mesh.particle[g->node]];
+    if (half.isZero(0.0)) continue;
+    give(mesh.particle[g->a], half);
+    give(mesh.particle[g->b], half);
+  }
+  for (int n = 0; n < mesh.free; ++n) {
+    const int p = mesh.particle[n];
+    if (changed_[p]) state.velocity[p] = momentum_[p] / mesh.mass[n];
+  }
+  for (const Ghost& g : mesh.ghosts) {
+    const int p = mesh.particle[g.node], a = mesh.particle[g.a], b = mesh.particle[g.b];
+    state.position[p] = 0.5 * (state.position[a] + state.position[b]);
+    state.velocity[p] = 0.5 * (state.velocity[a] + state.velocity[b]);
+  }
+}
+
+}  // namespace haptic_cloth

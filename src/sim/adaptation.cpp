@@ -1,0 +1,117 @@
+#include "sim/adaptation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptic_cloth {
+
+Adaptation::Adaptation(const AdaptOptions& options, const Grid& grid)
+    : options_(options),
+      grid_(grid),
+      curvature_(grid.particles(), 0.0),
+      born_(grid.cells(), -options.minimum_age),
+      merge_transfer_(grid) {
+  for (auto* list : {&leaves_, &marked_, &split_}) list->reserve(grid.cells());
+}
+
+int Adaptation::startLevel(const AdaptOptions& options) {
+  const bool coarse = options.strategy == Strategy::Coarsest || options.strategy == Strategy::Refine;
+  return coarse ? options.levels : 0;
+}
+
+Adaptation::Changes Adaptation::update(long step, const std::vector<Vec3>& nodes,
+                                       const InternalEnergy& internal, const FineRegion* fine,
+                                       LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state) {
+  const Strategy strategy = options_.strategy;
+  const bool refines = strategy == Strategy::Amrc || strategy == Strategy::Refine;
+  const bool coarsens = strategy == Strategy::Amrc || strategy == Strategy::Coarsen;
+  if ((!refines && !coarsens) || step % options_.interval != 0) return {};
+
+  measure(nodes, internal, mesh);
+  leaves.leaves(leaves_);
+  marked_.clear();
+  for (const Cell& cell : leaves_) {
+    if (!refines || cell.level == 0) continue;
+    double largest = 0.0;
+    for (const int corner : cell.corners(grid_)) largest = std::max(largest, curvature_[corner]);
+    const bool turns = largest * length(cell) > options_.refine_above;
+    if (turns || touches(fine, cell, state.position)) marked_.push_back(cell);
+  }
+  Changes changes;
+  if (coarsens) changes.coarsened = mergeCells(step, fine, leaves, mesh, state);
+  if (!marked_.empty()) changes.refined = splitCells(step, leaves, mesh, state);
+  return changes;
+}
+
+double Adaptation::length(const Cell& cell) const { return cell.span() * std::max(grid_.dx, grid_.dy); }
+
+bool Adaptation::touches(const FineRegion* fine, const Cell& cell, const std::vector<Vec3>& positions) const {
+  if (!fine) return false;
+  const auto c = cell.corners(grid_);
+  const Vec3 centre = 0.25 * (positions[c[0]] + positions[c[1]] + positions[c[2]] + positions[c[3]]);
+  return (centre - fine->centre).norm() < fine->radius + 0.71 * length(cell);
+}
+
+void Adaptation::measure(const std::vector<Vec3>& nodes, const InternalEnergy& internal,
+                         const ActiveMesh& mesh) {
+  std::fill(curvature_.begin(), curvature_.end(), 0.0);
+  for (int t = 0; t < static_cast<int>(mesh.triples.size()); ++t) {
+    double& largest = curvature_[mesh.particle[mesh.triples[t].c]];
+    largest = std::max(largest, std::abs(internal.curvature(t, nodes)));
+  }
+}
+
+int Adaptation::mergeCells(long step, const FineRegion* fine, LeafMesh& leaves, ActiveMesh& mesh,
+                           ParticleState& state) {
+  int count = 0;
+  for (const Cell& cell : leaves_) {
+    if (cell.level == grid_.levels) continue;
+    const Cell parent{cell.i, cell.j, cell.level + 1};
+    const int mask = parent.span() - 1;
+    if ((cell.i & mask) != 0 || (cell.j & mask) != 0) continue;  // seen once, from its lower left child
+    if (!mayMerge(parent, step, fine, leaves, state)) continue;
+    if (count++ == 0) merge_transfer_.capture(mesh, state);
+    leaves.merge(parent);
+    born_[grid_.cell(parent.i, parent.j)] = step;
+  }
+  if (count > 0) {
+    mesh.rebuild(leaves);
+    merge_transfer_.apply(leaves, mesh, state);
+  }
+  return count;
+}
+
+bool Adaptation::mayMerge(const Cell& parent, long step, const FineRegion* fine, const LeafMesh& leaves,
+                          const ParticleState& state) const {
+  const int half = parent.span() / 2;
+  for (const int j : {parent.j, parent.j + half}) {
+    for (const int i : {parent.i, parent.i + half}) {
+      if (step - born_[grid_.cell(i, j)] < options_.minimum_age) return false;
+    }
+  }
+  if (!leaves.canMerge(parent)) return false;
+  double largest = 0.0;
+  for (int j = 0; j <= 2; ++j) {
+    for (int i = 0; i <= 2; ++i) {
+      largest = std::max(largest, curvature_[grid_.particle(parent.i + i * half, parent.j + j * half)]);
+    }
+  }
+  return largest * length(parent) < options_.coarsen_below && !touches(fine, parent, state.position);
+}
+
+int Adaptation::splitCells(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state) {
+  split_.clear();
+  for (const Cell& cell : marked_) leaves.split(cell, split_);
+  if (split_.empty()) return 0;
+  for (const Cell& cell : split_) {
+    const int half = cell.span() / 2;
+    for (const int j : {cell.j, cell.j + half}) {
+      for (const int i : {cell.i, cell.i + half}) born_[grid_.cell(i, j)] = step;
+    }
+  }
+  transferAfterSplit(grid_, split_, state);
+  mesh.rebuild(leaves);
+  return static_cast<int>(split_.size());
+}
+
+}  // namespace haptic_cloth

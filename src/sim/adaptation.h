@@ -1,0 +1,56 @@
+/// Adaptive mesh refinement and coarsening: where the cloth turns, cells split; where it is smooth, they
+/// merge.
+#pragma once
+
+#include <vector>
+
+#include "energy/internal_energy.h"
+#include "haptic_cloth/options.h"
+#include "mesh/active_mesh.h"
+#include "mesh/transfer.h"
+
+namespace haptic_cloth {
+
+/// A ball in which cells stay finest: the probe's surroundings.
+struct FineRegion {
+  Vec3 centre;
+  double radius;  ///< [m]
+};
+
+/// The bending cost of a triple, ½ B κ² A, is compared in a form that suits any fabric, size and resolution:
+/// as the turning angle κ l over the cell it would be judged on.
+class Adaptation {
+ public:
+  struct Changes {
+    int refined = 0;    ///< leaves split
+    int coarsened = 0;  ///< groups of four merged
+  };
+
+  Adaptation(const AdaptOptions& options, const Grid& grid);
+
+  /// Level all leaves start at.
+  static int startLevel(const AdaptOptions& options);
+
+  /// Looks at the mesh every `interval` steps; on a change, rebuilds `mesh` and hands the state over.
+  /// @param nodes positions of the nodes [m]  @param fine null: none
+  Changes update(long step, const std::vector<Vec3>& nodes, const InternalEnergy& internal,
+                 const FineRegion* fine, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
+
+ private:
+  void measure(const std::vector<Vec3>& nodes, const InternalEnergy& internal, const ActiveMesh& mesh);
+  int mergeCells(long step, const FineRegion* fine, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
+  int splitCells(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
+  bool mayMerge(const Cell& parent, long step, const FineRegion* fine, const LeafMesh& leaves,
+                const ParticleState& state) const;
+  bool touches(const FineRegion* fine, const Cell& cell, const std::vector<Vec3>& positions) const;
+  double length(const Cell& cell) const;
+
+  AdaptOptions options_;
+  Grid grid_;
+  std::vector<double> curvature_;  ///< largest |κ| at a particle [1/m]
+  std::vector<long> born_;         ///< step a leaf came to be, at its lower left finest cell
+  std::vector<Cell> leaves_, marked_, split_;
+  MergeTransfer merge_transfer_;
+};
+
+}  // namespace haptic_cloth

@@ -1,0 +1,207 @@
+#include "sim/cloth_objective.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptic_cloth {
+namespace {
+
+enum Part { kStretch, kBend, kShear, kContact, kFriction };
+
+double referenceAcceleration(const Vec3& gravity) {
+  constexpr double kStandardGravity = 9.80665;  // where a scene has none
+  return gravity.norm() > 0.0 ? gravity.norm() : kStandardGravity;
+}
+
+}  // namespace
+
+ClothObjective::ClothObjective(const Scene& scene, const ActiveMesh& mesh, InternalEnergy& internal,
+                               ContactSet& contacts, Team& team)
+    : mesh_(mesh),
+      internal_(internal),
+      contacts_(contacts),
+      team_(team),
+      gravity_(scene.gravity),
+      h_(scene.solver.time_step),
+      air_damping_(scene.air_damping),
+      coupling_stiffness_(scene.probe.coupling_stiffness),
+      coupling_damping_(scene.probe.coupling_damping) {
+  for (auto* list : {&start_, &inertial_, &nodes_, &motion_, &gradient_, &diagonal_}) {
+    list->reserve(mesh.grid.particles());
+  }
+  inverse_diagonal_.setZero(capacity());
+  residual_weight_.setZero(capacity());
+}
+
+void ClothObjective::begin(const std::vector<Vec3>& positions, const std::vector<Vec3>& velocities,
+                           const ProbeStep& probe) {
+  probe_ = probe;
+  start_ = positions;
+  inertial_.resize(mesh_.nodes());
+  for (auto* list : {&motion_, &gradient_, &diagonal_}) list->assign(mesh_.nodes(), Vec3::Zero());
+  const double share = h_ / (1.0 + air_damping_ * h_);
+  for (int n = 0; n < mesh_.nodes(); ++n) inertial_[n] = positions[n] + share * velocities[n];
+  nodes_ = positions;
+  proxy_ = probe.proxy;
+  proxy_motion_ = Vec3::Zero();
+
+  double total_mass = 0.0;
+  for (int n = 0; n < mesh_.free; ++n) total_mass += mesh_.mass[n];
+  const double g = referenceAcceleration(gravity_);
+  const auto weight = [&](double mass) { return 1.0 / (mass * std::max(total_mass, 1e-300) * g * g); };
+  for (int n = 0; n < mesh_.free; ++n) residual_weight_.segment<3>(3 * n).setConstant(weight(mesh_.mass[n]));
+  if (probe.present) {
+    // The proxy has no mass; its coupling answers over a step as this one would.
+    const double mass = h_ * h_ * coupling_stiffness_ + h_ * coupling_damping_;
+    residual_weight_.segment<3>(3 * mesh_.free).setConstant(weight(mass));
+  }
+}
+
+void ClothObjective::pack(const std::vector<Vec3>& nodes, const Vec3& proxy, Vector& x) const {
+  for (int n = 0; n < mesh_.free; ++n) x.segment<3>(3 * n) = nodes[n];
+  if (probe_.present) x.segment<3>(3 * mesh_.free) = proxy;
+}
+
+void ClothObjective::load(const Vector& values, std::vector<Vec3>& nodes, Vec3& proxy) const {
+  for (int n = 0; n < mesh_.free; ++n) nodes[n] = values.segment<3>(3 * n);
+  if (probe_.present) proxy = values.segment<3>(3 * mesh_.free);
+  mesh_.interpolateGhosts(nodes);
+}
+
+double ClothObjective::evaluate(const Vector& x, Vector& gradient) {
+  load(x, nodes_, proxy_);
+  energies_ = team_.sum(internal_.size() + contacts_.size(),
+                        [this](int begin, int end) { return evaluateElements(begin, end); });
+  const Sums motion = team_.sum(mesh_.nodes(), [this](int begin, int end) {
+    Sums sums = Sums::Zero();
+    sums[0] = gatherNodes(begin, end);
+    return sums;
+  });
+  mesh_.handOverGhosts(gradient_);
+  for (int n = 0; n < mesh_.free; ++n) gradient.segment<3>(3 * n) = gradient_[n];
+  double value = energies_.head<5>().sum() + motion[0];
+  if (probe_.present) {
+    const Vec3 stretch = proxy_ - probe_.device, slip = (proxy_ - probe_.proxy) / h_ - probe_.device_velocity;
+    gradient.segment<3>(3 * mesh_.free) =
+        coupling_stiffness_ * stretch + coupling_damping_ * slip + contacts_.proxyGradient();
+    value += couplingEnergy() + 0.5 * coupling_damping_ * h_ * slip.squaredNorm();
+  }
+  return value;
+}
+
+Sums ClothObjective::evaluateElements(int begin, int end) {
+  const int internal = internal_.size();
+  const InternalEnergy::Energy e =
+      internal_.evaluate(std::min(begin, internal), std::min(end, internal), nodes_);
+  const ContactSet::Energy c = contacts_.evaluate(std::max(begin, internal) - internal,
+                                                  std::max(end, internal) - internal, nodes_, proxy_);
+  Sums sums = Sums::Zero();
+  sums[kStretch] = e.stretch;
+  sums[kBend] = e.bend;
+  sums[kShear] = e.shear;
+  sums[kContact] = c.contact;
+  sums[kFriction] = c.friction;
+  return sums;
+}
+
+/// Gradient of the nodes begin..end; returns their energy of motion and gravity [J].
+double ClothObjective::gatherNodes(int begin, int end) {
+  const double inertia = (1.0 + air_damping_ * h_) / (h_ * h_);
+  double energy = 0.0;
+  for (int n = begin; n < end; ++n) {
+    const double mass = mesh_.mass[n];  // zero for ghosts
+    const Vec3 ahead = nodes_[n] - inertial_[n];
+    Vec3 gradient = -mass * gravity_;
+    energy += gradient.dot(nodes_[n] - start_[n]);
+    if (n < mesh_.free) {
+      gradient += mass * inertia * ahead;
+      energy += 0.5 * mass * inertia * ahead.squaredNorm();
+    }
+    internal_.addGradient(n, gradient);
+    contacts_.addGradient(n, gradient);
+    gradient_[n] = gradient;
+  }
+  return energy;
+}
+
+Objective::Along ClothObjective::along(const Vector& d) {
+  load(d, motion_, proxy_motion_);
+  return {curvature(), probe_.present ? contacts_.maxStep(nodes_, proxy_, motion_, proxy_motion_) : 1e300};
+}
+
+double ClothObjective::curvature() {
+  const int internal = internal_.size();
+  const Sums elements = team_.sum(internal + contacts_.size(), [&](int begin, int end) {
+    Sums sums = Sums::Zero();
+    sums[0] = internal_.curvature(std::min(begin, internal), std::min(end, internal), motion_) +
+              contacts_.curvature(std::max(begin, internal) - internal, std::max(end, internal) - internal,
+                                  motion_, proxy_motion_);
+    return sums;
+  });
+  const Sums inertia = team_.sum(mesh_.free, [&](int begin, int end) {
+    Sums sums = Sums::Zero();
+    for (int n = begin; n < end; ++n) sums[0] += mesh_.mass[n] * motion_[n].squaredNorm();
+    return sums;
+  });
+  double value = elements[0] + (1.0 + air_damping_ * h_) / (h_ * h_) * inertia[0];
+  if (probe_.present) {
+    value += (coupling_stiffness_ + coupling_damping_ / h_) * proxy_motion_.squaredNorm();
+  }
+  return value;
+}
+
+void ClothObjective::buildPreconditioner(Preconditioner kind) {
+  const double inertia = (1.0 + air_damping_ * h_) / (h_ * h_);
+  std::fill(diagonal_.begin(), diagonal_.end(), Vec3::Zero());
+  Vec3 proxy = Vec3::Constant(coupling_stiffness_ + coupling_damping_ / h_);
+  if (kind == Preconditioner::Jacobi) {
+    internal_.addDiagonal(diagonal_);
+    for (int n = 0; n < mesh_.nodes(); ++n) contacts_.addDiagonal(n, diagonal_[n]);
+    mesh_.handOverGhosts(diagonal_, 0.25);
+    proxy += contacts_.proxyDiagonal();
+  }
+  for (int n = 0; n < mesh_.free; ++n) {
+    inverse_diagonal_.segment<3>(3 * n) = (diagonal_[n].array() + mesh_.mass[n] * inertia).inverse();
+  }
+  if (probe_.present) inverse_diagonal_.segment<3>(3 * mesh_.free) = proxy.cwiseInverse();
+}
+
+void ClothObjective::precondition(const Vector& gradient, Vector& z) const {
+  z.head(size()) = inverse_diagonal_.head(size()).cwiseProduct(gradient.head(size()));
+}
+
+double ClothObjective::residual(const Vector& gradient) const {
+  return std::sqrt(gradient.head(size()).cwiseAbs2().dot(residual_weight_.head(size())));
+}
+
+double ClothObjective::internalEnergy(Sums& parts) const {
+  parts = energies_;
+  return energies_.head<4>().sum();
+}
+
+double ClothObjective::couplingEnergy() const {
+  return probe_.present ? 0.5 * coupling_stiffness_ * (proxy_ - probe_.device).squaredNorm() : 0.0;
+}
+
+double ClothObjective::lossPotential() const {
+  double loss = energies_[kFriction];
+  if (probe_.present) {
+    const Vec3 slip = (proxy_ - probe_.proxy) / h_ - probe_.device_velocity;
+    loss += 0.5 * coupling_damping_ * h_ * slip.squaredNorm();
+  }
+  return loss;
+}
+
+double ClothObjective::motionCost() const {  // DESIGN 2: E^n; pinned nodes have no law of motion
+  double cost = 0.0;
+  for (int n = 0; n < mesh_.free; ++n) cost += 0.5 * h_ * h_ / mesh_.mass[n] * gradient_[n].squaredNorm();
+  return cost;
+}
+
+Vec3 ClothObjective::pinForce() const {
+  Vec3 force = Vec3::Zero();
+  for (int n = mesh_.free; n < mesh_.active(); ++n) force += gradient_[n];
+  return force;
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,83 @@
+/// The incremental potential of one step, Φ(X): motion and gravity, internal energy, contact and probe
+/// coupling.
+#pragma once
+
+#include <vector>
+
+#include "contact/contact_set.h"
+#include "energy/internal_energy.h"
+#include "haptic_cloth/scene.h"
+#include "mesh/active_mesh.h"
+#include "parallel/parallel_for.h"
+#include "solver/objective.h"
+
+namespace haptic_cloth {
+
+/// The probe in one step.
+struct ProbeStep {
+  bool present = false;
+  Vec3 device = Vec3::Zero();           ///< where the device is at the end of the step [m]
+  Vec3 device_velocity = Vec3::Zero();  ///< [m/s]
+  Vec3 proxy = Vec3::Zero();            ///< where the proxy is at the start of the step [m]
+};
+
+/// Φ(X, y) = Σ m (1 + c h)/(2h²) |x - x⁰ - h v⁰/(1 + c h)|² - m g · (x - x⁰)            motion, air, gravity
+///         + Σ A ψ_s(ε) + Σ A ψ_b(κ) + Σ A ψ_h(γ)                                       internal energy
+///         + contact and friction + ½ k |y - device|² + ½ (b/h) |y - y⁰ - h v_device|²  probe, proxy at y
+/// over the free nodes X and the proxy y. Its gradient is the negative of Newton's residual [N].
+class ClothObjective : public Objective {
+ public:
+  ClothObjective(const Scene& scene, const ActiveMesh& mesh, InternalEnergy& internal, ContactSet& contacts,
+                 Team& team);
+
+  /// Largest size() can get.
+  int capacity() const { return 3 * (mesh_.grid.particles() + 1); }
+
+  /// Starts a step from node positions and velocities (ghosts included).
+  void begin(const std::vector<Vec3>& positions, const std::vector<Vec3>& velocities, const ProbeStep& probe);
+
+  int size() const override { return 3 * (mesh_.free + (probe_.present ? 1 : 0)); }
+  double evaluate(const Vector& x, Vector& gradient) override;
+  Along along(const Vector& d) override;
+  void precondition(const Vector& gradient, Vector& z) const override;
+  double residual(const Vector& gradient) const override;
+
+  /// Builds the preconditioner from H⁺ at the last evaluated point.
+  void buildPreconditioner(Preconditioner kind);
+
+  /// Unknowns from node values and proxy, for begin()'s mesh.
+  void pack(const std::vector<Vec3>& nodes, const Vec3& proxy, Vector& x) const;
+
+  /// At the last evaluated point:
+  const std::vector<Vec3>& nodes() const { return nodes_; }
+  const Vec3& proxy() const { return proxy_; }
+  const Vec3& proxyStart() const { return probe_.proxy; }
+  double internalEnergy(
+      Sums& parts) const;         ///< stretch, bend, shear, contact [J] as parts 0..3; returns their sum
+  double couplingEnergy() const;  ///< spring between device and proxy [J]
+  double lossPotential() const;   ///< friction and coupling damper: what the step dissipates there [J]
+  double motionCost() const;      ///< E^n = Σ h²/(2m) |residual force|² [J]
+  Vec3 pinForce() const;          ///< of the pins on the cloth [N]
+
+ private:
+  Sums evaluateElements(int begin, int end);
+  double gatherNodes(int begin, int end);
+  double curvature();
+  void load(const Vector& values, std::vector<Vec3>& nodes, Vec3& proxy) const;
+
+  const ActiveMesh& mesh_;
+  InternalEnergy& internal_;
+  ContactSet& contacts_;
+  Team& team_;
+  Vec3 gravity_;
+  double h_, air_damping_, coupling_stiffness_, coupling_damping_;
+
+  ProbeStep probe_;
+  std::vector<Vec3> start_, inertial_;  ///< x⁰ and x⁰ + h v⁰/(1 + c h) of the nodes [m]
+  std::vector<Vec3> nodes_, motion_, gradient_, diagonal_;
+  Vec3 proxy_ = Vec3::Zero(), proxy_motion_ = Vec3::Zero();
+  Sums energies_ = Sums::Zero();
+  Vector inverse_diagonal_, residual_weight_;
+};
+
+}  // namespace haptic_cloth

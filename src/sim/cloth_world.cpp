@@ -1,0 +1,239 @@
+#include "sim/cloth_world.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kSlipSpeed =
+    1e-3;                           // friction grows in below this speed [m/s]: far below what a hand can see
+constexpr double kFineReach = 2.0;  // finest cells around the probe, beyond its radius [finest spacings]
+
+Grid makeGrid(const Scene& scene) {
+  const auto& [columns, rows] = scene.cloth.particles;
+  return {columns, rows, scene.adapt.levels, scene.cloth.size[0] / (columns - 1),
+          scene.cloth.size[1] / (rows - 1)};
+}
+
+ParticleState flatState(const Scene& scene, const Grid& grid) {
+  ParticleState state;
+  state.position.resize(grid.particles());
+  state.velocity.assign(grid.particles(), Vec3::Zero());
+  for (int p = 0; p < grid.particles(); ++p) {
+    const Vec3 local((grid.column(p) - 0.5 * (grid.columns - 1)) * grid.dx,
+                     (grid.row(p) - 0.5 * (grid.rows - 1)) * grid.dy, 0.0);
+    state.position[p] = scene.cloth.pose.position + scene.cloth.pose.orientation * local;
+  }
+  return state;
+}
+
+ContactSet::Options contactOptions(const Scene& scene) {
+  return {scene.cloth.fabric.thickness, kSlipSpeed, scene.solver.time_step, scene.probe.radius,
+          scene.probe.friction};
+}
+
+}  // namespace
+
+ClothWorld::ClothWorld(const Scene& s)
+    : scene(s),
+      grid(makeGrid(s)),
+      leaves(grid, s.cloth.pins, Adaptation::startLevel(s.adapt)),
+      mesh(leaves, s.cloth.fabric.areal_density),
+      state(flatState(s, grid)),
+      internal(s.cloth.fabric, mesh),
+      contacts(grid, s.obstacles, contactOptions(s)),
+      team(s.solver.threads),
+      objective(s, mesh, internal, contacts, team),
+      adaptation_(s.adapt, grid),
+      minimizer_(s.solver.minimizer) {
+  nodes_.reserve(grid.particles());
+  velocities_.reserve(grid.particles());
+  for (Vector* v : {&x_, &start_, &motion_, &gradient_}) v->setZero(objective.capacity());
+  minimizer_.reserve(objective.capacity());
+  gatherNodes();
+  internal.setNormals(nodes_);
+  energy = measureEnergy();
+}
+
+void ClothWorld::setDevice(const Vec3& position, const Vec3& velocity) {
+  if (!probe_step_.present) {
+    probe_step_.proxy = position;
+    probe.proxy = position;
+    probe.velocity = Vec3::Zero();
+  }
+  probe_step_.present = true;
+  probe_step_.device = position;
+  probe_step_.device_velocity = velocity;
+  probe.present = true;
+  probe.device = position;
+}
+
+void ClothWorld::removeDevice() {
+  probe_step_ = ProbeStep();
+  probe = ProbeReport();
+}
+
+StepReport ClothWorld::step() {
+  StepReport report;
+  const double coupling_before = energy.coupling;
+  adapt(report);
+  findContacts();
+  minimise(report);
+  if (report.minimizer.why == Termination::NotFinite) {
+    report.failed = true;
+    restore();
+  } else {
+    accept(report);
+  }
+  account(coupling_before);
+  ++steps;
+  report.time = time();
+  report.active_particles = mesh.active();
+  return report;
+}
+
+/// Node values from the finest-grid state.
+void ClothWorld::gatherNodes() {
+  nodes_.resize(mesh.nodes());
+  velocities_.resize(mesh.nodes());
+  for (int n = 0; n < mesh.nodes(); ++n) {
+    nodes_[n] = state.position[mesh.particle[n]];
+    velocities_[n] = state.velocity[mesh.particle[n]];
+  }
+  mesh.interpolateGhosts(nodes_);
+  mesh.interpolateGhosts(velocities_);
+}
+
+void ClothWorld::adapt(StepReport& report) {
+  const FineRegion fine{probe_step_.proxy, scene.probe.radius + kFineReach * std::max(grid.dx, grid.dy)};
+  const Adaptation::Changes changes =
+      adaptation_.update(steps, nodes_, internal, probe_step_.present ? &fine : nullptr, leaves, mesh, state);
+  report.refined = changes.refined;
+  report.coarsened = changes.coarsened;
+  if (changes.refined + changes.coarsened > 0) {
+    internal.resize();
+    gatherNodes();
+  }
+  internal.setNormals(nodes_);
+}
+
+void ClothWorld::findContacts() {
+  const double reach = probe_step_.present ? (probe_step_.device - probe_step_.proxy).norm() : 0.0;
+  contacts.collect(mesh, nodes_, maxSpeed(), probe_step_.present ? &probe_step_.proxy : nullptr, reach);
+}
+
+/// From rest or from inertial motion, whichever has the lower Φ, to a minimum of Φ.
+void ClothWorld::minimise(StepReport& report) {
+  const double h = scene.solver.time_step;
+  objective.begin(nodes_, velocities_, probe_step_);
+  objective.pack(nodes_, probe_step_.proxy, start_);
+  const double at_rest = objective.evaluate(start_, gradient_);
+  Sums parts;
+  energy_before_ = objective.internalEnergy(parts) + objective.couplingEnergy();
+  objective.buildPreconditioner(scene.solver.minimizer.preconditioner);
+
+  for (int n = 0; n < mesh.free; ++n) motion_.segment<3>(3 * n) = h * velocities_[n];
+  if (probe_step_.present) motion_.segment<3>(3 * mesh.free) = h * probe.velocity;
+  const double step = std::min(1.0, objective.along(motion_).max_step);
+  const int size = objective.size();
+  x_.head(size) = start_.head(size) + step * motion_.head(size);
+  const double moving = objective.evaluate(x_, gradient_);
+  if (!(moving < at_rest)) x_.head(size) = start_.head(size);
+  report.minimizer = minimizer_.minimize(objective, x_, team);
+}
+
+void ClothWorld::accept(StepReport& report) {
+  const double h = scene.solver.time_step;
+  const std::vector<Vec3>& after = objective.nodes();
+  double gravity_work = 0.0, kinetic_before = 0.0;
+  for (int n = 0; n < mesh.active(); ++n) {
+    gravity_work += mesh.mass[n] * scene.gravity.dot(after[n] - nodes_[n]);
+    kinetic_before += 0.5 * mesh.mass[n] * velocities_[n].squaredNorm();
+  }
+  for (int n = 0; n < mesh.nodes(); ++n) velocities_[n] = (after[n] - nodes_[n]) / h;
+  nodes_ = after;
+
+  Sums parts;
+  const double stored = objective.internalEnergy(parts) + objective.couplingEnergy();
+  report.velocity_scale =
+      guardEnergy(energy_before_ + kinetic_before + gravity_work - stored, objective.lossPotential());
+  for (int n = 0; n < mesh.nodes(); ++n) {
+    state.position[mesh.particle[n]] = nodes_[n];
+    state.velocity[mesh.particle[n]] = velocities_[n];
+  }
+  if (probe_step_.present) {
+    probe.proxy = objective.proxy();
+    probe.velocity = (objective.proxy() - probe_step_.proxy) / h;
+    probe.force = -contacts.proxyGradient();
+    probe.contact = contacts.probeTouched();
+    probe_step_.proxy = probe.proxy;
+  }
+  support_force = contacts.obstacleForce() + objective.pinForce();
+  report.max_penetration = contacts.deepest();
+}
+
+/// Passivity: what moves may not hold more energy than the step began with, gained and spent. @return scale
+/// of the velocities, 1 where nothing was to do
+double ClothWorld::guardEnergy(double available, double losses) {
+  double kinetic = 0.0;
+  for (int n = 0; n < mesh.active(); ++n) kinetic += 0.5 * mesh.mass[n] * velocities_[n].squaredNorm();
+  const double allowed = std::max(0.0, available - losses);
+  if (kinetic <= allowed || kinetic == 0.0) return 1.0;
+  const double scale = std::sqrt(allowed / kinetic);
+  for (Vec3& velocity : velocities_) velocity *= scale;
+  return scale;
+}
+
+/// Back to the start of the step, at rest: the one state known to be good.
+void ClothWorld::restore() {
+  std::fill(velocities_.begin(), velocities_.end(), Vec3::Zero());
+  for (int n = 0; n < mesh.nodes(); ++n) state.velocity[mesh.particle[n]] = Vec3::Zero();
+  objective.pack(nodes_, probe_step_.proxy, start_);
+  objective.evaluate(start_, gradient_);
+  probe.velocity = Vec3::Zero();
+  probe.force = Vec3::Zero();
+  probe.contact = false;
+}
+
+/// Energy balance: the device works on the coupling at the start of a step; what is missing at its end is
+/// dissipated.
+void ClothWorld::account(double coupling_before) {
+  const double before = energy.total(), dissipated = energy.dissipated;
+  const double coupling_moved =
+      probe_step_.present
+          ? 0.5 * scene.probe.coupling_stiffness * (probe_step_.device - objective.proxyStart()).squaredNorm()
+          : 0.0;
+  energy = measureEnergy();
+  energy.dissipated = dissipated + before + (coupling_moved - coupling_before) - energy.total();
+}
+
+EnergyReport ClothWorld::measureEnergy() const {
+  EnergyReport e;
+  for (int n = 0; n < mesh.active(); ++n) {
+    e.kinetic += 0.5 * mesh.mass[n] * velocities_[n].squaredNorm();
+    e.gravity -= mesh.mass[n] * scene.gravity.dot(nodes_[n]);
+  }
+  Sums parts;
+  objective.internalEnergy(parts);
+  e.stretch = parts[0];
+  e.bend = parts[1];
+  e.shear = parts[2];
+  e.contact = parts[3];
+  e.coupling = objective.couplingEnergy();
+  return e;
+}
+
+double ClothWorld::mass() const {
+  double sum = 0.0;
+  for (const double m : mesh.mass) sum += m;
+  return sum;
+}
+
+double ClothWorld::maxSpeed() const {
+  double largest = 0.0;
+  for (int n = 0; n < mesh.active(); ++n) largest = std::max(largest, velocities_[n].squaredNorm());
+  return std::sqrt(largest);
+}
+
+}  // namespace haptic_cloth

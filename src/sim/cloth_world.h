@@ -1,0 +1,65 @@
+/// The parts of one simulation and how a step uses them.
+#pragma once
+
+#include <vector>
+
+#include "contact/contact_set.h"
+#include "energy/internal_energy.h"
+#include "haptic_cloth/report.h"
+#include "haptic_cloth/scene.h"
+#include "mesh/transfer.h"
+#include "sim/adaptation.h"
+#include "sim/cloth_objective.h"
+#include "solver/minimizer.h"
+
+namespace haptic_cloth {
+
+/// Cloth, obstacles and probe: state, scratch and the method. Simulation wraps it.
+class ClothWorld {
+ public:
+  /// @pre scene is valid
+  explicit ClothWorld(const Scene& scene);
+
+  void setDevice(const Vec3& position, const Vec3& velocity);
+  void removeDevice();
+  StepReport step();
+
+  Scene scene;
+  Grid grid;
+  LeafMesh leaves;
+  ActiveMesh mesh;
+  ParticleState state;
+  InternalEnergy internal;
+  ContactSet contacts;
+  Team team;
+  ClothObjective objective;
+  ProbeReport probe;
+  EnergyReport energy;
+  Vec3 support_force = Vec3::Zero();
+  long steps = 0;
+
+  double time() const { return steps * scene.solver.time_step; }
+  double mass() const;
+  double maxSpeed() const;
+  const std::vector<Vec3>& nodes() const { return nodes_; }
+
+ private:
+  void gatherNodes();
+  void adapt(StepReport& report);
+  void findContacts();
+  void minimise(StepReport& report);
+  void accept(StepReport& report);
+  void restore();
+  double guardEnergy(double stored, double losses);
+  void account(double coupling_before);
+  EnergyReport measureEnergy() const;
+
+  Adaptation adaptation_;
+  Minimizer minimizer_;
+  ProbeStep probe_step_;
+  double energy_before_ = 0.0;  ///< of the step in hand, with its inputs [J]
+  std::vector<Vec3> nodes_, velocities_;
+  Vector x_, start_, motion_, gradient_;
+};
+
+}  // namespace haptic_cloth

@@ -1,0 +1,119 @@
+#include "haptic_cloth/simulation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "sim/cloth_world.h"
+
+namespace haptic_cloth {
+
+class Simulation::Implementation {
+ public:
+  explicit Implementation(const Scene& scene) : world(scene) {}
+  ClothWorld world;
+};
+
+Simulation::Simulation(const Scene& scene) {
+  validateScene(scene, "scene");
+  implementation_ = std::make_unique<Implementation>(scene);
+}
+
+Simulation::~Simulation() = default;
+Simulation::Simulation(Simulation&&) noexcept = default;
+Simulation& Simulation::operator=(Simulation&&) noexcept = default;
+
+void Simulation::setDevice(const Vec3& position, const Vec3& velocity) {
+  implementation_->world.setDevice(position, velocity);
+}
+
+void Simulation::removeDevice() { implementation_->world.removeDevice(); }
+
+StepReport Simulation::step() { return implementation_->world.step(); }
+
+void Simulation::reset() { implementation_ = std::make_unique<Implementation>(Scene(scene())); }
+
+const Scene& Simulation::scene() const { return implementation_->world.scene; }
+double Simulation::time() const { return implementation_->world.time(); }
+int Simulation::threads() const { return implementation_->world.team.threads(); }
+double Simulation::mass() const { return implementation_->world.mass(); }
+int Simulation::activeParticles() const { return implementation_->world.mesh.active(); }
+ProbeReport Simulation::probe() const { return implementation_->world.probe; }
+EnergyReport Simulation::energy() const { return implementation_->world.energy; }
+double Simulation::maxSpeed() const { return implementation_->world.maxSpeed(); }
+Vec3 Simulation::supportForce() const { return implementation_->world.support_force; }
+
+CostReport Simulation::cost() const {
+  CostReport cost;
+  cost.motion = implementation_->world.objective.motionCost();
+  return cost;
+}
+
+double Simulation::maxStrain() const {
+  const ClothWorld& world = implementation_->world;
+  return world.internal.maxStrain(world.nodes());
+}
+
+std::uint64_t Simulation::stateHash() const {
+  const ClothWorld& world = implementation_->world;
+  std::uint64_t hash = 14695981039346656037ull;  // FNV-1a, 64 bit
+  const auto add = [&hash](const void* data, std::size_t size) {
+    const auto* bytes = static_cast<const unsigned char*>(data);
+    for (std::size_t k = 0; k < size; ++k) hash = (hash ^ bytes[k]) * 1099511628211ull;
+  };
+  for (const int p : world.mesh.particle) {
+    add(&p, sizeof(p));
+    add(world.state.position[p].data(), 3 * sizeof(double));
+    add(world.state.velocity[p].data(), 3 * sizeof(double));
+  }
+  add(world.probe.proxy.data(), 3 * sizeof(double));
+  add(&world.steps, sizeof(world.steps));
+  return hash;
+}
+
+void Simulation::positions(std::vector<Vec3>& positions) const {
+  const ClothWorld& world = implementation_->world;
+  positions = world.state.position;
+  for (const Patch& patch : world.mesh.patches) {
+    if (patch.cell.level > 0) interpolateCell(world.grid, patch.cell, positions);
+  }
+}
+
+void Simulation::activeFlags(std::vector<char>& flags) const {
+  const ActiveMesh& mesh = implementation_->world.mesh;
+  flags.assign(mesh.grid.particles(), 0);
+  for (int n = 0; n < mesh.active(); ++n) flags[mesh.particle[n]] = 1;
+}
+
+void Simulation::cells(std::vector<CellView>& cells) const {
+  const ActiveMesh& mesh = implementation_->world.mesh;
+  cells.clear();
+  for (const Patch& patch : mesh.patches) cells.push_back({patch.cell.corners(mesh.grid), patch.cell.level});
+}
+
+void Simulation::cellLoads(std::vector<float>& tension, std::vector<float>& bending) const {
+  const ClothWorld& world = implementation_->world;
+  const ActiveMesh& mesh = world.mesh;
+  std::vector<double> node_tension(mesh.nodes(), 0.0), node_bending(mesh.nodes(), 0.0);
+  for (int e = 0; e < static_cast<int>(mesh.edges.size()); ++e) {
+    const double value = world.internal.tension(e, world.nodes());
+    for (const int n : {mesh.edges[e].a, mesh.edges[e].b}) node_tension[n] = std::max(node_tension[n], value);
+  }
+  for (int t = 0; t < static_cast<int>(mesh.triples.size()); ++t) {
+    double& largest = node_bending[mesh.triples[t].c];
+    largest = std::max(largest, world.internal.bendingDensity(t, world.nodes()));
+  }
+  tension.clear();
+  bending.clear();
+  for (const Patch& patch : mesh.patches) {
+    const auto most = [&](const std::vector<double>& values) {
+      double largest = 0.0;
+      for (const int n : patch.nodes) largest = std::max(largest, values[n]);
+      return static_cast<float>(largest);
+    };
+    tension.push_back(most(node_tension));
+    bending.push_back(most(node_bending));
+  }
+}
+
+}  // namespace haptic_cloth

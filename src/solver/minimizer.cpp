@@ -1,0 +1,136 @@
+#include "solver/minimizer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace haptic_cloth {
+
+const char* toString(Termination why) {
+  switch (why) {
+    case Termination::Converged:
+      return "converged";
+    case Termination::IterationLimit:
+      return "iteration_limit";
+    case Termination::TimeBudget:
+      return "time_budget";
+    case Termination::LineSearchFailed:
+      return "line_search_failed";
+    case Termination::NotFinite:
+      break;
+  }
+  return "not_finite";
+}
+
+void Minimizer::reserve(int size) {
+  for (Vector* v : {&gradient_, &previous_, &preconditioned_, &direction_, &trial_, &trial_gradient_}) {
+    v->setZero(size);
+  }
+}
+
+MinimizerReport Minimizer::minimize(Objective& objective, Vector& x, Team& team) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
+
+  size_ = objective.size();
+  MinimizerReport report;
+  double value = objective.evaluate(x, gradient_);
+  report.evaluations = 1;
+  report.value_start = value;
+  report.why = Termination::IterationLimit;
+  bool restart = true;
+  while (true) {
+    report.residual = objective.residual(gradient_);
+    if (!std::isfinite(value) || !std::isfinite(report.residual)) {
+      report.why = Termination::NotFinite;
+      break;
+    }
+    if (report.residual < options_.tolerance) {
+      report.why = Termination::Converged;
+      break;
+    }
+    if (report.iterations >= options_.max_iterations) break;
+    if (options_.time_budget > 0.0 && elapsed() > options_.time_budget) {
+      report.why = Termination::TimeBudget;
+      break;
+    }
+    direction(objective, team, restart, report);
+    const bool steepest = restart;
+    restart = !lineSearch(objective, x, value, report);
+    if (restart && steepest) {
+      report.why = Termination::LineSearchFailed;
+      break;
+    }
+    ++report.iterations;
+  }
+  report.value_end = value;
+  report.seconds = elapsed();
+  return report;
+}
+
+/// d ← -P g + β d with β = max(0, g·P(g - g_previous) / g_previous·P g_previous).
+void Minimizer::direction(Objective& objective, Team& team, bool restart, MinimizerReport& report) {
+  objective.precondition(gradient_, preconditioned_);
+  const Sums dots = team.sum(size_, [&](int begin, int end) {
+    const auto z = preconditioned_.segment(begin, end - begin);
+    Sums sums = Sums::Zero();
+    sums[0] = z.dot(gradient_.segment(begin, end - begin));
+    if (!restart) sums[1] = z.dot(previous_.segment(begin, end - begin));
+    return sums;
+  });
+  const double beta = restart ? 0.0 : std::max(0.0, (dots[0] - dots[1]) / descent_);
+  descent_ = dots[0];
+  const Sums slope = team.sum(size_, [&](int begin, int end) {
+    auto d = direction_.segment(begin, end - begin);
+    const auto z = preconditioned_.segment(begin, end - begin);
+    if (beta > 0.0) {
+      d = beta * d - z;
+    } else {
+      d = -z;
+    }
+    Sums sums = Sums::Zero();
+    sums[0] = d.dot(gradient_.segment(begin, end - begin));
+    return sums;
+  });
+  slope_ = slope[0];
+  if (!(slope_ < 0.0)) {
+    direction_.head(size_) = -preconditioned_.head(size_);
+    slope_ = -descent_;
+    ++report.restarts;
+  }
+}
+
+/// Newton step along d, then Armijo backtracking. Where Φ changes less than it is rounded, the slope decides
+/// [Hager & Zhang 2005, approximate Wolfe]. On success the iterate, its value and gradient are the new ones.
+bool Minimizer::lineSearch(Objective& objective, Vector& x, double& value, MinimizerReport& report) {
+  constexpr double kSufficient = 1e-4, kRounding = 1e-13;
+  constexpr int kTrials = 20;
+  const Objective::Along along = objective.along(direction_);
+  double step = std::min(along.curvature > 0.0 ? -slope_ / along.curvature : 1.0, along.max_step);
+  for (int trial = 0; trial < kTrials; ++trial) {
+    trial_.head(size_) = x.head(size_) + step * direction_.head(size_);
+    const double trial_value = objective.evaluate(trial_, trial_gradient_);
+    ++report.evaluations;
+    const double change = trial_value - value;
+    const bool decreases = change <= kSufficient * step * slope_;
+    const bool level =
+        std::abs(change) <= kRounding * (std::abs(value) + std::abs(trial_value)) &&
+        trial_gradient_.head(size_).dot(direction_.head(size_)) <= (2.0 * kSufficient - 1.0) * slope_;
+    if (std::isfinite(trial_value) && (decreases || level)) {
+      x.swap(trial_);
+      previous_.swap(gradient_);
+      gradient_.swap(trial_gradient_);
+      value = trial_value;
+      return true;
+    }
+    // Minimum of the parabola through the value, the slope and the trial; at most half, at least a tenth.
+    const double parabola = -0.5 * slope_ * step * step / (change - slope_ * step);
+    step = std::isfinite(parabola) ? std::clamp(parabola, 0.1 * step, 0.5 * step) : 0.1 * step;
+  }
+  value = objective.evaluate(x, gradient_);  // the objective's point is the iterate again
+  ++report.evaluations;
+  return false;
+}
+
+}  // namespace haptic_cloth

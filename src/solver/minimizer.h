@@ -1,0 +1,34 @@
+/// Preconditioned Polak-Ribiere+ conjugate gradient for smooth potentials. Knows nothing of cloth.
+#pragma once
+
+#include "haptic_cloth/options.h"
+#include "haptic_cloth/report.h"
+#include "parallel/parallel_for.h"
+#include "solver/objective.h"
+
+namespace haptic_cloth {
+
+/// Φ never rises from one iterate to the next, so the result is never worse than the start, however early a
+/// limit ends the solve.
+class Minimizer {
+ public:
+  explicit Minimizer(const MinimizerOptions& options) : options_(options) {}
+
+  /// Allocates scratch for problems of up to `size` unknowns.
+  void reserve(int size);
+
+  /// Improves x in place. @pre x.size() is the reserved size
+  MinimizerReport minimize(Objective& objective, Vector& x, Team& team);
+
+ private:
+  void direction(Objective& objective, Team& team, bool restart, MinimizerReport& report);
+  bool lineSearch(Objective& objective, Vector& x, double& value, MinimizerReport& report);
+
+  MinimizerOptions options_;
+  Vector gradient_, previous_, preconditioned_, direction_, trial_, trial_gradient_;
+  double descent_ = 0.0;  ///< g · P g of the last iterate
+  int size_ = 0;          ///< unknowns of the problem at hand
+  double slope_ = 0.0;    ///< g · d
+};
+
+}  // namespace haptic_cloth
