@@ -1,0 +1,198 @@
+// The adaptive mesh: balance, mass, ghosts and consistency between levels.
+// Criteria: sums that DESIGN section 3 calls exact hold to 1e-12 relative; a homogeneous strain has the same
+// energy and the same forces on any mesh to 1e-10, since bilinear ghosts reproduce linear fields exactly
+// (patch test, [Irons & Razzaque 1972]).
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "energy/internal_energy.h"
+#include "mesh/active_mesh.h"
+#include "mesh/transfer.h"
+#include "support/derivatives.h"
+#include "support/scenes.h"
+#include "support/tolerance.h"
+
+namespace haptic_cloth {
+namespace {
+
+const Grid kGrid{49, 33, 3, 0.004, 0.005};
+
+/// One random split or merge.
+void disturb(LeafMesh& leaves, std::mt19937& random, std::vector<Cell>& split, std::vector<Cell>& merged) {
+  const Grid& grid = leaves.grid();
+  const Cell cell = leaves.leafAt(static_cast<int>(random() % (grid.columns - 1)),
+                                  static_cast<int>(random() % (grid.rows - 1)));
+  split.clear();
+  merged.clear();
+  if (random() % 2 == 0) {
+    leaves.split(cell, split);
+  } else if (cell.level < grid.levels) {
+    const int mask = ~((2 << cell.level) - 1);
+    const Cell parent{cell.i & mask, cell.j & mask, cell.level + 1};
+    if (!leaves.canMerge(parent)) return;
+    leaves.merge(parent);
+    merged.push_back(parent);
+  }
+}
+
+LeafMesh mixedMesh(unsigned seed, const std::vector<ParticleRange>& pins = {}) {
+  LeafMesh leaves(kGrid, pins, 3);
+  std::mt19937 random(seed);
+  std::vector<Cell> split, merged;
+  for (int k = 0; k < 60; ++k) disturb(leaves, random, split, merged);
+  return leaves;
+}
+
+void expectBalanced(const LeafMesh& leaves) {
+  const Grid& grid = leaves.grid();
+  for (int j = 0; j + 2 < grid.rows; ++j) {
+    for (int i = 0; i + 2 < grid.columns; ++i) {
+      const int here = leaves.leafAt(i, j).level;
+      for (const auto& [a, b] : {std::pair(i + 1, j), {i, j + 1}, {i + 1, j + 1}}) {
+        ASSERT_LE(std::abs(leaves.leafAt(a, b).level - here), 1) << i << ' ' << j;
+      }
+      ASSERT_LE(std::abs(leaves.leafAt(i + 1, j).level - leaves.leafAt(i, j + 1).level), 1) << i << ' ' << j;
+    }
+  }
+}
+
+TEST(MeshTest, StaysBalancedAndKeepsItsMassThroughAThousandChanges) {
+  LeafMesh leaves(kGrid, {}, 3);
+  const double density = 0.2;
+  ActiveMesh mesh(leaves, density);
+  const double exact = density * (48 * 0.004) * (32 * 0.005), area = exact / density;
+  std::mt19937 random(7);
+  std::vector<Cell> split, merged;
+  for (int k = 0; k < 1000; ++k) {
+    disturb(leaves, random, split, merged);
+    mesh.rebuild(leaves);
+    double mass = 0.0, warp = 0.0, weft = 0.0;
+    for (const double m : mesh.mass) mass += m;
+    for (const Edge& e : mesh.edges) (e.direction == kWarp ? warp : weft) += e.length * e.width;
+    ASSERT_NEAR(mass, exact, tolerance(1e-12) * exact);
+    ASSERT_NEAR(warp, area, tolerance(1e-12) * area);
+    ASSERT_NEAR(weft, area, tolerance(1e-12) * area);
+    if (k % 50 == 0) expectBalanced(leaves);
+    for (int n = 0; n < mesh.active(); ++n) ASSERT_GT(mesh.mass[n], 0.0);
+    for (const Triple& t : mesh.triples) ASSERT_TRUE(t.l >= 0 && t.r >= 0 && t.c < mesh.active());
+  }
+}
+
+TEST(MeshTest, FinestAndCoarsestHaveTheKnownNumberOfParticles) {
+  // [M04]: 77 x 77 = 5929 finest, 20 x 20 = 400 coarsest.
+  const Grid grid{77, 77, 2, 1.0, 1.0};
+  EXPECT_EQ(ActiveMesh(LeafMesh(grid, {}, 0), 1.0).active(), 5929);
+  EXPECT_EQ(ActiveMesh(LeafMesh(grid, {}, 2), 1.0).active(), 400);
+}
+
+TEST(MeshTest, PinnedParticlesAreAlwaysActive) {
+  const std::vector<ParticleRange> pins{{5, 5, 7, 7}, {0, 0, 0, 32}};
+  const LeafMesh leaves = mixedMesh(3, pins);
+  const ActiveMesh mesh(leaves, 1.0);
+  EXPECT_EQ(mesh.pinned, 1 + 33);
+  expectBalanced(leaves);
+}
+
+TEST(MeshTest, MastersComeBeforeTheirGhosts) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const ActiveMesh mesh(mixedMesh(seed), 1.0);
+    std::vector<char> known(mesh.nodes(), 0);
+    for (int n = 0; n < mesh.active(); ++n) known[n] = 1;
+    for (const Ghost& g : mesh.ghosts) {
+      ASSERT_TRUE(known[g.a] && known[g.b]);
+      known[g.node] = 1;
+    }
+    EXPECT_EQ(mesh.nodes() - mesh.active(), static_cast<int>(mesh.ghosts.size()));
+  }
+}
+
+struct Response {
+  double energy;
+  std::array<double, 9> virtual_work;  // of the nine homogeneous displacement fields
+  double interior;                     // largest force on an inner active node [N]
+};
+
+Response homogeneous(const LeafMesh& leaves, const Eigen::Matrix3d& deformation) {
+  LinearFabric linear;
+  linear.rigidity = 1e-5;
+  ActiveMesh mesh(leaves, 0.15);
+  InternalEnergy internal(makeFabric(linear), mesh);
+  std::vector<Vec3> x(mesh.nodes()), gradient(mesh.nodes(), Vec3::Zero());
+  for (int n = 0; n < mesh.nodes(); ++n) {
+    const int p = mesh.particle[n];
+    x[n] = deformation * Vec3(kGrid.column(p) * kGrid.dx, kGrid.row(p) * kGrid.dy, 0.0);
+  }
+  internal.setNormals(x);
+  const InternalEnergy::Energy e = internal.evaluate(0, internal.size(), x);
+  for (int n = 0; n < mesh.nodes(); ++n) internal.addGradient(n, gradient[n]);
+  mesh.handOverGhosts(gradient);
+  Response r{e.stretch + e.bend + e.shear, {}, 0.0};
+  for (int n = 0; n < mesh.active(); ++n) {
+    const int p = mesh.particle[n], i = kGrid.column(p), j = kGrid.row(p);
+    for (int k = 0; k < 9; ++k) r.virtual_work[k] += gradient[n][k / 3] * x[n][k % 3];
+    if (i > 0 && j > 0 && i < kGrid.columns - 1 && j < kGrid.rows - 1) {
+      r.interior = std::max(r.interior, gradient[n].norm());
+    }
+  }
+  return r;
+}
+
+TEST(MeshTest, HomogeneousStrainIsTheSameOnEveryMesh) {
+  Eigen::Matrix3d deformation = Eigen::Matrix3d::Identity();
+  deformation(0, 0) = 1.03;
+  deformation(1, 1) = 0.98;
+  deformation(0, 1) = 0.10;
+  deformation = Eigen::AngleAxisd(0.7, Vec3(1, -1, 2).normalized()).toRotationMatrix() * deformation;
+  const Response finest = homogeneous(LeafMesh(kGrid, {}, 0), deformation);
+  ASSERT_GT(finest.energy, 0.0);
+  for (unsigned seed = 0; seed <= 10; ++seed) {
+    const Response r = homogeneous(seed == 0 ? LeafMesh(kGrid, {}, 3) : mixedMesh(seed), deformation);
+    EXPECT_NEAR(r.energy, finest.energy, tolerance(1e-10) * finest.energy);
+    for (int k = 0; k < 9; ++k) {
+      EXPECT_NEAR(r.virtual_work[k], finest.virtual_work[k], tolerance(1e-10) * finest.energy);
+    }
+    EXPECT_LT(r.interior, tolerance(1e-10));
+  }
+}
+
+TEST(TransferTest, MomentumIsKeptThroughSplitsAndMerges) {
+  LeafMesh leaves = mixedMesh(5);
+  ActiveMesh mesh(leaves, 0.2);
+  MergeTransfer merge(kGrid);
+  ParticleState state;
+  const Eigen::VectorXd values = fixedRandom(6 * kGrid.particles(), 11);
+  for (int p = 0; p < kGrid.particles(); ++p) {
+    state.position.push_back(values.segment<3>(6 * p));
+    state.velocity.push_back(values.segment<3>(6 * p + 3));
+  }
+  const auto momentum = [&] {
+    Vec3 sum = Vec3::Zero();
+    for (int n = 0; n < mesh.active(); ++n) sum += mesh.mass[n] * state.velocity[mesh.particle[n]];
+    return sum;
+  };
+  for (const Ghost& g : mesh.ghosts) {  // a valid state: ghosts hold their masters' mean
+    for (auto* v : {&state.position, &state.velocity}) {
+      (*v)[mesh.particle[g.node]] = 0.5 * ((*v)[mesh.particle[g.a]] + (*v)[mesh.particle[g.b]]);
+    }
+  }
+  const Vec3 before = momentum();
+  std::mt19937 random(3);
+  std::vector<Cell> split, merged;
+  int splits = 0, merges = 0;
+  for (int k = 0; k < 400; ++k) {
+    merge.capture(mesh, state);
+    disturb(leaves, random, split, merged);
+    if (!split.empty()) transferAfterSplit(kGrid, split, state);
+    mesh.rebuild(leaves);
+    if (!merged.empty()) merge.apply(leaves, mesh, state);
+    splits += !split.empty();
+    merges += !merged.empty();
+    ASSERT_LT((momentum() - before).norm(), tolerance(1e-13));
+  }
+  EXPECT_GT(splits, 50);
+  EXPECT_GT(merges, 20);
+}
+
+}  // namespace
+}  // namespace haptic_cloth

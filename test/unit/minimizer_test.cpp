@@ -1,0 +1,120 @@
+// The minimizer on problems with known answers; it must never leave a point worse than its start.
+#include "solver/minimizer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "support/tolerance.h"
+
+namespace haptic_cloth {
+namespace {
+
+/// Σ ½ s_k (x_k - 1)² with stiffness ratios up to 1e4, or the Rosenbrock valley.
+class Problem : public Objective {
+ public:
+  explicit Problem(int n, bool valley = false) : n_(n), valley_(valley) {}
+  int size() const override { return n_; }
+  double evaluate(const Vector& x, Vector& g) override {
+    x_ = x;
+    if (poisoned) return std::numeric_limits<double>::quiet_NaN();
+    if (valley_) {
+      const double a = 1 - x[0], b = x[1] - x[0] * x[0];
+      g[0] = -2 * a - 400 * x[0] * b;
+      g[1] = 200 * b;
+      return a * a + 100 * b * b;
+    }
+    double value = 0;
+    for (int k = 0; k < n_; ++k) {
+      g[k] = stiffness(k) * (x[k] - 1);
+      value += 0.5 * stiffness(k) * (x[k] - 1) * (x[k] - 1);
+    }
+    return value;
+  }
+  Along along(const Vector& d) override {
+    double c = 0;
+    if (valley_) {
+      const double x = x_[0], j = -2 * x;  // Gauss-Newton: of residuals 1 - x and 10 (y - x²)
+      c = 2 * d[0] * d[0] + 200 * std::pow(j * d[0] + d[1], 2);
+    } else {
+      for (int k = 0; k < n_; ++k) c += stiffness(k) * d[k] * d[k];
+    }
+    return {c, max_step};
+  }
+  void precondition(const Vector& g, Vector& z) const override { z.head(n_) = g.head(n_); }
+  double residual(const Vector& g) const override { return g.head(n_).norm(); }
+  double stiffness(int k) const { return std::pow(10.0, 4.0 * k / (n_ - 1)); }
+
+  bool poisoned = false;
+  double max_step = 1e300;
+
+ private:
+  int n_;
+  bool valley_;
+  Vector x_;
+};
+
+MinimizerReport run(Problem& problem, Vector& x, MinimizerOptions options) {
+  Team team(1);
+  Minimizer minimizer(options);
+  minimizer.reserve(static_cast<int>(x.size()));
+  return minimizer.minimize(problem, x, team);
+}
+
+TEST(MinimizerTest, SolvesAStiffQuadratic) {
+  Problem problem(30);
+  Vector x = Vector::Zero(30);
+  const MinimizerReport r = run(problem, x, {Preconditioner::None, 1e-8, 1000, 0.0});
+  EXPECT_EQ(r.why, Termination::Converged);
+  EXPECT_LT((x - Vector::Ones(30)).norm(),
+            tolerance(1e-6));  // residual 1e-8 over the least stiffness 1, with margin
+}
+
+TEST(MinimizerTest, FollowsTheRosenbrockValley) {
+  Problem problem(2, true);
+  Vector x(2);
+  x << -1.2, 1.0;
+  const MinimizerReport r = run(problem, x, {Preconditioner::None, 1e-8, 5000, 0.0});
+  EXPECT_EQ(r.why, Termination::Converged);
+  EXPECT_LT((x - Vector::Ones(2)).norm(), tolerance(1e-6));
+}
+
+TEST(MinimizerTest, NeverRisesHoweverEarlyItEnds) {
+  for (int limit = 0; limit < 20; ++limit) {
+    Problem problem(2, true);
+    Vector x(2), g(2);
+    x << -1.2, 1.0;
+    const double before = problem.evaluate(x, g);
+    const MinimizerReport r = run(problem, x, {Preconditioner::None, 1e-8, limit, 0.0});
+    EXPECT_LE(problem.evaluate(x, g), before);
+    EXPECT_EQ(r.value_start, before);
+    EXPECT_EQ(r.iterations, limit);
+    EXPECT_EQ(r.why, Termination::IterationLimit);
+  }
+}
+
+TEST(MinimizerTest, StopsOnTimeBudget) {
+  Problem problem(30);
+  Vector x = Vector::Zero(30);
+  EXPECT_EQ(run(problem, x, {Preconditioner::None, 1e-300, 1000000, 1e-9}).why, Termination::TimeBudget);
+}
+
+TEST(MinimizerTest, KeepsToTheLargestStep) {
+  Problem problem(2);
+  problem.max_step = 1e-6;
+  Vector x = Vector::Zero(2);
+  const MinimizerReport r = run(problem, x, {Preconditioner::None, 1e-8, 1, 0.0});
+  EXPECT_EQ(r.iterations, 1);
+  EXPECT_NEAR(x[0], 1e-6 * 1.0, tolerance(1e-12));  // step times -gradient, 1 at zero for stiffness 1
+}
+
+TEST(MinimizerTest, ReportsWhatIsNotFinite) {
+  Problem problem(2);
+  problem.poisoned = true;
+  Vector x = Vector::Zero(2);
+  EXPECT_EQ(run(problem, x, {}).why, Termination::NotFinite);
+}
+
+}  // namespace
+}  // namespace haptic_cloth
