@@ -26,12 +26,11 @@ struct SolverOptions {
 /// How the mesh follows the shape.
 struct AdaptOptions {
   Strategy strategy = Strategy::Amrc;
-  int levels = 2;              ///< L: the coarsest cell is 2^L finest cells wide
-  int interval = 3;            ///< steps between two looks at the mesh
-  double refine_above = 0.20;  ///< turning angle at a triple above which its cells split [rad]
-  double coarsen_below =
-      0.10;              ///< turning angle, judged on the coarse cell, below which four siblings merge [rad]
-  int minimum_age = 30;  ///< steps a new cell stays as it is before it may merge; against chatter
+  int levels = 2;               ///< L: the coarsest cell is 2^L finest cells wide
+  int interval = 3;             ///< steps between two looks at the mesh
+  double refine_above = 0.50;   ///< turning angle at a triple above which its cells split [rad]
+  double coarsen_below = 0.25;  ///< turning angle below which four siblings merge, as on their parent [rad]
+  int minimum_age = 30;         ///< steps a new cell stays as it is before it may merge; against chatter
 };
 
 }  // namespace haptic_cloth

@@ -1,0 +1,159 @@
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "fabric/yaml_reader.h"
+
+namespace haptic_cloth {
+namespace {
+
+/// The one YAML document in `text`.
+YAML::Node parseText(const std::string& text, const std::string& origin, bool has_lines) {
+  try {
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1) throw InputError(origin, "", "", "must hold one YAML document, not several");
+    return documents.empty() ? YAML::Node() : documents.front();
+  } catch (const YAML::Exception& error) {
+    const bool line_known = has_lines && !error.mark.is_null();
+    throw InputError(origin + (line_known ? ':' + std::to_string(error.mark.line + 1) : ""), "", "",
+                     "malformed YAML: " + error.msg);
+  }
+}
+
+std::string readFile(const std::string& file) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) {
+    throw InputError(file, "", "", "is a directory, must be a YAML file");
+  }
+  std::ifstream stream(file, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  if (!stream) throw InputError(file, "", "", "cannot be read, must be a YAML file");
+  return text;
+}
+
+std::optional<std::size_t> parseIndex(const std::string& part) {
+  const bool digits =
+      !part.empty() && part.size() < 9 &&
+      std::all_of(part.begin(), part.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+  if (!digits) return {};
+  return std::stoul(part);
+}
+
+/// One "a.b=VALUE", taken apart.
+struct Assignment {
+  std::string text;
+  std::vector<std::string> parts;
+  YAML::Node value;
+
+  [[noreturn]] void fail(const std::string& rule) const {
+    throw InputError("--set", describe(YAML::Node(text)), "", rule);
+  }
+};
+
+Assignment parseAssignment(const std::string& text) {
+  Assignment assignment{text, {}, YAML::Node()};
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) assignment.fail("must be KEY=VALUE");
+  assignment.parts = splitKey(text.substr(0, equals));
+  for (const std::string& part : assignment.parts) {
+    if (part.empty()) assignment.fail("must be KEY=VALUE with KEY such as cloth.size or obstacles.0.radius");
+  }
+  assignment.value = parseText(text.substr(equals + 1), "--set: " + describe(YAML::Node(text)), false);
+  if (assignment.value.IsNull()) assignment.fail("must have a value behind the =");
+  return assignment;
+}
+
+/// A copy of `node` with the part that assignment.parts[depth...] names replaced; what is not on that path is
+/// shared, so that an anchor used twice changes only where it was named. Appends the way to `key`.
+YAML::Node replaced(const YAML::Node& node, const Assignment& assignment, std::size_t depth,
+                    std::string& key) {
+  if (depth == assignment.parts.size()) return assignment.value;
+  const std::string& part = assignment.parts[depth];
+
+  if (node.IsSequence()) {
+    const auto index = parseIndex(part);
+    if (!index || *index >= node.size()) {
+      assignment.fail(part + " must be an index below " + std::to_string(node.size()) + ", the length of " +
+                      key);
+    }
+    key += '[' + std::to_string(*index) + ']';
+    YAML::Node copy(YAML::NodeType::Sequence);
+    for (std::size_t i = 0; i < node.size(); ++i) {
+      copy.push_back(i == *index ? replaced(node[i], assignment, depth + 1, key) : YAML::Node(node[i]));
+    }
+    return copy;
+  }
+
+  if (node.IsScalar()) assignment.fail(key + " = " + describe(node) + " has no keys below it");
+  key += (key.empty() ? "" : ".") + part;
+  YAML::Node copy(YAML::NodeType::Map);
+  bool found = false;
+  for (const auto& entry : node) {
+    const bool here = !found && entry.first.IsScalar() && entry.first.Scalar() == part;
+    found = found || here;
+    copy.force_insert(entry.first, here ? replaced(entry.second, assignment, depth + 1, key) : entry.second);
+  }
+  if (!found) copy.force_insert(part, replaced(YAML::Node(), assignment, depth + 1, key));
+  return copy;
+}
+
+}  // namespace
+
+std::vector<std::string> splitKey(const std::string& key) {
+  std::vector<std::string> parts(1);
+  for (std::size_t i = 0; i < key.size(); ++i) {
+    const bool bracket = key[i] == '[';
+    if (key[i] == '.' || bracket) {
+      parts.emplace_back();
+    } else if (key[i] != ']') {
+      parts.back() += key[i];
+    }
+  }
+  return parts;
+}
+
+YamlDocument::YamlDocument(const std::string& text, const std::string& origin, bool has_lines)
+    : root_(parseText(text, origin, has_lines)), source_{origin, has_lines, {}} {
+  if (!root_.IsDefined() || root_.IsNull())
+    throw InputError(origin, "", "", "is empty, must be a YAML mapping");
+  if (!root_.IsMap()) throw InputError(origin, describe(root_), "", "must be a YAML mapping");
+}
+
+YamlDocument YamlDocument::fromFile(const std::string& file) {
+  return YamlDocument(readFile(file), file, true);
+}
+
+YamlDocument YamlDocument::fromText(const std::string& text, const std::string& origin) {
+  return YamlDocument(text, origin, false);
+}
+
+void YamlDocument::override(const std::string& assignment) {
+  std::string key;
+  root_.reset(replaced(root_, parseAssignment(assignment), 0, key));
+  source_.overridden.push_back(key);
+}
+
+YamlValue YamlDocument::root() const {
+  return YamlValue(root_, std::make_shared<const YamlSource>(source_), "");
+}
+
+std::string YamlDocument::locate(const std::string& key) const {
+  YAML::Node node = root_;
+  for (const std::string& part : splitKey(key)) {
+    YAML::Node next(YAML::NodeType::Undefined);
+    const auto index = parseIndex(part);
+    if (node.IsSequence() && index && *index < node.size()) next.reset(node[*index]);
+    if (node.IsMap()) {
+      for (const auto& entry : node) {
+        if (entry.first.IsScalar() && entry.first.Scalar() == part) next.reset(entry.second);
+      }
+    }
+    if (!next.IsDefined()) break;
+    node.reset(next);
+  }
+  return source_.at(key, node.Mark().line);
+}
+
+}  // namespace haptic_cloth

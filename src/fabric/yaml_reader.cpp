@@ -1,0 +1,181 @@
+#include "fabric/yaml_reader.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <locale>
+#include <sstream>
+#include <stdexcept>
+
+namespace haptic_cloth {
+namespace {
+
+constexpr std::size_t kLongestValue = 60;  ///< characters of a value shown in a message
+constexpr char kQuoted[] = "!";            ///< tag that yaml-cpp gives to quoted text
+
+bool isQuoted(const YAML::Node& node) { return node.Tag() == kQuoted; }
+
+bool hasDigit(const std::string& text) {
+  return std::any_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
+/// A decimal number in YAML's spelling. Independent of the locale, which a host program may have set.
+std::optional<double> parseNumber(const std::string& text) {
+  if (!hasDigit(text) || text.find_first_not_of("0123456789+-.eE") != std::string::npos) return {};
+  std::istringstream stream(text);
+  stream.imbue(std::locale::classic());
+  double value = 0.0;
+  if (!(stream >> value) || !stream.eof() || !std::isfinite(value)) return {};
+  return value;
+}
+
+std::optional<int> parseInteger(const std::string& text) {
+  if (!hasDigit(text) || text.find_first_not_of("0123456789+-") != std::string::npos) return {};
+  std::istringstream stream(text);
+  stream.imbue(std::locale::classic());
+  int value = 0;
+  if (!(stream >> value) || !stream.eof()) return {};
+  return value;
+}
+
+std::string oneLine(std::string text) {
+  for (char& c : text) {
+    if (std::iscntrl(static_cast<unsigned char>(c)) != 0) c = ' ';
+  }
+  if (text.size() > kLongestValue) text = text.substr(0, kLongestValue) + "...";
+  return text;
+}
+
+std::string describeShort(const YAML::Node& node, int depth) {
+  if (!node.IsDefined() || node.IsNull()) return "(nothing)";
+  if (node.IsScalar()) return isQuoted(node) ? '"' + node.Scalar() + '"' : node.Scalar();
+  if (depth == 0) return "...";
+  const bool is_map = node.IsMap();
+  std::string text;
+  for (const auto& item : node) {
+    if (!text.empty()) text += ", ";
+    text += is_map ? describeShort(item.first, depth - 1) + ": " + describeShort(item.second, depth - 1)
+                   : describeShort(item, depth - 1);
+    if (text.size() > kLongestValue) break;
+  }
+  return is_map ? '{' + text + '}' : '[' + text + ']';
+}
+
+}  // namespace
+
+std::string describe(const YAML::Node& node) { return oneLine(describeShort(node, 3)); }
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+std::string YamlSource::at(const std::string& key, int line) const {
+  for (const std::string& prefix : overridden) {
+    if (key.compare(0, prefix.size(), prefix) != 0) continue;
+    if (key.size() == prefix.size() || key[prefix.size()] == '.' || key[prefix.size()] == '[') return "--set";
+  }
+  return has_lines && line >= 0 ? file + ':' + std::to_string(line + 1) : file;
+}
+
+YamlValue::YamlValue(YAML::Node node, std::shared_ptr<const YamlSource> source, std::string key)
+    : node_(std::move(node)), source_(std::move(source)), key_(std::move(key)) {}
+
+void YamlValue::fail(const std::string& rule) const {
+  throw InputError(source_->at(key_, node_.Mark().line), key_, describe(node_), rule);
+}
+
+void YamlValue::failAt(const std::string& name, const YAML::Node& where, const std::string& rule) const {
+  const std::string key = (key_.empty() ? "" : key_ + '.') + oneLine(name);
+  throw InputError(source_->at(key, where.Mark().line), key, "", rule);
+}
+
+YamlValue YamlValue::child(const YAML::Node& node, const std::string& name) const {
+  return YamlValue(node, source_, key_.empty() ? name : key_ + '.' + name);
+}
+
+double YamlValue::number() const {
+  const auto value = node_.IsScalar() && !isQuoted(node_) ? parseNumber(node_.Scalar()) : std::nullopt;
+  if (!value) fail("must be a finite number");
+  return *value;
+}
+
+int YamlValue::integer() const {
+  const auto value = node_.IsScalar() && !isQuoted(node_) ? parseInteger(node_.Scalar()) : std::nullopt;
+  if (!value) fail("must be an integer");
+  return *value;
+}
+
+std::string YamlValue::text() const {
+  if (!node_.IsScalar() || node_.Scalar().empty()) fail("must be text");
+  return node_.Scalar();
+}
+
+std::vector<YamlValue> YamlValue::list() const {
+  if (!node_.IsSequence()) fail("must be a list");
+  std::vector<YamlValue> items;
+  for (const auto& item : node_) {
+    items.emplace_back(item, source_, key_ + '[' + std::to_string(items.size()) + ']');
+  }
+  return items;
+}
+
+std::vector<YamlValue> YamlValue::list(std::size_t count, const std::string& what) const {
+  if (!node_.IsSequence() || node_.size() != count) {
+    fail("must be a list of " + std::to_string(count) + ' ' + what);
+  }
+  return list();
+}
+
+Vec3 YamlValue::vector() const {
+  const std::array<double, 3> value = numbers<3>();
+  return Vec3(value[0], value[1], value[2]);
+}
+
+YamlMap::YamlMap(const YamlValue& value, std::vector<std::string> known)
+    : value_(value), known_(std::move(known)) {
+  if (!value_.isMap()) value_.fail("must be a mapping with keys out of: " + joined(known_));
+  std::vector<std::string> seen;
+  for (const auto& entry : value_.node()) {
+    const std::string name = entry.first.IsScalar() ? entry.first.Scalar() : describe(entry.first);
+    if (std::find(known_.begin(), known_.end(), name) == known_.end()) {
+      value_.failAt(name, entry.first, "unknown key; known here: " + joined(known_));
+    }
+    if (std::find(seen.begin(), seen.end(), name) != seen.end()) {
+      value_.failAt(name, entry.first, "must not stand here twice");
+    }
+    seen.push_back(name);
+  }
+}
+
+std::optional<YamlValue> YamlMap::find(const std::string& name) const {
+  if (std::find(known_.begin(), known_.end(), name) == known_.end()) {
+    throw std::logic_error("YamlMap: " + name + " was not declared");
+  }
+  for (const auto& entry : value_.node()) {
+    if (entry.first.Scalar() == name) return value_.child(entry.second, name);
+  }
+  return {};
+}
+
+YamlValue YamlMap::require(const std::string& name, const std::string& rule) const {
+  const auto value = find(name);
+  if (!value) value_.failAt(name, value_.node(), rule);
+  return *value;
+}
+
+void YamlMap::read(const std::string& name, double& target) const {
+  if (const auto value = find(name)) target = value->number();
+}
+
+void YamlMap::read(const std::string& name, int& target) const {
+  if (const auto value = find(name)) target = value->integer();
+}
+
+void YamlMap::read(const std::string& name, Vec3& target) const {
+  if (const auto value = find(name)) target = value->vector();
+}
+
+}  // namespace haptic_cloth

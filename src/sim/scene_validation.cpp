@@ -1,0 +1,174 @@
+#include "sim/scene_validation.h"
+
+#include <cmath>
+#include <locale>
+#include <sstream>
+
+#include "haptic_cloth/error.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr int kMostLevels = 8;
+constexpr int kMostThreads = 1024;
+constexpr double kMostParticles = 1 << 24;  ///< so that every index and offset fits an int
+constexpr double kUnitTolerance = 1e-6;     ///< of a quaternion's norm [-]
+
+/// Rules with names, each of which throws when it is broken.
+class Check {
+ public:
+  explicit Check(const Locate& locate) : locate_(locate) {}
+
+  template <class T>
+  void that(bool holds, const std::string& key, const T& value, const std::string& rule) const {
+    if (holds) return;
+    std::ostringstream text;
+    text.imbue(std::locale::classic());
+    text << value;
+    throw InputError(locate_(key), key, text.str(), rule);
+  }
+
+  void positive(const std::string& key, double value) const {
+    that(std::isfinite(value) && value > 0.0, key, value, "must be > 0");
+  }
+  void notNegative(const std::string& key, double value) const {
+    that(std::isfinite(value) && value >= 0.0, key, value, "must be >= 0");
+  }
+  void atLeast(const std::string& key, int value, int least) const {
+    that(value >= least, key, value, "must be >= " + std::to_string(least));
+  }
+  void within(const std::string& key, int value, int least, int most) const {
+    that(value >= least && value <= most, key, value,
+         "must be in " + std::to_string(least) + " to " + std::to_string(most));
+  }
+  void finite(const std::string& key, const Vec3& value) const {
+    that(value.allFinite(), key, value.transpose(), "must be finite");
+  }
+  void pose(const std::string& prefix, const Pose& pose) const {
+    finite(prefix + ".position", pose.position);
+    const double norm = pose.orientation.norm();
+    that(std::abs(norm - 1.0) <= kUnitTolerance, prefix + ".orientation",
+         pose.orientation.coeffs().transpose(), "must be a unit quaternion x y z w");
+  }
+
+ private:
+  const Locate& locate_;
+};
+
+std::string indexed(const std::string& key, std::size_t index) {
+  return key + '[' + std::to_string(index) + ']';
+}
+
+void checkGrid(const Check& check, const ClothOptions& cloth, const AdaptOptions& adapt) {
+  check.within("adapt.levels", adapt.levels, 0, kMostLevels);
+  const int coarsest = 1 << adapt.levels;
+  for (std::size_t d = 0; d < 2; ++d) {
+    const std::string key = indexed("cloth.particles", d);
+    check.atLeast(key, cloth.particles[d], 2);
+    check.that((cloth.particles[d] - 1) % coarsest == 0, key, cloth.particles[d],
+               "particles - 1 must be divisible by 2^adapt.levels = " + std::to_string(coarsest));
+    check.positive(indexed("cloth.size", d), cloth.size[d]);
+  }
+  const double count = static_cast<double>(cloth.particles[0]) * cloth.particles[1];
+  check.that(count <= kMostParticles, "cloth.particles", count, "the product must be at most 2^24");
+}
+
+void checkPins(const Check& check, const ClothOptions& cloth) {
+  for (std::size_t p = 0; p < cloth.pins.size(); ++p) {
+    const ParticleRange& pin = cloth.pins[p];
+    const std::string key = indexed("cloth.pins", p);
+    const auto range = [&](const std::string& name, int from, int to, int count) {
+      check.that(
+          from >= 0 && from <= to && to < count, key,
+          "[" + std::to_string(from) + ", " + std::to_string(to) + "]",
+          name + " must be a range [first, last] with 0 <= first <= last <= " + std::to_string(count - 1));
+    };
+    range("particles[0]", pin.i0, pin.i1, cloth.particles[0]);
+    range("particles[1]", pin.j0, pin.j1, cloth.particles[1]);
+  }
+}
+
+void checkObstacle(const Check& check, const std::string& key, const Obstacle& obstacle) {
+  switch (obstacle.shape) {
+    case Shape::Box:
+      for (int d = 0; d < 3; ++d) {
+        check.positive(indexed(key + ".size", static_cast<std::size_t>(d)), obstacle.size[d]);
+      }
+      break;
+    case Shape::Cylinder:
+    case Shape::Capsule:
+      check.positive(key + ".length", obstacle.length);
+      check.positive(key + ".radius", obstacle.radius);
+      break;
+    case Shape::Sphere:
+      check.positive(key + ".radius", obstacle.radius);
+      break;
+    case Shape::Plane:
+      break;
+  }
+  check.pose(key, obstacle.pose);
+  check.notNegative(key + ".friction", obstacle.friction);
+}
+
+void checkProbe(const Check& check, const ProbeOptions& probe) {
+  check.positive("probe.radius", probe.radius);
+  check.notNegative("probe.friction", probe.friction);
+  check.positive("probe.coupling_stiffness", probe.coupling_stiffness);
+  check.notNegative("probe.coupling_damping", probe.coupling_damping);
+  for (std::size_t i = 0; i < probe.path.size(); ++i) {
+    const std::string key = indexed("probe.path", i);
+    const double time = probe.path[i].time;
+    check.finite(key, probe.path[i].position);
+    check.that(std::isfinite(time), key + "[0]", time, "must be finite");
+    check.that(i == 0 || time > probe.path[i - 1].time, key + "[0]", time,
+               "times must increase strictly from row to row");
+  }
+}
+
+void checkOptions(const Check& check, const Scene& scene) {
+  const SolverOptions& solver = scene.solver;
+  check.positive("solver.time_step", solver.time_step);
+  check.notNegative("solver.tolerance", solver.minimizer.tolerance);
+  check.atLeast("solver.max_iterations", solver.minimizer.max_iterations, 1);
+  check.notNegative("solver.time_budget", solver.minimizer.time_budget);
+  check.within("solver.threads", solver.threads, 0, kMostThreads);
+
+  const AdaptOptions& adapt = scene.adapt;
+  check.atLeast("adapt.interval", adapt.interval, 1);
+  check.positive("adapt.refine_above", adapt.refine_above);
+  check.notNegative("adapt.coarsen_below", adapt.coarsen_below);
+  std::ostringstream rule;
+  rule.imbue(std::locale::classic());
+  rule << "must be below adapt.refine_above = " << adapt.refine_above;
+  check.that(adapt.coarsen_below < adapt.refine_above, "adapt.coarsen_below", adapt.coarsen_below,
+             rule.str());
+  check.atLeast("adapt.minimum_age", adapt.minimum_age, 0);
+
+  check.positive("stop.time", scene.stop.time);
+  check.notNegative("stop.rest_speed", scene.stop.rest_speed);
+}
+
+}  // namespace
+
+void checkScene(const Scene& scene, const Locate& locate) {
+  const Check check(locate);
+  checkGrid(check, scene.cloth, scene.adapt);
+  check.pose("cloth", scene.cloth.pose);
+  // Files must give a thickness; a scene built in code may do without.
+  check.positive("cloth.fabric.areal_density", scene.cloth.fabric.areal_density);
+  check.notNegative("cloth.fabric.thickness", scene.cloth.fabric.thickness);
+  checkPins(check, scene.cloth);
+  check.finite("gravity", scene.gravity);
+  check.notNegative("air_damping", scene.air_damping);
+  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+    checkObstacle(check, indexed("obstacles", i), scene.obstacles[i]);
+  }
+  checkProbe(check, scene.probe);
+  checkOptions(check, scene);
+}
+
+void validateScene(const Scene& scene, const std::string& origin) {
+  checkScene(scene, [&](const std::string&) { return origin; });
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,17 @@
+/// Checks of a scene with messages that know where each key was written.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "haptic_cloth/scene.h"
+
+namespace haptic_cloth {
+
+/// Place of a key in its source, for messages ("cloth.size[0]" → "scene.yaml:3").
+using Locate = std::function<std::string(const std::string& key)>;
+
+/// The rules of validateScene(). @throws InputError with locate(key) as file
+void checkScene(const Scene& scene, const Locate& locate);
+
+}  // namespace haptic_cloth
