@@ -130,7 +130,7 @@ void ClothWorld::minimise(StepReport& report) {
   objective.pack(nodes_, probe_step_.proxy, start_);
   const double at_rest = objective.evaluate(start_, gradient_);
   Sums parts;
-  energy_before_ = objective.internalEnergy(parts) + objective.couplingEnergy();
+  energy_before_ = objective.internalEnergy(parts) + objective.couplingEnergy() + objective.lossPotential();
   objective.buildPreconditioner(scene.solver.minimizer.preconditioner);
 
   for (int n = 0; n < mesh.free; ++n) motion_.segment<3>(3 * n) = h * velocities_[n];
@@ -155,9 +155,8 @@ void ClothWorld::accept(StepReport& report) {
   nodes_ = after;
 
   Sums parts;
-  const double stored = objective.internalEnergy(parts) + objective.couplingEnergy();
-  report.velocity_scale =
-      guardEnergy(energy_before_ + kinetic_before + gravity_work - stored, objective.lossPotential());
+  const double spent = objective.internalEnergy(parts) + objective.couplingEnergy() + objective.lossPotential();
+  report.velocity_scale = guardEnergy(energy_before_ + kinetic_before + gravity_work - spent);
   for (int n = 0; n < mesh.nodes(); ++n) {
     state.position[mesh.particle[n]] = nodes_[n];
     state.velocity[mesh.particle[n]] = velocities_[n];
@@ -165,7 +164,7 @@ void ClothWorld::accept(StepReport& report) {
   if (probe_step_.present) {
     probe.proxy = objective.proxy();
     probe.velocity = (objective.proxy() - probe_step_.proxy) / h;
-    probe.force = -contacts.proxyGradient();
+    probe.force = Vec3::Zero() - contacts.proxyGradient();
     probe.contact = contacts.probeTouched();
     probe_step_.proxy = probe.proxy;
   }
@@ -173,12 +172,12 @@ void ClothWorld::accept(StepReport& report) {
   report.max_penetration = contacts.deepest();
 }
 
-/// Passivity: what moves may not hold more energy than the step began with, gained and spent. @return scale
-/// of the velocities, 1 where nothing was to do
-double ClothWorld::guardEnergy(double available, double losses) {
+/// Passivity: what moves may not hold more kinetic energy than is left [J] of what the step began with, the work of
+/// its inputs included. @return scale of the velocities, 1 where nothing was to do
+double ClothWorld::guardEnergy(double left) {
   double kinetic = 0.0;
   for (int n = 0; n < mesh.active(); ++n) kinetic += 0.5 * mesh.mass[n] * velocities_[n].squaredNorm();
-  const double allowed = std::max(0.0, available - losses);
+  const double allowed = std::max(0.0, left);
   if (kinetic <= allowed || kinetic == 0.0) return 1.0;
   const double scale = std::sqrt(allowed / kinetic);
   for (Vec3& velocity : velocities_) velocity *= scale;

@@ -50,14 +50,14 @@ class ClothWorld {
   void minimise(StepReport& report);
   void accept(StepReport& report);
   void restore();
-  double guardEnergy(double stored, double losses);
+  double guardEnergy(double left);
   void account(double coupling_before);
   EnergyReport measureEnergy() const;
 
   Adaptation adaptation_;
   Minimizer minimizer_;
   ProbeStep probe_step_;
-  double energy_before_ = 0.0;  ///< of the step in hand, with its inputs [J]
+  double energy_before_ = 0.0;  ///< Φ's energies at the start of the step in hand, with its inputs [J]
   std::vector<Vec3> nodes_, velocities_;
   Vector x_, start_, motion_, gradient_;
 };
