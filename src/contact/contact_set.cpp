@@ -27,14 +27,12 @@ Distance ContactSet::distance(int solid, const Vec3& point, const Vec3& proxy) c
   return {d - options_.probe_radius, d > 0.0 ? Vec3(offset / d) : Vec3::UnitZ()};
 }
 
-void ContactSet::collect(const ActiveMesh& mesh, const std::vector<Vec3>& nodes, double speed,
-                         const Vec3* proxy, double probe_reach) {
+void ContactSet::collect(const ActiveMesh& mesh, const std::vector<Vec3>& nodes, double reach,
+                         const Vec3* proxy, double proxy_reach) {
   samples_.clear();
   deepest_ = 0.0;
-  // A sample can come this much nearer within a step: twice what its speed would bring, and a little.
-  const double margin = law_.range() + 2.0 * speed * options_.time_step + 0.1 * std::min(grid_.dx, grid_.dy);
-  sampleObstacles(mesh, nodes, margin);
-  if (proxy) sampleProbe(mesh, nodes, margin + probe_reach, *proxy);
+  sampleObstacles(mesh, nodes, law_.range() + reach);
+  if (proxy) sampleProbe(mesh, nodes, law_.range() + reach + proxy_reach, *proxy);
   slots_.resize(samples_.size());
   buildRows(mesh.nodes());
 }

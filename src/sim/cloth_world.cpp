@@ -78,8 +78,7 @@ StepReport ClothWorld::step() {
   StepReport report;
   const double coupling_before = energy.coupling;
   adapt(report);
-  findContacts();
-  minimise(report);
+  solve(report);
   if (report.minimizer.why == Termination::NotFinite) {
     report.failed = true;
     restore();
@@ -118,9 +117,33 @@ void ClothWorld::adapt(StepReport& report) {
   internal.setNormals(nodes_);
 }
 
-void ClothWorld::findContacts() {
-  const double reach = probe_step_.present ? (probe_step_.device - probe_step_.proxy).norm() : 0.0;
-  contacts.collect(mesh, nodes_, maxSpeed(), probe_step_.present ? &probe_step_.proxy : nullptr, reach);
+/// Contacts are sought as far as the cloth is expected to move. Where it moved farther, something may have
+/// been missed: the step is solved again with a reach that covers it.
+void ClothWorld::solve(StepReport& report) {
+  constexpr int kAttempts = 3;
+  const double h = scene.solver.time_step;
+  double reach = 2.0 * h * (maxSpeed() + h * scene.gravity.norm()) + 0.1 * std::min(grid.dx, grid.dy);
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    findContacts(reach);
+    minimise(report);
+    const double moved = largestMove();
+    if (!(moved > reach)) return;
+    reach = 2.0 * moved;
+  }
+}
+
+void ClothWorld::findContacts(double reach) {
+  const double proxy_reach = probe_step_.present ? (probe_step_.device - probe_step_.proxy).norm() : 0.0;
+  contacts.collect(mesh, nodes_, reach, probe_step_.present ? &probe_step_.proxy : nullptr, proxy_reach);
+}
+
+/// Of a node in the step just solved [m].
+double ClothWorld::largestMove() const {
+  double largest = 0.0;
+  for (int n = 0; n < mesh.active(); ++n) {
+    largest = std::max(largest, (objective.nodes()[n] - nodes_[n]).squaredNorm());
+  }
+  return std::sqrt(largest);
 }
 
 /// From rest or from inertial motion, whichever has the lower Φ, to a minimum of Φ.
@@ -155,7 +178,8 @@ void ClothWorld::accept(StepReport& report) {
   nodes_ = after;
 
   Sums parts;
-  const double spent = objective.internalEnergy(parts) + objective.couplingEnergy() + objective.lossPotential();
+  const double spent =
+      objective.internalEnergy(parts) + objective.couplingEnergy() + objective.lossPotential();
   report.velocity_scale = guardEnergy(energy_before_ + kinetic_before + gravity_work - spent);
   for (int n = 0; n < mesh.nodes(); ++n) {
     state.position[mesh.particle[n]] = nodes_[n];
@@ -172,8 +196,8 @@ void ClothWorld::accept(StepReport& report) {
   report.max_penetration = contacts.deepest();
 }
 
-/// Passivity: what moves may not hold more kinetic energy than is left [J] of what the step began with, the work of
-/// its inputs included. @return scale of the velocities, 1 where nothing was to do
+/// Passivity: what moves may not hold more kinetic energy than is left [J] of what the step began with, the
+/// work of its inputs included. @return scale of the velocities, 1 where nothing was to do
 double ClothWorld::guardEnergy(double left) {
   double kinetic = 0.0;
   for (int n = 0; n < mesh.active(); ++n) kinetic += 0.5 * mesh.mass[n] * velocities_[n].squaredNorm();

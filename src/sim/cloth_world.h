@@ -46,8 +46,10 @@ class ClothWorld {
  private:
   void gatherNodes();
   void adapt(StepReport& report);
-  void findContacts();
+  void solve(StepReport& report);
+  void findContacts(double reach);
   void minimise(StepReport& report);
+  double largestMove() const;
   void accept(StepReport& report);
   void restore();
   double guardEnergy(double left);
