@@ -1,0 +1,19 @@
+# With catkin: messages and the package's face to others.
+find_package(catkin REQUIRED COMPONENTS
+  roscpp nodelet pluginlib tf2_ros std_msgs std_srvs geometry_msgs visualization_msgs diagnostic_msgs
+  message_generation)
+
+add_message_files(FILES ClothState.msg)
+generate_messages(DEPENDENCIES std_msgs)
+
+catkin_package(
+  INCLUDE_DIRS include
+  LIBRARIES haptic_cloth
+  CATKIN_DEPENDS roscpp nodelet pluginlib tf2_ros std_msgs std_srvs geometry_msgs visualization_msgs
+    diagnostic_msgs message_runtime
+  DEPENDS EIGEN3)
+
+set(HAPTIC_CLOTH_TESTS ${CATKIN_ENABLE_TESTING})
+set(HAPTIC_CLOTH_PROGRAM_DIR "${CATKIN_DEVEL_PREFIX}/lib/haptic_cloth")
+set(HAPTIC_CLOTH_LIBRARY_DIR "${CATKIN_DEVEL_PREFIX}/lib")
+set(HAPTIC_CLOTH_RESULTS_DIR "${CATKIN_TEST_RESULTS_DIR}/haptic_cloth")

@@ -1,0 +1,27 @@
+# The ROS side: one library with everything, and a thin main for each node.
+set(ros_mains node_main.cpp nodelet.cpp hand_main.cpp monitor_main.cpp)
+file(GLOB ros_sources CONFIGURE_DEPENDS src/ros/*.cpp)
+foreach(main ${ros_mains})
+  list(REMOVE_ITEM ros_sources "${PROJECT_SOURCE_DIR}/src/ros/${main}")
+endforeach()
+
+add_library(haptic_cloth_ros ${ros_sources})
+add_library(haptic_cloth_nodelet src/ros/nodelet.cpp)
+add_executable(haptic_cloth_node src/ros/node_main.cpp)
+add_executable(hand src/ros/hand_main.cpp)
+add_executable(monitor src/ros/monitor_main.cpp)
+
+target_link_libraries(haptic_cloth_ros haptic_cloth haptic_cloth_private ${catkin_LIBRARIES})
+foreach(target haptic_cloth_nodelet haptic_cloth_node hand monitor)
+  target_link_libraries(${target} haptic_cloth_ros)
+endforeach()
+foreach(target haptic_cloth_ros haptic_cloth_nodelet haptic_cloth_node hand monitor)
+  target_include_directories(${target} SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
+  add_dependencies(${target} ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
+endforeach()
+
+list(APPEND programs haptic_cloth_node hand monitor)
+install(TARGETS haptic_cloth_ros haptic_cloth_nodelet LIBRARY DESTINATION lib ARCHIVE DESTINATION lib)
+install(FILES nodelet_plugins.xml DESTINATION share/haptic_cloth)
+install(DIRECTORY launch DESTINATION share/haptic_cloth)
+install(PROGRAMS scripts/demo.sh DESTINATION lib/haptic_cloth)

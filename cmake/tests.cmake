@@ -1,0 +1,58 @@
+# One gtest program a folder, the example, the rules on the sources and, with ROS, the node tests.
+enable_testing()
+find_package(GTest QUIET)
+if(NOT GTEST_FOUND AND NOT GTest_FOUND)
+  message(FATAL_ERROR "gtest not found (libgtest-dev): the tests would be skipped silently")
+endif()
+
+file(GLOB support_sources CONFIGURE_DEPENDS test/support/*.cpp)
+
+# haptic_cloth_test(NAME SOURCES...): a gtest program and its ctest entry.
+function(haptic_cloth_test name)
+  if(catkin_FOUND)
+    catkin_add_gtest(${name} test/gtest_main.cpp ${ARGN})
+    if(NOT TARGET ${name})
+      message(FATAL_ERROR "gtest not found: tests would be skipped silently")
+    endif()
+  else()
+    add_executable(${name} test/gtest_main.cpp ${ARGN})
+    target_link_libraries(${name} GTest::GTest)
+    set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${HAPTIC_CLOTH_PROGRAM_DIR}")
+    add_test(NAME ${name}
+      COMMAND ${name} --gtest_output=xml:${HAPTIC_CLOTH_RESULTS_DIR}/gtest-${name}.xml)
+  endif()
+  haptic_cloth_test_settings(${name})
+endfunction()
+
+function(haptic_cloth_test_settings name)
+  target_include_directories(${name} PRIVATE test)
+  target_compile_definitions(${name} PRIVATE HAPTIC_CLOTH_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  target_link_libraries(${name} haptic_cloth_tools haptic_cloth haptic_cloth_private yaml-cpp Threads::Threads)
+endfunction()
+
+foreach(folder unit physics)
+  file(GLOB sources CONFIGURE_DEPENDS test/${folder}/*.cpp)
+  if(NOT TARGET simulate)
+    list(REMOVE_ITEM sources "${PROJECT_SOURCE_DIR}/test/unit/simulate_test.cpp")
+  endif()
+  if(sources)
+    haptic_cloth_test(${folder}_tests ${sources} ${support_sources})
+  endif()
+endforeach()
+if(TARGET simulate)
+  target_compile_definitions(unit_tests PRIVATE HAPTIC_CLOTH_SIMULATE="$<TARGET_FILE:simulate>")
+  add_dependencies(unit_tests simulate)
+endif()
+
+add_test(NAME hello_cloth COMMAND hello_cloth)
+
+if(catkin_FOUND)
+  include(cmake/ros_tests.cmake)
+  # catkin leaves tests out of 'all'; a plain ctest after a plain build must find them.
+  add_custom_target(test_binaries ALL)
+  add_dependencies(test_binaries tests)
+endif()
+
+get_property(all_tests DIRECTORY PROPERTY TESTS)
+set_tests_properties(${all_tests} PROPERTIES TIMEOUT 300
+  ENVIRONMENT "PATH=/usr/bin:/bin:$ENV{PATH};ROS_HOSTNAME=localhost;OMP_WAIT_POLICY=passive")

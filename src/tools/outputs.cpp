@@ -1,0 +1,131 @@
+#include "tools/outputs.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <iomanip>
+#include <sstream>
+#include <stdexcept>
+#include <vector>
+
+#include "haptic_cloth/error.h"
+#include "tools/summary.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr int kDigits = 17;  // enough for a double to be read back bit for bit
+constexpr const char* kRunning = ".partial";
+
+namespace fs = std::filesystem;
+
+void writeFile(const fs::path& file, const std::function<void(std::ostream&)>& write) {
+  const fs::path partial = file.string() + kRunning;
+  {
+    std::ofstream stream(partial);
+    stream << std::setprecision(kDigits);
+    write(stream);
+    stream.close();
+    if (!stream) throw std::runtime_error(file.string() + ": cannot be written: " + std::strerror(errno));
+  }
+  fs::rename(partial, file);
+}
+
+std::ostream& operator<<(std::ostream& stream, const Vec3& v) {
+  return stream << v.x() << ',' << v.y() << ',' << v.z();
+}
+
+void writeSteps(std::ostream& stream, const std::vector<StepRecord>& steps) {
+  stream << "time,active_particles,iterations,evaluations,restarts,termination,residual,kinetic,gravity,"
+            "stretch,bend,shear,contact,coupling,dissipated,refined,coarsened,failed,velocity_scale,"
+            "max_penetration,wall_time\n";
+  for (const StepRecord& row : steps) {
+    const StepReport& report = row.report;
+    const MinimizerReport& minimizer = report.minimizer;
+    const EnergyReport& energy = row.energy;
+    stream << report.time << ',' << report.active_particles << ',' << minimizer.iterations << ','
+           << minimizer.evaluations << ',' << minimizer.restarts << ',' << toString(minimizer.why) << ','
+           << minimizer.residual << ',' << energy.kinetic << ',' << energy.gravity << ',' << energy.stretch
+           << ',' << energy.bend << ',' << energy.shear << ',' << energy.contact << ',' << energy.coupling
+           << ',' << energy.dissipated << ',' << report.refined << ',' << report.coarsened << ','
+           << report.failed << ',' << report.velocity_scale << ',' << report.max_penetration << ','
+           << row.wall_time << '\n';
+  }
+}
+
+void writeProbe(std::ostream& stream, const std::vector<ProbeRecord>& probe) {
+  stream << "time,device_x,device_y,device_z,proxy_x,proxy_y,proxy_z,force_x,force_y,force_z\n";
+  for (const ProbeRecord& row : probe) {
+    stream << row.time << ',' << row.probe.device << ',' << row.probe.proxy << ',' << row.probe.force << '\n';
+  }
+}
+
+void writeParticles(std::ostream& stream, const Simulation& simulation) {
+  std::vector<Vec3> positions;
+  std::vector<char> active;
+  simulation.positions(positions);
+  simulation.activeFlags(active);
+  const int columns = simulation.scene().cloth.particles[kWarp];
+  stream << "i,j,active,x,y,z\n";
+  for (std::size_t p = 0; p < positions.size(); ++p) {
+    stream << p % columns << ',' << p / columns << ',' << (active[p] ? 1 : 0) << ',' << positions[p] << '\n';
+  }
+}
+
+void writeMesh(std::ostream& stream, const Simulation& simulation) {
+  std::vector<Vec3> positions;
+  std::vector<CellView> cells;
+  simulation.positions(positions);
+  simulation.cells(cells);
+  std::vector<int> vertex_of(positions.size(), -1);
+  std::vector<int> particle_of;
+  for (const CellView& cell : cells) {
+    for (const int particle : cell.particles) {
+      if (vertex_of[particle] >= 0) continue;
+      vertex_of[particle] = static_cast<int>(particle_of.size());
+      particle_of.push_back(particle);
+    }
+  }
+  stream << "ply\nformat ascii 1.0\nelement vertex " << particle_of.size()
+         << "\nproperty double x\nproperty double y\nproperty double z\nelement face " << 2 * cells.size()
+         << "\nproperty list uchar int vertex_indices\nend_header\n";
+  for (const int particle : particle_of) {
+    const Vec3& x = positions[particle];
+    stream << x.x() << ' ' << x.y() << ' ' << x.z() << '\n';
+  }
+  for (const CellView& cell : cells) {
+    const auto corner = [&](int k) { return vertex_of[cell.particles[k]]; };
+    stream << "3 " << corner(0) << ' ' << corner(1) << ' ' << corner(3) << '\n';
+    stream << "3 " << corner(0) << ' ' << corner(3) << ' ' << corner(2) << '\n';
+  }
+}
+
+}  // namespace
+
+void prepareDirectory(const fs::path& directory) {
+  std::error_code error;
+  fs::create_directories(directory, error);
+  if (!error && !fs::is_directory(directory)) error = std::make_error_code(std::errc::not_a_directory);
+  if (error) throw InputError("--out", "", directory.string(), "must be a directory: " + error.message());
+  const fs::path trial = directory / (std::string("summary.json") + kRunning);
+  const bool writable = std::ofstream(trial).is_open();
+  if (!writable) {
+    throw InputError("--out", "", directory.string(),
+                     std::string("must be writable: ") + std::strerror(errno));
+  }
+  fs::remove(trial);
+}
+
+void writeOutputs(const fs::path& directory, const Simulation& simulation, const RunRecord& record,
+                  bool succeeded) {
+  writeFile(directory / "steps.csv", [&](std::ostream& stream) { writeSteps(stream, record.steps); });
+  writeFile(directory / "probe.csv", [&](std::ostream& stream) { writeProbe(stream, record.probe); });
+  writeFile(directory / "particles.csv", [&](std::ostream& stream) { writeParticles(stream, simulation); });
+  writeFile(directory / "mesh.ply", [&](std::ostream& stream) { writeMesh(stream, simulation); });
+  writeFile(directory / "summary.json", [&](std::ostream& stream) {
+    stream << summaryJson(simulation, record.totals, succeeded) << '\n';
+  });
+}
+
+}  // namespace haptic_cloth

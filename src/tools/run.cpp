@@ -1,0 +1,77 @@
+#include "tools/run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace haptic_cloth {
+namespace {
+
+double secondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void moveDevice(Simulation& simulation) {
+  const Scene& scene = simulation.scene();
+  if (scene.probe.path.empty()) return;
+  const double step = scene.solver.time_step;
+  const Vec3 from = pathPosition(scene.probe.path, simulation.time());
+  const Vec3 to = pathPosition(scene.probe.path, simulation.time() + step);
+  simulation.setDevice(to, (to - from) / step);
+}
+
+void add(const StepReport& report, double wall_time, RunTotals& totals) {
+  ++totals.steps;
+  totals.iterations += report.minimizer.iterations;
+  totals.evaluations += report.minimizer.evaluations;
+  totals.failed_steps += report.failed ? 1 : 0;
+  totals.min_active =
+      totals.steps == 1 ? report.active_particles : std::min(totals.min_active, report.active_particles);
+  totals.max_active = std::max(totals.max_active, report.active_particles);
+  totals.mean_active += (report.active_particles - totals.mean_active) / totals.steps;
+  totals.refined += report.refined;
+  totals.coarsened += report.coarsened;
+  totals.max_penetration = std::max(totals.max_penetration, report.max_penetration);
+  totals.wall_time += wall_time;
+  totals.last = report;
+}
+
+}  // namespace
+
+RunRecord runScene(Simulation& simulation, bool keep_rows, const StepCallback& after_step) {
+  const StopOptions stop = simulation.scene().stop;
+  const double step = simulation.scene().solver.time_step;
+  RunRecord record;
+  double slow_since = simulation.time();
+  // Half a step of slack: the sum of many time steps may end a rounding error short of stop.time.
+  while (simulation.time() < stop.time - 0.5 * step) {
+    moveDevice(simulation);
+    const auto start = std::chrono::steady_clock::now();
+    const StepReport report = simulation.step();
+    const double wall_time = secondsSince(start);
+    add(report, wall_time, record.totals);
+    if (keep_rows) {
+      record.steps.push_back({report, simulation.energy(), wall_time});
+      const ProbeReport probe = simulation.probe();
+      if (probe.present) record.probe.push_back({simulation.time(), probe});
+    }
+    if (after_step) after_step(simulation, record.totals);
+    if (!(simulation.maxSpeed() < stop.rest_speed)) slow_since = simulation.time();
+    if (stop.rest_speed > 0.0 && simulation.time() - slow_since >= kRestDuration - 0.5 * step) {
+      record.totals.at_rest = true;
+      break;
+    }
+  }
+  return record;
+}
+
+bool isFinite(const Simulation& simulation) {
+  std::vector<Vec3> positions;
+  simulation.positions(positions);
+  const bool positions_finite =
+      std::all_of(positions.begin(), positions.end(), [](const Vec3& x) { return x.allFinite(); });
+  return positions_finite && std::isfinite(simulation.energy().total()) &&
+         std::isfinite(simulation.maxSpeed());
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,60 @@
+/// One run of a scene from its start to its stop rule, with everything worth writing down.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "haptic_cloth/simulation.h"
+
+namespace haptic_cloth {
+
+/// A row of steps.csv.
+struct StepRecord {
+  StepReport report;
+  EnergyReport energy;
+  double wall_time = 0.0;  ///< of this step [s]
+};
+
+/// A row of probe.csv.
+struct ProbeRecord {
+  double time = 0.0;  ///< [s]
+  ProbeReport probe;
+};
+
+/// Sums over a run, kept also when no rows are.
+struct RunTotals {
+  int steps = 0;
+  long iterations = 0;
+  long evaluations = 0;
+  int failed_steps = 0;
+  int min_active = 0, max_active = 0;  ///< particles
+  double mean_active = 0.0;            ///< particles
+  long refined = 0, coarsened = 0;     ///< cells split, groups of four merged
+  double max_penetration = 0.0;        ///< [m]
+  double wall_time = 0.0;              ///< of all steps [s]
+  bool at_rest = false;                ///< ended by stop.rest_speed, not by stop.time
+  StepReport last;
+};
+
+struct RunRecord {
+  RunTotals totals;
+  std::vector<StepRecord> steps;
+  std::vector<ProbeRecord> probe;
+};
+
+/// The fastest particle has to stay below stop.rest_speed for this long before a run ends early: cloth that
+/// is about to fall, or that turns round at the end of a swing, is slow for a moment only [s].
+constexpr double kRestDuration = 0.1;
+
+/// Called after each step.
+using StepCallback = std::function<void(const Simulation&, const RunTotals&)>;
+
+/// Runs the simulation from its present time to its scene's stop rule. The device follows probe.path: at each
+/// step it stands where the path is at the end of the step, with the step's mean velocity.
+/// @param keep_rows fill `steps` and `probe` of the result
+RunRecord runScene(Simulation& simulation, bool keep_rows, const StepCallback& after_step);
+
+/// Every position and energy is finite.
+bool isFinite(const Simulation& simulation);
+
+}  // namespace haptic_cloth

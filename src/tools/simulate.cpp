@@ -1,0 +1,132 @@
+/// simulate: runs a scene file without ROS and writes what happened.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "haptic_cloth/error.h"
+#include "haptic_cloth/scene.h"
+#include "haptic_cloth/simulation.h"
+#include "tools/outputs.h"
+#include "tools/run.h"
+#include "tools/summary.h"
+
+namespace {
+
+using haptic_cloth::RunRecord;
+using haptic_cloth::RunTotals;
+using haptic_cloth::Simulation;
+
+enum ExitCode { kSuccess = 0, kBadInput = 2, kSimulationFailed = 3 };
+
+/// A run with a larger share of failed steps has not simulated its scene.
+constexpr double kMaxFailedShare = 0.1;
+
+constexpr const char* kDescription =
+    "Simulates a piece of cloth from a scene file, without ROS.\n"
+    "Example: simulate drape.yaml --set solver.threads=2 --set stop.time=1 --out result";
+
+constexpr const char* kFooter =
+    "Files in DIR (SI units):\n"
+    "  summary.json   times, counts, energies, forces, hash of the final state\n"
+    "  steps.csv      a row for each step: iterations, termination, energies, mesh events\n"
+    "  probe.csv      time, device x y z, proxy x y z, force on the probe x y z\n"
+    "  particles.csv  i,j,active,x,y,z for every particle of the finest grid\n"
+    "  mesh.ply       the active mesh as triangles\n"
+    "Exit status: 0 success; 2 bad input, nothing written; 3 the simulation failed (a final state\n"
+    "that is not finite, or more than 10 % of the steps failed), files are written.";
+
+struct Arguments {
+  std::string scene;
+  std::vector<std::string> overrides;
+  std::string out;
+};
+
+/// One line on a terminal, rewritten a few times a second; nothing when stderr is a file or pipe.
+class Progress {
+ public:
+  explicit Progress(double end_time) : end_time_(end_time), enabled_(isatty(STDERR_FILENO) != 0) {}
+
+  void show(const Simulation& simulation, const RunTotals& totals) {
+    const auto now = std::chrono::steady_clock::now();
+    if (!enabled_ || now < next_) return;
+    next_ = now + std::chrono::milliseconds(200);
+    std::fprintf(stderr, "\r%8.3f / %.3f s  %6d particles  %5d iterations  real time x %-8.3g",
+                 simulation.time(), end_time_, simulation.activeParticles(), totals.last.minimizer.iterations,
+                 simulation.time() / totals.wall_time);
+    shown_ = true;
+  }
+
+  void finish() const {
+    if (shown_) std::fputc('\n', stderr);
+  }
+
+ private:
+  double end_time_;
+  bool enabled_;
+  bool shown_ = false;
+  std::chrono::steady_clock::time_point next_{};
+};
+
+void addArguments(CLI::App& app, Arguments& arguments) {
+  app.footer(kFooter);
+  app.add_option("SCENE", arguments.scene, "scene file (YAML)")->required();
+  app.add_option("--set", arguments.overrides, "A.B=VALUE: replaces a key of the scene; may be repeated")
+      ->type_size(1)
+      ->allow_extra_args(false);
+  app.add_option("--out", arguments.out, "DIR: directory for the results, created if need be");
+}
+
+int simulate(const Arguments& arguments) {
+  Simulation simulation(haptic_cloth::loadScene(arguments.scene, arguments.overrides));
+  if (!arguments.out.empty()) haptic_cloth::prepareDirectory(arguments.out);
+
+  Progress progress(simulation.scene().stop.time);
+  const RunRecord record = haptic_cloth::runScene(
+      simulation, !arguments.out.empty(),
+      [&](const Simulation& now, const RunTotals& totals) { progress.show(now, totals); });
+  progress.finish();
+
+  const RunTotals& totals = record.totals;
+  const bool finite = haptic_cloth::isFinite(simulation);
+  const bool succeeded = finite && totals.failed_steps <= kMaxFailedShare * totals.steps;
+  if (arguments.out.empty()) {
+    std::cout << haptic_cloth::briefReport(simulation, totals) << std::endl;
+  } else {
+    haptic_cloth::writeOutputs(arguments.out, simulation, record, succeeded);
+  }
+  if (succeeded) return kSuccess;
+  std::cerr << arguments.scene << ": simulation failed: "
+            << (finite ? std::to_string(totals.failed_steps) + " of " + std::to_string(totals.steps) +
+                             " steps were restored"
+                       : std::string("the final state is not finite"))
+            << std::endl;
+  return kSimulationFailed;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app(kDescription, "simulate");
+  try {
+    addArguments(app, arguments);
+    app.parse(argc, argv);
+    return simulate(arguments);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    std::cerr << "simulate: " << error.what() << " (see --help)" << std::endl;
+    return kBadInput;
+  } catch (const haptic_cloth::InputError& error) {
+    std::cerr << error.what() << std::endl;
+    return kBadInput;
+  } catch (const std::exception& error) {
+    std::cerr << "simulate: " << error.what() << std::endl;
+    return kSimulationFailed;
+  }
+}

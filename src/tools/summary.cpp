@@ -1,0 +1,89 @@
+#include "tools/summary.h"
+
+#include <cstdio>
+#include <iomanip>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace haptic_cloth {
+namespace {
+
+using nlohmann::json;
+
+json toJson(const Vec3& v) { return json::array({v.x(), v.y(), v.z()}); }
+
+/// Hexadecimal, since a 64-bit integer does not survive readers that keep JSON numbers as doubles.
+std::string hexadecimal(std::uint64_t value) {
+  std::ostringstream text;
+  text << std::hex << std::setfill('0') << std::setw(16) << value;
+  return text.str();
+}
+
+double realTimeFactor(const Simulation& simulation, const RunTotals& totals) {
+  return totals.wall_time > 0.0 ? simulation.time() / totals.wall_time : 0.0;
+}
+
+}  // namespace
+
+std::string summaryJson(const Simulation& simulation, const RunTotals& totals, bool succeeded) {
+  const EnergyReport energy = simulation.energy();
+  const CostReport cost = simulation.cost();
+  json summary;
+  summary["succeeded"] = succeeded;
+  summary["simulated_time"] = simulation.time();
+  summary["wall_time"] = totals.wall_time;
+  summary["real_time_factor"] = realTimeFactor(simulation, totals);
+  summary["at_rest"] = totals.at_rest;
+  summary["steps"] = totals.steps;
+  summary["iterations"] = totals.iterations;
+  summary["evaluations"] = totals.evaluations;
+  summary["failed_steps"] = totals.failed_steps;
+  summary["threads"] = simulation.threads();
+  summary["particles"] = simulation.scene().cloth.particles;
+  summary["active_particles"] = {{"min", totals.min_active},
+                                 {"mean", totals.mean_active},
+                                 {"max", totals.max_active},
+                                 {"final", simulation.activeParticles()}};
+  summary["refined"] = totals.refined;
+  summary["coarsened"] = totals.coarsened;
+  summary["residual"] = totals.last.minimizer.residual;
+  summary["cost"] = {{"total", cost.total()},
+                     {"motion", cost.motion},
+                     {"stretch", cost.stretch},
+                     {"bend", cost.bend},
+                     {"shear", cost.shear}};
+  summary["energy"] = {
+      {"total", energy.total()},   {"kinetic", energy.kinetic},   {"gravity", energy.gravity},
+      {"stretch", energy.stretch}, {"bend", energy.bend},         {"shear", energy.shear},
+      {"contact", energy.contact}, {"coupling", energy.coupling}, {"dissipated", energy.dissipated}};
+  summary["max_strain"] = simulation.maxStrain();
+  summary["max_speed"] = simulation.maxSpeed();
+  summary["max_penetration"] = totals.max_penetration;
+  summary["probe_force"] = toJson(simulation.probe().force);
+  summary["support_force"] = toJson(simulation.supportForce());
+  summary["mass"] = simulation.mass();
+  summary["state_hash"] = hexadecimal(simulation.stateHash());
+  return summary.dump(2);
+}
+
+std::string briefReport(const Simulation& simulation, const RunTotals& totals) {
+  const double steps = totals.steps > 0 ? totals.steps : 1;
+  std::ostringstream text;
+  text << std::setprecision(4);
+  text << "simulated " << simulation.time() << " s in " << totals.wall_time << " s (real time x "
+       << realTimeFactor(simulation, totals) << ", " << simulation.threads() << " threads)"
+       << (totals.at_rest ? ", at rest" : "") << "\n"
+       << "steps " << totals.steps << ", failed " << totals.failed_steps << ", iterations "
+       << totals.iterations << " (" << totals.iterations / steps << " a step), last "
+       << toString(totals.last.minimizer.why) << "\n"
+       << "active particles " << totals.min_active << " to " << totals.max_active << ", mean "
+       << totals.mean_active << ", final " << simulation.activeParticles() << "\n"
+       << "max strain " << 100.0 * simulation.maxStrain() << " %, max speed " << simulation.maxSpeed()
+       << " m/s, max penetration " << 1e3 * totals.max_penetration << " mm\n"
+       << "support force " << simulation.supportForce().transpose() << " N";
+  const ProbeReport probe = simulation.probe();
+  if (probe.present) text << ", force on the probe " << probe.force.transpose() << " N";
+  return text.str();
+}
+
+}  // namespace haptic_cloth

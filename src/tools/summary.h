@@ -1,0 +1,18 @@
+/// What a run came to: for programs (JSON) and for people.
+#pragma once
+
+#include <string>
+
+#include "haptic_cloth/simulation.h"
+#include "tools/run.h"
+
+namespace haptic_cloth {
+
+/// The text of summary.json; SI units, doubles in the shortest form that reads back to the same bits.
+/// @param succeeded value of the key `succeeded`
+std::string summaryJson(const Simulation& simulation, const RunTotals& totals, bool succeeded);
+
+/// The run in a few lines for a person.
+std::string briefReport(const Simulation& simulation, const RunTotals& totals);
+
+}  // namespace haptic_cloth

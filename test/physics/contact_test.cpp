@@ -1,0 +1,115 @@
+/// Cloth on obstacles.
+/// Criteria: balance of forces (support = weight), no sample of the surface inside an obstacle deeper than
+/// the cloth is thick, and Coulomb's law: rest below the friction angle, acceleration g (sin α - μ cos α)
+/// above it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+
+#include "support/scenes.h"
+#include "support/tolerance.h"
+
+namespace haptic_cloth {
+namespace {
+
+Obstacle plane(const Pose& pose, double friction) {
+  Obstacle obstacle;
+  obstacle.shape = Shape::Plane;
+  obstacle.pose = pose;
+  obstacle.friction = friction;
+  return obstacle;
+}
+
+LinearFabric bendingFabric() {
+  LinearFabric linear;
+  linear.rigidity = 1e-5;
+  return linear;
+}
+
+class OnPlane : public testing::TestWithParam<Strategy> {};
+
+TEST_P(OnPlane, SupportEqualsWeight) {
+  Scene scene = sheetScene(makeFabric(bendingFabric()), 17, 17, 0.064, 0.064);
+  setStrategy(scene, GetParam(), 2);
+  scene.cloth.pose.position = Vec3(0.0, 0.0, 0.002);
+  scene.obstacles = {plane(Pose(), 0.3)};
+  quasiStatic(scene, 5.0, 1e-3, 1e-3);
+  Simulation simulation(scene);
+  const Settled settled = settle(simulation, 1e-4, 2.0);
+  EXPECT_TRUE(settled.at_rest);
+  EXPECT_EQ(settled.failed_steps, 0);
+  EXPECT_LE(settled.max_penetration, scene.cloth.fabric.thickness);
+  const double weight = simulation.mass() * 9.81;
+  // The residual, 1e-3 g rms, bounds the net force by 1e-3 of the weight; twice that for what still moves.
+  EXPECT_NEAR(simulation.supportForce().z(), weight, tolerance(2e-3 * weight));
+  EXPECT_NEAR(simulation.supportForce().head<2>().norm(), 0.0, tolerance(2e-3 * weight));
+}
+
+INSTANTIATE_TEST_SUITE_P(Strategies, OnPlane,
+                         testing::Values(Strategy::Finest, Strategy::Coarsest, Strategy::Amrc),
+                         [](const auto& info) { return name(info.param); });
+
+TEST(OnBox, DrapesWithoutPenetration) {
+  Scene scene = boxDrape(33);
+  scene.air_damping = 5.0;
+  Simulation simulation(scene);
+  double deepest = 0.0, fastest = 0.0;
+  while (simulation.time() < 1.0) {
+    const StepReport report = simulation.step();
+    ASSERT_FALSE(report.failed);
+    deepest = std::max(deepest, report.max_penetration);
+    fastest = std::max(fastest, simulation.maxSpeed());
+  }
+  EXPECT_LE(deepest, tolerance(scene.cloth.fabric.thickness));
+  std::vector<Vec3> positions;
+  simulation.positions(positions);
+  for (const Vec3& x : positions) {
+    ASSERT_TRUE(x.allFinite());
+    // Inside the box: every coordinate further in than the cloth is thick.
+    const Vec3 inside = 0.5 * scene.obstacles[0].size - (x - scene.obstacles[0].pose.position).cwiseAbs();
+    EXPECT_LE(inside.minCoeff(), scene.cloth.fabric.thickness);
+  }
+  EXPECT_LT(fastest, 3.0) << "it can fall 0.1 m";
+  EXPECT_LT(simulation.maxStrain(), 0.02);
+  EXPECT_NEAR(simulation.supportForce().z(), simulation.mass() * 9.81, 0.3 * simulation.mass() * 9.81);
+  // It overhangs on all sides: the corners hang below the top of the box.
+  EXPECT_LT(particle(simulation, 0, 0).z(), -0.02);
+}
+
+/// A piece of cloth laid on a slope of 20 degrees, tan 20° = 0.364, for 0.4 s; how far it slid.
+double slide(double friction, double duration) {
+  const double angle = 20.0 * EIGEN_PI / 180.0;
+  Scene scene = sheetScene(makeFabric(bendingFabric()), 9, 9, 0.032, 0.032);
+  const Quat tilt(Eigen::AngleAxisd(angle, Vec3::UnitY()));  // downhill is local +x
+  scene.cloth.pose.orientation = tilt;
+  scene.cloth.pose.position = tilt * Vec3(0.0, 0.0, scene.cloth.fabric.thickness);
+  Pose slope;
+  slope.orientation = tilt;
+  scene.obstacles = {plane(slope, friction)};
+  scene.solver.minimizer.tolerance = 1e-3;
+  scene.solver.minimizer.max_iterations = 1000;
+  Simulation simulation(scene);
+  const Vec3 start = particle(simulation, 4, 4);
+  while (simulation.time() < duration) EXPECT_FALSE(simulation.step().failed);
+  return (tilt.inverse() * (particle(simulation, 4, 4) - start)).x();
+}
+
+TEST(OnSlope, SticksBelowFrictionAngle) {
+  const double slid = slide(0.5, 0.4);
+  std::cout << "  creep " << 1e3 * slid << " mm in 0.4 s\n";
+  // Smoothed friction creeps; free, it would have slid 268 mm.
+  EXPECT_LE(std::abs(slid), tolerance(1e-3));
+}
+
+TEST(OnSlope, SlidesAboveFrictionAngle) {
+  const double angle = 20.0 * EIGEN_PI / 180.0, friction = 0.2, duration = 0.4;
+  const double acceleration = 9.81 * (std::sin(angle) - friction * std::cos(angle));
+  const double exact = 0.5 * acceleration * duration * duration;
+  // First order in time: v_n over by half a step, 1/(2·400); the rest for first touch and residual.
+  EXPECT_NEAR(slide(friction, duration), exact, tolerance(0.03 * exact));
+}
+
+}  // namespace
+}  // namespace haptic_cloth

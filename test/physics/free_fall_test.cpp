@@ -1,0 +1,65 @@
+/// Free fall without air.
+/// Criterion: backward Euler's own closed form, x_n = g h² n (n+1)/2 and v_n = g h n, which is exact for it
+/// (Hairer, Nørsett, Wanner: Solving ODEs I). A flat sheet falls as a rigid body whatever its mesh, so the
+/// same holds while the mesh changes: merging cells must keep mass and momentum.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "support/reference_solutions.h"
+#include "support/scenes.h"
+#include "support/tolerance.h"
+
+namespace haptic_cloth {
+namespace {
+
+class FreeFall : public testing::TestWithParam<Strategy> {};
+
+TEST_P(FreeFall, MatchesClosedForm) {
+  Scene scene = sheetScene(makeFabric({}), 17, 17, 0.064, 0.064);
+  setStrategy(scene, GetParam(), 2);
+  scene.solver.minimizer.tolerance = 1e-8;
+  scene.solver.minimizer.max_iterations = 2000;
+  Simulation simulation(scene);
+  const double g = 9.81, h = scene.solver.time_step;
+  const int steps = 100;
+  EXPECT_NEAR(simulation.mass(), 0.15 * 0.064 * 0.064, tolerance(1e-15));
+
+  std::vector<Vec3> start, end;
+  simulation.positions(start);
+  for (int n = 0; n < steps; ++n) {
+    const StepReport report = simulation.step();
+    ASSERT_FALSE(report.failed) << "step " << n;
+  }
+  simulation.positions(end);
+
+  // Each step leaves a residual acceleration of at most 1e-8 g, of either sign: relative error 1e-8.
+  const double fall = backwardEulerFall(g, h, steps);
+  double worst = 0.0;
+  for (std::size_t p = 0; p < start.size(); ++p) {
+    worst = std::max(worst, (end[p] - start[p] + fall * Vec3::UnitZ()).norm());
+  }
+  EXPECT_LE(worst, tolerance(1e-7 * fall));
+  EXPECT_NEAR(simulation.maxSpeed(), g * h * steps, tolerance(1e-7 * g * h * steps));
+  EXPECT_NEAR(simulation.time(), h * steps, tolerance(1e-12));
+  EXPECT_NEAR(simulation.mass(), 0.15 * 0.064 * 0.064, tolerance(1e-15));
+}
+
+TEST_P(FreeFall, AirLimitsSpeed) {
+  // Terminal velocity g / air_damping, reached within exp(-5) after 5 / air_damping.
+  Scene scene = sheetScene(makeFabric({}), 9, 9, 0.032, 0.032);
+  setStrategy(scene, GetParam(), 2);
+  scene.air_damping = 20.0;
+  scene.solver.minimizer.tolerance = 1e-6;
+  Simulation simulation(scene);
+  while (simulation.time() < 0.5) simulation.step();
+  EXPECT_NEAR(simulation.maxSpeed(), 9.81 / 20.0, tolerance(1e-3));
+}
+
+INSTANTIATE_TEST_SUITE_P(Strategies, FreeFall,
+                         testing::Values(Strategy::Finest, Strategy::Coarsest, Strategy::Refine,
+                                         Strategy::Coarsen, Strategy::Amrc),
+                         [](const auto& info) { return name(info.param); });
+
+}  // namespace
+}  // namespace haptic_cloth

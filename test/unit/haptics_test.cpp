@@ -1,0 +1,316 @@
+/// The haptic tick: what the hand may feel, and what it must never feel.
+#include "haptic_cloth/haptics.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <thread>
+
+#include "haptic_cloth/error.h"
+#include "haptics/lateness.h"
+#include "haptics/velocity_filter.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kTick = 1e-3;
+/// Forces here are at most 10 N: products of a few doubles, good to 1e-12 N.
+constexpr double kRoundOff = 1e-12;
+
+/// No soft start and no noticeable rate limit: what remains is the coupling.
+HapticOptions bareOptions() {
+  HapticOptions options;
+  options.soft_start = 0.0;
+  options.max_force_rate = 1e9;
+  options.max_force = 1e6;
+  options.ramp_time = 0.02;
+  return options;
+}
+
+DeviceSample deviceAt(const Vec3& position, double received) {
+  DeviceSample sample;
+  sample.received = received;
+  sample.position = position;
+  return sample;
+}
+
+ProbeSnapshot contactAt(const Vec3& proxy, double taken) {
+  ProbeSnapshot snapshot;
+  snapshot.taken = taken;
+  snapshot.proxy = proxy;
+  snapshot.contact = true;
+  return snapshot;
+}
+
+/// A loop that has reached its full force of about 2 N upwards at `now`.
+struct PressedLoop {
+  HapticOptions options;
+  HapticLoop loop{options};
+  double now = 1.0;
+  Vec3 force = Vec3::Zero();
+
+  PressedLoop() {
+    for (int i = 0; i < 1000; ++i) tick(deviceAt(Vec3::Zero(), now), false);
+  }
+  Vec3 tick(const DeviceSample& device, bool paused) {
+    now += kTick;
+    return force = loop.tick(device, contactAt(Vec3(0.0, 0.0, 0.005), now), paused, now);
+  }
+};
+
+TEST(HapticLoop, PushesTheHandTowardsTheProxy) {
+  HapticLoop loop(bareOptions());
+  // The device has gone 5 mm below the proxy that the cloth holds up: the force on the probe is upwards.
+  const Vec3 force = loop.tick(deviceAt(Vec3(0, 0, -0.005), 1.0), contactAt(Vec3::Zero(), 1.0), false, 1.0);
+  EXPECT_NEAR(force.z(), 400.0 * 0.005, kRoundOff);
+  EXPECT_EQ(force.x(), 0.0);
+  EXPECT_EQ(loop.status(), HapticStatus::Contact);
+}
+
+TEST(HapticLoop, DampsTheVelocityDifference) {
+  HapticLoop loop(bareOptions());
+  DeviceSample device = deviceAt(Vec3::Zero(), 1.0);
+  device.velocity = Vec3(0, 0, -0.3);
+  ProbeSnapshot snapshot = contactAt(Vec3::Zero(), 1.0);
+  snapshot.proxy_velocity = Vec3(0, 0, 0.1);
+  EXPECT_NEAR(loop.tick(device, snapshot, false, 1.0).z(), 1.0 * (0.1 + 0.3), kRoundOff);
+}
+
+TEST(HapticLoop, CarriesTheProxyOnToNowButNotForEver) {
+  HapticOptions options = bareOptions();
+  options.coupling_damping = 0.0;
+  ProbeSnapshot snapshot = contactAt(Vec3::Zero(), 1.0);
+  snapshot.proxy_velocity = Vec3(0.1, 0, 0);
+  HapticLoop young(options), old(options);
+  EXPECT_NEAR(young.tick(deviceAt(Vec3::Zero(), 1.01), snapshot, false, 1.01).x(), 400 * 0.1 * 0.01, 1e-9);
+  EXPECT_NEAR(old.tick(deviceAt(Vec3::Zero(), 1.09), snapshot, false, 1.09).x(), 400 * 0.1 * 0.02, 1e-9);
+}
+
+TEST(HapticLoop, FreeMotionFeelsNothing) {
+  HapticLoop loop(bareOptions());
+  ProbeSnapshot snapshot = contactAt(Vec3(0, 0, 0.05), 1.0);
+  snapshot.proxy_velocity = Vec3(1, 2, 3);
+  snapshot.force = Vec3(1, 1, 1);
+  snapshot.contact = false;
+  for (int i = 0; i < 50; ++i) {
+    const double now = 1.0 + i * kTick;
+    EXPECT_EQ(loop.tick(deviceAt(Vec3::Zero(), now), snapshot, false, now), Vec3::Zero());
+  }
+  EXPECT_EQ(loop.status(), HapticStatus::Free);
+}
+
+TEST(HapticLoop, NeverExceedsTheForceLimit) {
+  HapticOptions options = bareOptions();
+  options.max_force = 3.3;
+  HapticLoop loop(options);
+  const Vec3 force =
+      loop.tick(deviceAt(Vec3(-1.0, 2.0, -3.0), 1.0), contactAt(Vec3::Zero(), 1.0), false, 1.0);
+  EXPECT_NEAR(force.norm(), 3.3, kRoundOff);
+  EXPECT_NEAR(force.normalized().dot(Vec3(1.0, -2.0, 3.0).normalized()), 1.0, kRoundOff);
+}
+
+TEST(HapticLoop, NeverExceedsTheRateLimit) {
+  HapticOptions options;
+  options.soft_start = 0.0;
+  HapticLoop loop(options);
+  Vec3 last = Vec3::Zero();
+  for (int i = 0; i < 200; ++i) {
+    const double now = 1.0 + i * kTick;
+    // The proxy jumps to and fro by 2 cm every 30 ticks; contact comes and goes.
+    ProbeSnapshot snapshot = contactAt(Vec3((i / 30) % 2 ? 0.01 : -0.01, 0, 0), now);
+    snapshot.contact = (i / 50) % 2 == 0;
+    const Vec3 force = loop.tick(deviceAt(Vec3::Zero(), now), snapshot, false, now);
+    EXPECT_LE((force - last).norm(), options.max_force_rate * kTick + kRoundOff) << "tick " << i;
+    last = force;
+  }
+}
+
+TEST(HapticLoop, AStallOfTheThreadIsNoJump) {
+  PressedLoop pressed;
+  const Vec3 before = pressed.force;
+  pressed.now += 0.5;
+  pressed.tick(deviceAt(Vec3(0, 0, 0.02), pressed.now), false);
+  EXPECT_LE((pressed.force - before).norm(), 5 * kTick * pressed.options.max_force_rate + kRoundOff);
+}
+
+TEST(HapticLoop, StartsSoftly) {
+  HapticOptions options = bareOptions();
+  options.max_force = 2.0;
+  options.soft_start = 0.5;
+  HapticLoop loop(options);
+  Vec3 force = Vec3::Zero();
+  for (int i = 1; i <= 600; ++i) {
+    const double now = 1.0 + i * kTick;
+    force = loop.tick(deviceAt(Vec3(0, 0, -1.0), now), contactAt(Vec3::Zero(), now), false, now);
+    const double limit = options.max_force * std::min(1.0, i * kTick / options.soft_start);
+    EXPECT_LE(force.norm(), limit + 1e-9) << "tick " << i;
+  }
+  EXPECT_NEAR(force.z(), 2.0, kRoundOff);
+}
+
+TEST(HapticLoop, AStalePoseRampsToExactlyZero) {
+  PressedLoop pressed;
+  ASSERT_NEAR(pressed.force.z(), 2.0, kRoundOff);
+  const DeviceSample last = deviceAt(Vec3::Zero(), pressed.now);
+  const double stale_at = pressed.now + pressed.options.pose_timeout;
+  int ticks = 0;
+  while (pressed.now < stale_at + pressed.options.ramp_time) {
+    const Vec3 before = pressed.force;
+    pressed.tick(last, false);
+    EXPECT_LE((pressed.force - before).norm(), pressed.options.max_force_rate * kTick + kRoundOff);
+    ++ticks;
+  }
+  EXPECT_EQ(pressed.force, Vec3::Zero());
+  EXPECT_EQ(pressed.loop.status(), HapticStatus::PoseStale);
+  EXPECT_GT(ticks, 50);
+}
+
+TEST(HapticLoop, AStaleSnapshotRampsToExactlyZero) {
+  HapticOptions options;
+  HapticLoop loop(options);
+  Vec3 force = Vec3::Zero();
+  double now = 1.0;
+  for (int i = 0; i < 1000; ++i, now += kTick) {
+    force = loop.tick(deviceAt(Vec3::Zero(), now), contactAt(Vec3(0, 0, 0.005), now), false, now);
+  }
+  ASSERT_GT(force.z(), 1.9);
+  const ProbeSnapshot last = contactAt(Vec3(0, 0, 0.005), now);
+  for (int i = 0; i < 125; ++i, now += kTick)
+    force = loop.tick(deviceAt(Vec3::Zero(), now), last, false, now);
+  EXPECT_EQ(force, Vec3::Zero());
+  EXPECT_EQ(loop.status(), HapticStatus::SnapshotStale);
+}
+
+TEST(HapticLoop, PauseRampsToZeroAndStartsSoftlyAgain) {
+  PressedLoop pressed;
+  for (int i = 0; i < 20; ++i) pressed.tick(deviceAt(Vec3::Zero(), pressed.now), true);
+  EXPECT_EQ(pressed.force, Vec3::Zero());
+  EXPECT_EQ(pressed.loop.status(), HapticStatus::Paused);
+  pressed.tick(deviceAt(Vec3::Zero(), pressed.now), false);
+  EXPECT_LE(pressed.force.norm(), pressed.options.max_force * kTick / pressed.options.soft_start + kRoundOff);
+}
+
+TEST(HapticLoop, NothingThatIsNotFiniteGetsThrough) {
+  for (int field = 0; field < 6; ++field) {
+    PressedLoop pressed;
+    for (int i = 0; i < 25; ++i) {
+      pressed.now += kTick;
+      DeviceSample device = deviceAt(Vec3::Zero(), pressed.now);
+      ProbeSnapshot snapshot = contactAt(Vec3(0, 0, 0.005), pressed.now);
+      double now = pressed.now;
+      if (field == 0) device.position.x() = kNaN;
+      if (field == 1) device.velocity.y() = std::numeric_limits<double>::infinity();
+      if (field == 2) snapshot.proxy.z() = kNaN;
+      if (field == 3) snapshot.proxy_velocity.x() = kNaN;
+      if (field == 4) device.received = kNaN;
+      if (field == 5) now = kNaN;
+      const Vec3 before = pressed.force;
+      pressed.force = pressed.loop.tick(device, snapshot, false, now);
+      ASSERT_TRUE(pressed.force.allFinite()) << "field " << field;
+      ASSERT_LE(pressed.force.norm(), before.norm()) << "field " << field;
+    }
+    EXPECT_EQ(pressed.force, Vec3::Zero()) << "field " << field;
+    for (int i = 0; i < 1000; ++i) pressed.tick(deviceAt(Vec3::Zero(), pressed.now), false);
+    EXPECT_NEAR(pressed.force.z(), 2.0, kRoundOff) << "no recovery from field " << field;
+  }
+}
+
+TEST(HapticLoop, AnOverflowingCouplingIsNoForce) {
+  HapticLoop loop(bareOptions());
+  const Vec3 force =
+      loop.tick(deviceAt(Vec3(1e308, 1e308, 0), 1.0), contactAt(Vec3(-1e308, 0, 0), 1.0), false, 1.0);
+  EXPECT_EQ(force, Vec3::Zero());
+}
+
+TEST(HapticLoop, NoInputYet) {
+  HapticLoop loop{HapticOptions()};
+  EXPECT_EQ(loop.tick(DeviceSample(), ProbeSnapshot(), false, 5.0), Vec3::Zero());
+  EXPECT_EQ(loop.status(), HapticStatus::NoPose);
+  EXPECT_EQ(loop.tick(deviceAt(Vec3::Zero(), 5.0), ProbeSnapshot(), false, 5.0), Vec3::Zero());
+  EXPECT_EQ(loop.status(), HapticStatus::NoSnapshot);
+}
+
+TEST(HapticOptions, ABadOneIsNamed) {
+  HapticOptions options;
+  options.max_force = kNaN;
+  EXPECT_THROW(HapticLoop{options}, InputError);
+  options = HapticOptions();
+  options.ramp_time = 0.0;
+  try {
+    validateHapticOptions(options, "here");
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("haptics/ramp_time"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Mailbox, NewestWinsAndValuesAreWhole) {
+  struct Value {
+    long number = 0;
+    std::array<long, 31> copies{};
+  };
+  Mailbox<Value> mailbox;
+  constexpr long kLast = 300000;
+  std::thread writer([&] {
+    Value value;
+    for (long i = 1; i <= kLast; ++i) {
+      value.number = i;
+      value.copies.fill(i);
+      mailbox.write(value);
+    }
+  });
+  long last = 0, torn = 0, backwards = 0;
+  while (last < kLast) {
+    const Value& value = mailbox.read();
+    for (long copy : value.copies) torn += copy != value.number;
+    backwards += value.number < last;
+    last = value.number;
+  }
+  writer.join();
+  EXPECT_EQ(torn, 0);
+  EXPECT_EQ(backwards, 0);
+  EXPECT_EQ(mailbox.read().number, kLast);
+}
+
+TEST(VelocityFilter, FindsAConstantVelocityFromUnevenSamples) {
+  VelocityFilter filter(0.01, 0.1);
+  const Vec3 velocity(0.1, -0.2, 0.3);
+  Vec3 found = Vec3::Zero();
+  double time = 1.0;
+  for (int i = 0; i < 200; ++i) {
+    time += i % 3 ? 0.2e-3 : 2.6e-3;
+    found = filter.update(velocity * time, time);
+  }
+  // 200 ms are 20 time constants: e^-20 of the start remains.
+  EXPECT_LT((found - velocity).norm(), 1e-8);
+}
+
+TEST(VelocityFilter, ABurstIsNoSpike) {
+  VelocityFilter filter(0.01, 0.1);
+  filter.update(Vec3::Zero(), 1.0);
+  EXPECT_NEAR(filter.update(Vec3(1e-4, 0, 0), 1.0).x(), 0.01, 1e-9);
+}
+
+TEST(VelocityFilter, AGapStartsAnew) {
+  VelocityFilter filter(0.01, 0.1);
+  filter.update(Vec3::Zero(), 1.0);
+  filter.update(Vec3(0.01, 0, 0), 1.01);
+  EXPECT_EQ(filter.update(Vec3(0.5, 0, 0), 2.0), Vec3::Zero());
+}
+
+TEST(LatenessHistogram, Quantiles) {
+  LatenessHistogram histogram;
+  EXPECT_EQ(histogram.quantile(0.5), 0.0);
+  for (int i = 1; i <= 100; ++i) histogram.add(i * 10e-6);
+  EXPECT_NEAR(histogram.quantile(0.5), 500e-6, 6e-6);
+  EXPECT_NEAR(histogram.quantile(0.99), 990e-6, 6e-6);
+  EXPECT_EQ(histogram.max(), 1e-3);
+  histogram.add(1.0);
+  EXPECT_EQ(histogram.quantile(1.0), 1.0);
+}
+
+}  // namespace
+}  // namespace haptic_cloth

@@ -1,0 +1,240 @@
+/// The command-line program `simulate`, run as a user runs it: exit status, messages, files.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFabric =
+    "name: linen\nsource: made up for a test\nareal_density: 0.15\nthickness: 0.0005\n"
+    "tensile: {warp: {stiffness: 1000}, weft: {stiffness: 1000}}\n"
+    "bending: {warp: {rigidity: 1.0e-5}, weft: {rigidity: 1.0e-5}}\n"
+    "shear: {modulus: 30}\n";
+
+constexpr const char* kScene =
+    "cloth: {particles: [9, 5], size: [0.08, 0.04], position: [0, 0, 0.05], fabric: linen.yaml,\n"
+    "        pins: [edge_x0]}\n"
+    "probe: {radius: 0.01, path: [[0, 0.02, 0, 0.08], [0.02, 0.02, 0, 0.055]]}\n"
+    "adapt: {strategy: amrc, levels: 2}\n"
+    "stop: {time: 0.03}\n";
+
+struct Outcome {
+  int status;
+  std::string output, error;
+};
+
+std::string readText(const fs::path& file) {
+  std::ifstream stream(file);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+std::vector<std::string> readLines(const fs::path& file) {
+  std::ifstream stream(file);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+std::vector<std::string> split(const std::string& line, char separator) {
+  std::vector<std::string> fields;
+  std::istringstream stream(line);
+  for (std::string field; std::getline(stream, field, separator);) fields.push_back(field);
+  return fields;
+}
+
+class Simulate : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() /
+              ("haptic_cloth_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) +
+               "_" + std::to_string(getpid()));
+    fs::create_directories(folder_);
+    write("linen.yaml", kFabric);
+    write("scene.yaml", kScene);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  void write(const std::string& file, const std::string& text) const {
+    std::ofstream(folder_ / file) << text;
+  }
+
+  /// Runs the program in the test's folder.
+  Outcome run(const std::string& arguments) const {
+    const std::string command = "cd '" + folder_.string() + "' && '" HAPTIC_CLOTH_SIMULATE "' " + arguments +
+                                " >output.txt 2>error.txt";
+    const int status = std::system(command.c_str());
+    return {WEXITSTATUS(status), readText(folder_ / "output.txt"), readText(folder_ / "error.txt")};
+  }
+
+  /// Bad input: status 2, one line that contains every word, no result folder.
+  void expectRefused(const std::string& arguments, const std::vector<std::string>& words) const {
+    SCOPED_TRACE(arguments);
+    const Outcome outcome = run(arguments + " --out result");
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
+    EXPECT_EQ(outcome.output, "");
+    for (const std::string& word : words) {
+      EXPECT_NE(outcome.error.find(word), std::string::npos) << "no '" << word << "' in: " << outcome.error;
+    }
+    EXPECT_FALSE(fs::exists(folder_ / "result"));
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(Simulate, WritesEveryFile) {
+  const Outcome outcome = run("scene.yaml --out result/of/run");
+  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  EXPECT_EQ(outcome.error, "") << "progress belongs on a terminal only";
+  const fs::path result = folder_ / "result/of/run";
+  std::vector<std::string> files;
+  for (const auto& entry : fs::directory_iterator(result)) files.push_back(entry.path().filename().string());
+  std::sort(files.begin(), files.end());
+  EXPECT_EQ(files, (std::vector<std::string>{"mesh.ply", "particles.csv", "probe.csv", "steps.csv",
+                                             "summary.json"}));
+}
+
+TEST_F(Simulate, SummaryHasItsKeys) {
+  ASSERT_EQ(run("scene.yaml --out result").status, 0);
+  const auto summary = nlohmann::json::parse(readText(folder_ / "result/summary.json"));
+  for (const char* key : {"simulated_time", "wall_time", "real_time_factor", "steps", "iterations", "threads",
+                          "active_particles", "cost", "energy", "max_strain", "max_speed", "max_penetration",
+                          "probe_force", "support_force", "failed_steps", "mass", "state_hash"}) {
+    EXPECT_TRUE(summary.contains(key)) << key;
+  }
+  for (const char* key : {"min", "mean", "max", "final"})
+    EXPECT_TRUE(summary["active_particles"].contains(key));
+  for (const char* key : {"total", "motion", "stretch", "bend", "shear"}) {
+    EXPECT_TRUE(summary["cost"].contains(key)) << key;
+  }
+  for (const char* key : {"kinetic", "gravity", "stretch", "bend", "shear", "contact", "dissipated"}) {
+    EXPECT_TRUE(summary["energy"].contains(key)) << key;
+  }
+  EXPECT_EQ(summary["steps"], 30);
+  EXPECT_EQ(summary["failed_steps"], 0);
+  EXPECT_NEAR(summary["simulated_time"].get<double>(), 0.03, 1e-12);
+  EXPECT_NEAR(summary["mass"].get<double>(), 0.15 * 0.08 * 0.04, 1e-15);
+  EXPECT_EQ(summary["probe_force"].size(), 3u);
+}
+
+TEST_F(Simulate, TablesHaveARowForEach) {
+  ASSERT_EQ(run("scene.yaml --out result").status, 0);
+  const struct {
+    const char* file;
+    std::size_t rows, columns;
+  } tables[] = {{"steps.csv", 30, 21}, {"probe.csv", 30, 10}, {"particles.csv", 45, 6}};
+  for (const auto& table : tables) {
+    SCOPED_TRACE(table.file);
+    const auto lines = readLines(folder_ / "result" / table.file);
+    ASSERT_EQ(lines.size(), table.rows + 1);
+    for (const std::string& line : lines) EXPECT_EQ(split(line, ',').size(), table.columns);
+  }
+  // Device at the end of the path, lowered; first particle pinned where it was.
+  const auto probe = split(readLines(folder_ / "result/probe.csv").back(), ',');
+  EXPECT_NEAR(std::stod(probe[0]), 0.03, 1e-12);
+  EXPECT_NEAR(std::stod(probe[3]), 0.055, 1e-12);
+  const auto particles = readLines(folder_ / "result/particles.csv");
+  EXPECT_EQ(particles[0], "i,j,active,x,y,z");
+  const auto corner = split(particles[1], ',');
+  EXPECT_EQ(corner[0] + corner[1] + corner[2], "001");
+  EXPECT_DOUBLE_EQ(std::stod(corner[3]), -0.04);
+  EXPECT_DOUBLE_EQ(std::stod(corner[5]), 0.05);
+}
+
+TEST_F(Simulate, MeshIsConsistent) {
+  ASSERT_EQ(run("scene.yaml --out result").status, 0);
+  const auto lines = readLines(folder_ / "result/mesh.ply");
+  ASSERT_GT(lines.size(), 9u);
+  EXPECT_EQ(lines[0], "ply");
+  const std::size_t vertices = std::stoul(split(lines[2], ' ').back());
+  const std::size_t faces = std::stoul(split(lines[6], ' ').back());
+  EXPECT_EQ(lines[8], "end_header");
+  ASSERT_EQ(lines.size(), 9 + vertices + faces);
+  for (std::size_t k = 9 + vertices; k < lines.size(); ++k) {
+    const auto face = split(lines[k], ' ');
+    ASSERT_EQ(face.size(), 4u);
+    for (int c = 1; c < 4; ++c) EXPECT_LT(std::stoul(face[c]), vertices);
+  }
+}
+
+TEST_F(Simulate, SetReplacesKeys) {
+  const Outcome outcome = run(
+      "scene.yaml --set stop.time=0.01 --set adapt.strategy=finest --set 'gravity=[0, 0, 0]' --out result");
+  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  const auto summary = nlohmann::json::parse(readText(folder_ / "result/summary.json"));
+  EXPECT_EQ(summary["steps"], 10);
+  EXPECT_EQ(summary["active_particles"]["final"], 45);
+}
+
+TEST_F(Simulate, SameInputGivesSameHash) {
+  ASSERT_EQ(run("scene.yaml --out one").status, 0);
+  ASSERT_EQ(run("scene.yaml --set solver.threads=2 --out two").status, 0);
+  const auto one = nlohmann::json::parse(readText(folder_ / "one/summary.json"));
+  const auto two = nlohmann::json::parse(readText(folder_ / "two/summary.json"));
+  EXPECT_EQ(one["state_hash"], two["state_hash"]);
+  EXPECT_EQ(readText(folder_ / "one/particles.csv"), readText(folder_ / "two/particles.csv"));
+}
+
+TEST_F(Simulate, StopsAtRest) {
+  // Held on all sides, without gravity and probe: at rest from the start.
+  const Outcome outcome =
+      run("scene.yaml --set 'probe.path=[]' --set 'gravity=[0, 0, -1e-6]' --set stop.rest_speed=0.001 --set "
+          "stop.time=5 --out result");
+  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  const auto summary = nlohmann::json::parse(readText(folder_ / "result/summary.json"));
+  EXPECT_TRUE(summary["at_rest"]);
+  EXPECT_NEAR(summary["simulated_time"].get<double>(), 0.1, 2e-3);
+  EXPECT_EQ(readLines(folder_ / "result/probe.csv").size(), 1u) << "no probe, header only";
+}
+
+TEST_F(Simulate, PrintsWithoutOut) {
+  const Outcome outcome = run("scene.yaml");
+  EXPECT_EQ(outcome.status, 0) << outcome.error;
+  EXPECT_NE(outcome.output.find("active particles"), std::string::npos);
+  const Outcome help = run("--help");
+  EXPECT_EQ(help.status, 0);
+  EXPECT_NE(help.output.find("summary.json"), std::string::npos);
+}
+
+TEST_F(Simulate, RefusesBadInput) {
+  write("typo.yaml", "cloth: {fabric: linen.yaml, partcles: [9, 9]}\n");
+  write("broken.yaml", "cloth: [unclosed\n");
+  expectRefused("typo.yaml", {"typo.yaml", "cloth.partcles"});
+  expectRefused("broken.yaml", {"broken.yaml"});
+  expectRefused("absent.yaml", {"absent.yaml"});
+  expectRefused("scene.yaml --set solver.time_step=-1", {"solver.time_step", "-1", "> 0"});
+  expectRefused("scene.yaml --set nothing.here=1", {"nothing"});
+  expectRefused("scene.yaml --set cloth.fabric=velvet_of_nowhere", {"cloth.fabric", "velvet_of_nowhere"});
+  expectRefused("scene.yaml --bogus", {"--bogus"});
+  expectRefused("", {"SCENE"});
+}
+
+TEST_F(Simulate, RefusesDirectoryItCannotWrite) {
+  write("file", "occupied");
+  const Outcome outcome = run("scene.yaml --out file/inside");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.error.find("file/inside"), std::string::npos) << outcome.error;
+  EXPECT_EQ(readText(folder_ / "file"), "occupied");
+}
+
+TEST_F(Simulate, BadInputLeavesOldResultsAlone) {
+  fs::create_directories(folder_ / "old");
+  write("old/summary.json", "{}");
+  EXPECT_EQ(run("scene.yaml --set solver.time_step=0 --out old").status, 2);
+  EXPECT_EQ(readText(folder_ / "old/summary.json"), "{}");
+}
+
+}  // namespace

@@ -1,0 +1,205 @@
+/// The rules of the source tree that a compiler does not check (docs/design.md, layout).
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "haptic_cloth/fabric.h"
+#include "haptic_cloth/scene.h"
+
+namespace haptic_cloth {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kRoot = HAPTIC_CLOTH_SOURCE_DIR;
+
+struct SourceFile {
+  fs::path path;  ///< relative to the root
+  std::vector<std::string> lines;
+};
+
+std::vector<SourceFile> readFiles(const std::vector<std::string>& folders,
+                                  const std::set<std::string>& endings) {
+  std::vector<SourceFile> files;
+  for (const std::string& folder : folders) {
+    if (!fs::exists(kRoot / folder)) continue;
+    for (const auto& entry : fs::recursive_directory_iterator(kRoot / folder)) {
+      if (!entry.is_regular_file() || endings.count(entry.path().extension().string()) == 0) continue;
+      SourceFile file{fs::relative(entry.path(), kRoot), {}};
+      std::ifstream stream(entry.path());
+      for (std::string line; std::getline(stream, line);) file.lines.push_back(line);
+      files.push_back(file);
+    }
+  }
+  std::sort(files.begin(), files.end(),
+            [](const SourceFile& a, const SourceFile& b) { return a.path < b.path; });
+  return files;
+}
+
+std::vector<SourceFile> code(const std::vector<std::string>& folders) {
+  return readFiles(folders, {".h", ".cpp"});
+}
+
+/// Second part of "src/mesh/grid.h"; empty outside src.
+std::string folderOf(const fs::path& path) {
+  auto part = path.begin();
+  return *part == "src" ? (++part)->string() : "";
+}
+
+/// The included names of a file, and where they stand.
+std::vector<std::pair<int, std::string>> includes(const SourceFile& file) {
+  static const std::regex pattern("^\\s*#\\s*include\\s*[<\"]([^>\"]+)[>\"]");
+  std::vector<std::pair<int, std::string>> names;
+  for (std::size_t k = 0; k < file.lines.size(); ++k) {
+    std::smatch match;
+    if (std::regex_search(file.lines[k], match, pattern)) names.emplace_back(k + 1, match[1].str());
+  }
+  return names;
+}
+
+void expectNoLine(const std::vector<SourceFile>& files, const std::string& pattern, const std::string& rule) {
+  const std::regex forbidden(pattern);
+  for (const SourceFile& file : files) {
+    for (std::size_t k = 0; k < file.lines.size(); ++k) {
+      EXPECT_FALSE(std::regex_search(file.lines[k], forbidden))
+          << file.path.string() << ":" << k + 1 << ": " << rule << "\n  " << file.lines[k];
+    }
+  }
+}
+
+TEST(Structure, FindsTheSources) { EXPECT_GT(code({"src", "include"}).size(), 20u); }
+
+TEST(Structure, FoldersIncludeOnlyWhatStandsLeftOfThem) {
+  const std::map<std::string, std::set<std::string>> allowed = {
+      {"parallel", {}},
+      {"solver", {"parallel"}},
+      {"fabric", {"parallel"}},
+      {"mesh", {"parallel"}},
+      {"energy", {"parallel", "fabric", "mesh"}},
+      {"contact", {"parallel", "fabric", "mesh"}},
+      {"sim", {"parallel", "fabric", "mesh", "energy", "contact", "solver"}},
+      {"haptics", {"parallel", "fabric", "mesh", "energy", "contact", "solver", "sim"}},
+      {"ros", {"parallel", "fabric", "mesh", "energy", "contact", "solver", "sim", "haptics"}},
+      {"tools", {"parallel", "fabric", "mesh", "energy", "contact", "solver", "sim", "haptics"}}};
+  for (const SourceFile& file : code({"src"})) {
+    const std::string folder = folderOf(file.path);
+    ASSERT_EQ(allowed.count(folder), 1u) << file.path << " lies in a folder the layout does not have";
+    for (const auto& [line, name] : includes(file)) {
+      const std::string target = name.substr(0, name.find('/'));
+      if (allowed.count(target) == 0) continue;
+      EXPECT_TRUE(target == folder || allowed.at(folder).count(target) == 1)
+          << file.path.string() << ":" << line << ": " << folder << " must not include " << name;
+    }
+  }
+}
+
+TEST(Structure, SolverKnowsNoCloth) {
+  const std::set<std::string> allowed = {"haptic_cloth/options.h", "haptic_cloth/report.h"};
+  for (const SourceFile& file : code({"src/solver", "src/parallel"})) {
+    for (const auto& [line, name] : includes(file)) {
+      if (name.rfind("haptic_cloth/", 0) != 0) continue;
+      EXPECT_EQ(allowed.count(name), 1u) << file.path.string() << ":" << line << ": includes " << name;
+    }
+  }
+}
+
+TEST(Structure, PublicHeadersStandAlone) {
+  for (const SourceFile& file : code({"include"})) {
+    for (const auto& [line, name] : includes(file)) {
+      const bool inside = name.find(".h") == std::string::npos || name.rfind("haptic_cloth/", 0) == 0;
+      EXPECT_TRUE(inside || name.rfind("Eigen/", 0) == 0)
+          << file.path.string() << ":" << line << ": a user of the header would have to find " << name;
+    }
+  }
+}
+
+TEST(Structure, NoRosOutsideItsFolder) {
+  static const std::regex ros(
+      "^(ros|tf|tf2|tf2_ros|tf2_geometry_msgs|nodelet|pluginlib|class_loader|dynamic_reconfigure|"
+      "diagnostic_updater|interactive_markers|message_filters|rosbag|actionlib|[a-z0-9_]+_msgs|std_srvs)/"
+      "|^haptic_cloth/[A-Z]");  // generated messages begin with a capital
+  for (const SourceFile& file : code({"src", "include", "examples", "bench", "test"})) {
+    if (folderOf(file.path) == "ros" || file.path.string().rfind("test/ros", 0) == 0) continue;
+    for (const auto& [line, name] : includes(file)) {
+      EXPECT_FALSE(std::regex_search(name, ros))
+          << file.path.string() << ":" << line << ": includes " << name;
+    }
+  }
+}
+
+TEST(Structure, OpenMpStaysInOneHeader) {
+  std::vector<SourceFile> files = code({"src", "include", "examples", "bench", "test"});
+  files.erase(
+      std::remove_if(files.begin(), files.end(),
+                     [](const SourceFile& file) { return file.path == "src/parallel/parallel_for.h"; }),
+      files.end());
+  expectNoLine(files, "^\\s*#\\s*pragma\\s+omp|[<\"]omp\\.h[>\"]", "OpenMP belongs into parallel_for.h");
+}
+
+TEST(Structure, NoUsingNamespaceStd) {
+  expectNoLine(code({"src", "include", "examples", "bench", "test"}), "^\\s*using\\s+namespace\\s+std\\b",
+               "no using namespace std");
+}
+
+TEST(Structure, OnlyMainCatches) {
+  for (const SourceFile& file : code({"src/tools"})) {
+    const bool has_main = std::any_of(file.lines.begin(), file.lines.end(), [](const std::string& line) {
+      return line.rfind("int main(", 0) == 0;
+    });
+    if (!has_main) expectNoLine({file}, "\\bcatch\\s*\\(", "main has the only catch");
+  }
+}
+
+TEST(Structure, LibraryDoesNotPrint) {
+  expectNoLine(code({"src/parallel", "src/solver", "src/fabric", "src/mesh", "src/energy", "src/contact",
+                     "src/sim", "src/haptics", "include"}),
+               "std::c(out|err|log)\\b|\\bprintf\\(|\\bexit\\(", "only src/ros and src/tools print");
+}
+
+TEST(Structure, FilesStayShort) {
+  constexpr std::size_t kLines = 450;
+  for (const SourceFile& file :
+       readFiles({"src", "include", "examples", "bench", "test", "scripts"}, {".h", ".cpp", ".py", ".sh"})) {
+    EXPECT_LE(file.lines.size(), kLines) << file.path;
+  }
+}
+
+std::vector<fs::path> configurations(const std::string& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(kRoot / "config" / folder)) {
+    if (entry.path().extension() == ".yaml") files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+TEST(Configurations, EveryFabricLoads) {
+  const auto files = configurations("fabrics");
+  EXPECT_FALSE(files.empty());
+  for (const fs::path& file : files) {
+    SCOPED_TRACE(file.string());
+    Fabric fabric;
+    ASSERT_NO_THROW(fabric = loadFabric(file.string()));
+    EXPECT_EQ(fabric.name, file.stem().string());
+    EXPECT_FALSE(fabric.source.empty());
+  }
+}
+
+TEST(Configurations, EverySceneLoads) {
+  const auto files = configurations("scenes");
+  EXPECT_FALSE(files.empty());
+  for (const fs::path& file : files) {
+    SCOPED_TRACE(file.string());
+    EXPECT_NO_THROW(validateScene(loadScene(file.string()), file.string()));
+  }
+}
+
+}  // namespace
+}  // namespace haptic_cloth
