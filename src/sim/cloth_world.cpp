@@ -7,7 +7,7 @@ namespace haptic_cloth {
 namespace {
 
 constexpr double kSlipSpeed =
-    1e-3;                           // friction grows in below this speed [m/s]: far below what a hand can see
+    3e-4;  // friction grows in below this speed [m/s]: held cloth creeps at most so fast
 constexpr double kFineReach = 2.0;  // finest cells around the probe, beyond its radius [finest spacings]
 
 Grid makeGrid(const Scene& scene) {
