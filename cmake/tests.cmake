@@ -54,5 +54,5 @@ if(catkin_FOUND)
 endif()
 
 get_property(all_tests DIRECTORY PROPERTY TESTS)
-set_tests_properties(${all_tests} PROPERTIES TIMEOUT 300
+set_tests_properties(${all_tests} PROPERTIES TIMEOUT 600
   ENVIRONMENT "PATH=/usr/bin:/bin:$ENV{PATH};ROS_HOSTNAME=localhost;OMP_WAIT_POLICY=passive")

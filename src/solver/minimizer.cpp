@@ -102,8 +102,9 @@ void Minimizer::direction(Objective& objective, Team& team, bool restart, Minimi
 }
 
 /// Newton step along d, then Armijo backtracking. Where Φ changes less than it is rounded, the slope decides
-/// [Hager & Zhang 2005, approximate Wolfe]. Curvatures are second differences of positions, rounded by ε x/l²: so
-/// far more of Φ's digits are noise than its sum's rounding would say. On success the iterate, its value and gradient are the new ones.
+/// [Hager & Zhang 2005, approximate Wolfe]. Curvatures are second differences of positions, rounded by ε
+/// x/l²: so far more of Φ's digits are noise than its sum's rounding would say. On success the iterate, its
+/// value and gradient are the new ones.
 bool Minimizer::lineSearch(Objective& objective, Vector& x, double& value, MinimizerReport& report) {
   constexpr double kSufficient = 1e-4, kRounding = 1e-10;
   constexpr int kTrials = 20;

@@ -1,0 +1,13 @@
+#!/usr/bin/env bash
+# Builds everything, or $TARGETS, into build/ (or $BUILD_DIR). Usage: scripts/build.sh [cmake options]
+set -euo pipefail
+root="$(cd "$(dirname "$0")/.." && pwd)"
+build="${BUILD_DIR:-$root/build}"
+if [ -f /opt/ros/noetic/setup.bash ]; then
+  set +u
+  source /opt/ros/noetic/setup.bash
+  set -u
+fi
+cmake -S "$root" -B "$build" -DCMAKE_BUILD_TYPE=Release "$@"
+read -r -a targets <<<"${TARGETS:-all}"
+cmake --build "$build" --target "${targets[@]}" -- -j"${JOBS:-$(nproc)}"

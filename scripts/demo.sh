@@ -1,0 +1,57 @@
+#!/usr/bin/env bash
+# Shows a hand on a cloth: installs, builds, launches; rviz where there is a screen, and a live line a second.
+# Usage: scripts/demo.sh [--seconds N] [launch arguments as scene:=FILE]
+#   --seconds N  ends after N seconds with a verdict; exit code 0 only if force, markers and state flowed at their
+#                rates and were finite
+set -euo pipefail
+here="$(cd "$(dirname "$0")" && pwd)"
+
+seconds=0
+if [ "${1:-}" = --seconds ]; then
+  seconds="${2:?--seconds needs a number}"
+  shift 2
+fi
+
+# From the source tree; an installed copy runs in the environment it is called in.
+if [ -f "$here/../CMakeLists.txt" ]; then
+  "$here/install_deps.sh"
+  TARGETS="haptic_cloth_node hand monitor haptic_cloth_generate_messages" "$here/build.sh"
+  set +u
+  source "${BUILD_DIR:-$here/../build}/devel/setup.bash"
+  set -u
+fi
+export ROS_HOSTNAME="${ROS_HOSTNAME:-localhost}"
+
+rviz=false
+if [ -n "${DISPLAY:-}" ]; then rviz=true; fi
+
+log="$(mktemp)"
+roslaunch haptic_cloth demo.launch "rviz:=$rviz" "$@" >"$log" 2>&1 &
+launch=$!
+monitor=
+finish() {
+  for process in $monitor $launch; do kill -TERM "$process" 2>/dev/null || true; done
+  wait 2>/dev/null || true
+  rm -f "$log"
+}
+trap finish EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM
+
+launch_died() {
+  cat "$log" >&2
+  echo "FAIL: the launch ended" >&2
+  exit 1
+}
+
+until rosparam get /rosversion >/dev/null 2>&1; do
+  kill -0 "$launch" 2>/dev/null || launch_died
+  sleep 0.2
+done
+
+rosrun haptic_cloth monitor "_seconds:=$seconds" &
+monitor=$!
+status=0
+wait -n "$launch" "$monitor" || status=$?
+if ! kill -0 "$launch" 2>/dev/null; then launch_died; fi
+exit "$status"

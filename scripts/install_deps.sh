@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# Installs what building, testing and showing need; this is the only list. Does nothing where all is there.
+# Usage: scripts/install_deps.sh [--lint]     --lint: also what scripts/lint.sh needs
+set -euo pipefail
+
+common=(build-essential cmake libeigen3-dev libgtest-dev libyaml-cpp-dev libcli11-dev nlohmann-json3-dev)
+# Debian 12 ships ROS 1 itself.
+debian=(catkin ros-geometry-msgs python3-rostest libnodeletlib-dev libnodeletlib-tools librosbag-dev
+        python3-visualization-msgs python3-std-srvs python3-diagnostic-msgs python3-rosnode python3-rosservice
+        rosbash rviz)
+# Ubuntu 20.04 with the packages of packages.ros.org.
+noetic=(ros-noetic-ros-base ros-noetic-rostest ros-noetic-nodelet ros-noetic-tf2-ros ros-noetic-visualization-msgs
+        ros-noetic-diagnostic-msgs ros-noetic-rviz)
+show=(xvfb imagemagick x11-utils)
+lint=(catkin-lint clang-format clang-tidy)
+
+packages=("${common[@]}")
+if [ -d /opt/ros/noetic ]; then packages+=("${noetic[@]}"); else packages+=("${debian[@]}"); fi
+packages+=("${show[@]}")
+if [ "${1:-}" = --lint ]; then packages+=("${lint[@]}"); fi
+
+installed() { dpkg-query -W -f '${Status}' "$1" 2>/dev/null | grep -q 'ok installed'; }
+missing=()
+for package in "${packages[@]}"; do installed "$package" || missing+=("$package"); done
+if [ ${#missing[@]} -eq 0 ]; then exit 0; fi
+
+root=()
+if [ "$(id -u)" -ne 0 ]; then root=(sudo); fi
+echo "installing: ${missing[*]}"
+"${root[@]}" apt-get update -q
+# Ubuntu 20.04 has no CLI11: without it only the command-line tools are left out.
+wanted=()
+for package in "${missing[@]}"; do
+  if apt-cache show "$package" >/dev/null 2>&1; then wanted+=("$package"); else echo "not available: $package"; fi
+done
+DEBIAN_FRONTEND=noninteractive "${root[@]}" apt-get install -q -y --no-install-recommends "${wanted[@]}"

@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+# Installs, builds, runs all tests, and reads every result: catkin and rostest know several ways to pass without
+# having tested. The last line is ctest's, unless the results contradict it. Usage: scripts/test.sh [--no-install]
+set -euo pipefail
+root="$(cd "$(dirname "$0")/.." && pwd)"
+build="${BUILD_DIR:-$root/build}"
+
+if [ "${1:-}" != --no-install ]; then "$root/scripts/install_deps.sh"; fi
+"$root/scripts/build.sh"
+
+rm -rf "$build/test_results"
+status=0
+(cd "$build" && ctest --output-on-failure) 2>&1 | tee "$build/ctest.log" || status=$?
+summary="$(grep 'tests passed,' "$build/ctest.log" | tail -n 1)"
+if ! /usr/bin/python3 "$root/scripts/check_results.py" "$build" "$root/test/ros"; then
+  echo "FAILED: the test results do not bear out what ctest says: $summary"
+  exit 1
+fi
+echo "$summary"
+exit "$status"

@@ -1,0 +1,30 @@
+/// Velocity of a device from its poses.
+#pragma once
+
+#include "haptic_cloth/types.h"
+
+namespace haptic_cloth {
+
+/// First-order low pass on the difference quotient, for unevenly spaced samples. Its memory decays with time,
+/// not with samples, so two samples that arrive in one burst (dt near 0) add Δx/τ at most, never Δx/dt.
+class VelocityFilter {
+ public:
+  /// @param time_constant τ [s], > 0
+  /// @param gap a longer pause between samples starts anew from rest [s]
+  VelocityFilter(double time_constant, double gap) : time_constant_(time_constant), gap_(gap) {}
+
+  /// @param time of receipt, steady clock [s]
+  /// @return velocity [m/s]
+  Vec3 update(const Vec3& position, double time);
+
+  void reset() { last_time_ = -1.0; }
+
+ private:
+  double time_constant_;
+  double gap_;
+  double last_time_ = -1.0;
+  Vec3 last_position_ = Vec3::Zero();
+  Vec3 velocity_ = Vec3::Zero();
+};
+
+}  // namespace haptic_cloth

@@ -1,0 +1,119 @@
+#include "ros/diagnostics.h"
+
+#include <cstdio>
+
+namespace haptic_cloth {
+namespace {
+
+using diagnostic_msgs::DiagnosticStatus;
+
+constexpr double kHanging = 2.0;        ///< without news [s]
+constexpr double kRateShare = 0.9;      ///< of the wanted rate that is good enough [-]
+constexpr double kLatenessGood = 1e-3;  ///< 99 % of ticks are less late [s]
+
+void add(DiagnosticStatus& status, const std::string& key, const std::string& value) {
+  diagnostic_msgs::KeyValue entry;
+  entry.key = key;
+  entry.value = value;
+  status.values.push_back(entry);
+}
+
+void add(DiagnosticStatus& status, const std::string& key, double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  add(status, key, std::string(text));
+}
+
+void add(DiagnosticStatus& status, const std::string& key, std::uint64_t value) {
+  add(status, key, std::to_string(value));
+}
+
+void judge(DiagnosticStatus& status, int level, const std::string& message) {
+  status.level = static_cast<DiagnosticStatus::_level_type>(level);
+  status.message = message;
+}
+
+}  // namespace
+
+DiagnosticStatus solverStatus(const SolverStats& stats, bool paused, double now) {
+  DiagnosticStatus status;
+  status.name = "haptic_cloth: solver";
+  if (paused) {
+    judge(status, DiagnosticStatus::OK, "paused");
+  } else if (stats.taken < 0.0 || now - stats.taken > kHanging) {
+    judge(status, DiagnosticStatus::WARN, "no steps");
+  } else if (stats.last.failed || stats.last.minimizer.why == Termination::NotFinite) {
+    judge(status, DiagnosticStatus::WARN, "the last step failed; the last good state was restored");
+  } else {
+    judge(status, DiagnosticStatus::OK, "running");
+  }
+  add(status, "steps per second", stats.wall > 0.0 ? stats.steps / stats.wall : 0.0);
+  add(status, "real-time factor", stats.real_time_factor);
+  add(status, "simulated time [s]", stats.time);
+  add(status, "active particles", static_cast<std::uint64_t>(stats.last.active_particles));
+  add(status, "iterations per step", stats.iterations);
+  add(status, "termination", std::string(toString(stats.last.minimizer.why)));
+  add(status, "residual [|g|]", stats.last.minimizer.residual);
+  add(status, "failed steps", stats.failed);
+  add(status, "kinetic energy [J]", stats.kinetic);
+  return status;
+}
+
+DiagnosticStatus hapticStatus(const HapticStats& stats, double rate, const std::string& scheduling,
+                              double now) {
+  const double measured = stats.wall > 0.0 ? stats.ticks / stats.wall : 0.0;
+  DiagnosticStatus status;
+  status.name = "haptic_cloth: haptic thread";
+  if (stats.taken < 0.0) {
+    judge(status, DiagnosticStatus::OK, "starting");
+  } else if (now - stats.taken > kHanging) {
+    judge(status, DiagnosticStatus::ERROR, "no ticks");
+  } else if (measured < kRateShare * rate || stats.lateness.quantile(0.99) > kLatenessGood) {
+    judge(status, DiagnosticStatus::WARN, "late; " + scheduling);
+  } else {
+    judge(status, DiagnosticStatus::OK, scheduling);
+  }
+  add(status, "rate [Hz]", measured);
+  add(status, "late p50 [us]", 1e6 * stats.lateness.quantile(0.5));
+  add(status, "late p99 [us]", 1e6 * stats.lateness.quantile(0.99));
+  add(status, "late max [us]", 1e6 * stats.lateness.max());
+  add(status, "scheduling", scheduling);
+  add(status, "status", std::string(toString(stats.status)));
+  add(status, "force [N]", stats.force.norm());
+  return status;
+}
+
+DiagnosticStatus inputStatus(const InputCounters& counters) {
+  DiagnosticStatus status;
+  status.name = "haptic_cloth: probe input";
+  const std::uint64_t dropped = counters.dropped();
+  if (counters.received == 0) {
+    judge(status, DiagnosticStatus::OK, "no pose yet");
+  } else if (dropped > 0) {
+    judge(status, DiagnosticStatus::WARN, std::to_string(dropped) + " poses dropped");
+  } else {
+    judge(status, DiagnosticStatus::OK, "receiving");
+  }
+  add(status, "received", counters.received.load());
+  add(status, "dropped", dropped);
+  add(status, "dropped: not finite", counters.not_finite.load());
+  add(status, "dropped: unknown frame", counters.unknown_frame.load());
+  add(status, "dropped: out of order", counters.out_of_order.load());
+  add(status, "dropped: late", counters.late.load());
+  add(status, "taken: bad quaternion", counters.bad_quaternion.load());
+  return status;
+}
+
+DiagnosticStatus displayStatus(std::uint64_t marker_frames, std::uint64_t state_frames, bool master_reachable,
+                               std::uint64_t registrations) {
+  DiagnosticStatus status;
+  status.name = "haptic_cloth: display";
+  judge(status, master_reachable ? DiagnosticStatus::OK : DiagnosticStatus::WARN,
+        master_reachable ? "running" : "ROS master lost; connected peers go on");
+  add(status, "marker frames", marker_frames);
+  add(status, "state frames", state_frames);
+  add(status, "registrations renewed", registrations);
+  return status;
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,28 @@
+/// What /diagnostics says (REP-107). Pure functions.
+#pragma once
+
+#include <diagnostic_msgs/DiagnosticStatus.h>
+
+#include <cstdint>
+#include <string>
+
+#include "ros/device_input.h"
+#include "ros/shared_state.h"
+
+namespace haptic_cloth {
+
+/// @param now steady clock [s]; statistics older than 2 s mean that the thread hangs
+diagnostic_msgs::DiagnosticStatus solverStatus(const SolverStats& stats, bool paused, double now);
+
+/// @param rate that is wanted [Hz]
+/// @param scheduling as given by requestRealTime()
+diagnostic_msgs::DiagnosticStatus hapticStatus(const HapticStats& stats, double rate,
+                                               const std::string& scheduling, double now);
+
+diagnostic_msgs::DiagnosticStatus inputStatus(const InputCounters& counters);
+
+/// @param registrations renewed after the master was lost
+diagnostic_msgs::DiagnosticStatus displayStatus(std::uint64_t marker_frames, std::uint64_t state_frames,
+                                                bool master_reachable, std::uint64_t registrations);
+
+}  // namespace haptic_cloth

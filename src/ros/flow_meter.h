@@ -1,0 +1,49 @@
+/// Whether a topic flows: messages counted, numbers checked.
+#pragma once
+
+#include <ros/node_handle.h>
+
+#include <cmath>
+#include <string>
+
+namespace haptic_cloth {
+
+/// Counts one topic. All calls from one thread.
+struct Flow {
+  std::string name;
+  double wanted = 0.0;  ///< lowest good rate [Hz]
+  long count = 0;       ///< messages since the last clear
+  bool finite = true;   ///< all numbers so far
+
+  void add(bool good) {
+    ++count;
+    finite = finite && good;
+  }
+};
+
+/// What the demonstration sends, counted by a subscriber that can follow 1 kHz.
+class FlowMeter {
+ public:
+  FlowMeter(ros::NodeHandle& node, double reaction_rate, double display_rate);
+
+  /// Whether every topic has sent something.
+  bool allFlow() const;
+  void clear();
+
+  /// One line on the last `seconds`.
+  std::string line(double seconds) const;
+
+  /// One line that begins with PASS or FAIL, on the last `seconds`.
+  std::string verdict(double seconds, bool& passed) const;
+
+ private:
+  Flow reaction_, markers_, state_;
+  double force_ = 0.0;      ///< newest [N]
+  double max_force_ = 0.0;  ///< since clear [N]
+  double height_ = 0.0;     ///< of the proxy [m]
+  std::size_t cells_ = 0;
+  double time_ = 0.0, first_time_ = -1.0;  ///< simulated, newest and first since clear [s]
+  ros::Subscriber reaction_subscriber_, markers_subscriber_, state_subscriber_, proxy_subscriber_;
+};
+
+}  // namespace haptic_cloth

@@ -1,0 +1,92 @@
+/// A live line a second on what flows; with ~seconds > 0 a verdict at the end and as exit code:
+/// 0 all topics flowed at their rates and were finite, 1 they did not.
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include "haptic_cloth/error.h"
+#include "ros/flow_meter.h"
+#include "ros/parameter_group.h"
+#include "ros/steady_clock.h"
+
+namespace {
+
+struct MonitorOptions {
+  double seconds = 0.0;          ///< measured, once everything flows [s]; 0: until interrupted
+  double patience = 30.0;        ///< for the first messages [s]
+  double reaction_rate = 900.0;  ///< lowest good rate [Hz]
+  double display_rate = 20.0;    ///< lowest good rate of markers and state [Hz]
+};
+
+MonitorOptions readOptions(haptic_cloth::ParameterGroup group) {
+  MonitorOptions options;
+  group.read("seconds", options.seconds, true);
+  group.read("patience", options.patience, false);
+  group.read("reaction_rate", options.reaction_rate, true);
+  group.read("display_rate", options.display_rate, true);
+  group.rejectRest();
+  return options;
+}
+
+/// Handles messages until `end` (steady clock [s]) or until ROS is shut down.
+void spinUntil(double end) {
+  for (double left = 1.0; ros::ok() && left > 0.0; left = end - haptic_cloth::steadyNow()) {
+    ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(std::min(left, 0.1)));
+  }
+}
+
+void say(const std::string& line) {
+  std::puts(line.c_str());
+  std::fflush(stdout);
+}
+
+int run(int argc, char** argv) {
+  ros::init(argc, argv, "monitor", ros::init_options::AnonymousName);
+  ros::NodeHandle node, private_node("~");
+  XmlRpc::XmlRpcValue parameters;
+  private_node.getParam(private_node.getNamespace(), parameters);
+  const MonitorOptions options =
+      readOptions(haptic_cloth::ParameterGroup(parameters, private_node.getNamespace() + " (parameters)"));
+
+  // Two meters: one for the line, one for the whole time.
+  haptic_cloth::FlowMeter second(node, options.reaction_rate, options.display_rate);
+  haptic_cloth::FlowMeter whole(node, options.reaction_rate, options.display_rate);
+  const double give_up = haptic_cloth::steadyNow() + options.patience;
+  while (ros::ok() && !whole.allFlow() && haptic_cloth::steadyNow() < give_up) {
+    spinUntil(haptic_cloth::steadyNow() + 0.1);
+  }
+  if (ros::ok() && !whole.allFlow()) say("not everything flows yet");
+
+  second.clear();
+  whole.clear();
+  const double start = haptic_cloth::steadyNow();
+  double last = start;
+  while (ros::ok() && (options.seconds == 0.0 || haptic_cloth::steadyNow() < start + options.seconds)) {
+    spinUntil(last + 1.0);
+    const double now = haptic_cloth::steadyNow();
+    say(second.line(now - last));
+    second.clear();
+    last = now;
+  }
+  if (options.seconds == 0.0) return 0;
+  bool passed = false;
+  say(whole.verdict(last - start, passed));
+  return passed ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const haptic_cloth::InputError& error) {
+    std::fprintf(stderr, "monitor: %s\n", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "monitor: %s\n", error.what());
+    return 1;
+  }
+}

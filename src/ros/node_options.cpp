@@ -1,0 +1,56 @@
+#include "ros/node_options.h"
+
+#include "haptic_cloth/error.h"
+#include "ros/conversions.h"
+#include "ros/parameter_group.h"
+
+namespace haptic_cloth {
+namespace {
+
+using XmlRpc::XmlRpcValue;
+
+void readHaptics(ParameterGroup group, HapticOptions& haptics) {
+  group.read("rate", haptics.rate, false);
+  group.read("max_force", haptics.max_force, false);
+  group.read("max_force_rate", haptics.max_force_rate, false);
+  group.read("soft_start", haptics.soft_start, true);
+  group.read("pose_timeout", haptics.pose_timeout, false);
+  group.read("snapshot_timeout", haptics.snapshot_timeout, false);
+  group.read("ramp_time", haptics.ramp_time, false);
+  group.rejectRest();
+}
+
+}  // namespace
+
+NodeOptions parseNodeOptions(const XmlRpcValue& parameters, const std::string& origin) {
+  NodeOptions options;
+  ParameterGroup root(parameters, origin, "");
+  root.read("frame_id", options.frame_id);
+  root.read("scene_file", options.scene_file);
+  root.read("max_pose_age", options.max_pose_age, true);
+  root.read("probe_timeout", options.probe_timeout, false);
+  root.read("velocity_time_constant", options.velocity_time_constant, false);
+  root.read("step_budget", options.step_budget, true);
+  readHaptics(root.group("haptics"), options.haptics);
+  ParameterGroup markers = root.group("markers");
+  markers.read("rate", options.markers_rate, false);
+  markers.read("force_scale", options.markers_force_scale, false);
+  markers.rejectRest();
+  ParameterGroup state = root.group("state");
+  state.read("rate", options.state_rate, false);
+  state.rejectRest();
+  if (options.frame_id.empty()) throw InputError(origin, "frame_id", "''", "must not be empty");
+
+  const XmlRpcValue scene = root.rest();
+  options.scene = options.scene_file.empty() ? parseScene(toYaml(scene, origin, ""), origin, ".")
+                                             : loadScene(options.scene_file, toOverrides(scene, origin));
+  double& budget = options.scene.solver.minimizer.time_budget;
+  if (options.step_budget > 0.0 && (budget == 0.0 || budget > options.step_budget))
+    budget = options.step_budget;
+  options.haptics.coupling_stiffness = options.scene.probe.coupling_stiffness;
+  options.haptics.coupling_damping = options.scene.probe.coupling_damping;
+  validateHapticOptions(options.haptics, origin);
+  return options;
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,79 @@
+#include "ros/parameter_group.h"
+
+#include <cmath>
+#include <optional>
+
+#include "haptic_cloth/error.h"
+#include "ros/conversions.h"
+
+namespace haptic_cloth {
+
+using XmlRpc::XmlRpcValue;
+
+ParameterGroup::ParameterGroup(const XmlRpcValue& tree, const std::string& origin, const std::string& path)
+    : tree_(tree), origin_(origin), path_(path) {
+  if (tree_.getType() == XmlRpcValue::TypeInvalid || tree_.getType() == XmlRpcValue::TypeStruct) return;
+  throw InputError(origin_, path_, toYaml(tree_, origin_, path_), "must be a map");
+}
+
+bool ParameterGroup::has(const std::string& key) const {
+  return tree_.getType() == XmlRpcValue::TypeStruct && tree_.hasMember(key);
+}
+
+void ParameterGroup::read(const std::string& key, std::string& value) {
+  known_.insert(key);
+  if (!has(key)) return;
+  XmlRpcValue entry = tree_[key];
+  if (entry.getType() != XmlRpcValue::TypeString) fail(key, "must be text");
+  value = static_cast<std::string>(entry);
+}
+
+void ParameterGroup::read(const std::string& key, double& value, bool zero_is_good) {
+  known_.insert(key);
+  if (!has(key)) return;
+  const std::optional<double> number = toNumber(tree_[key]);
+  if (!number) fail(key, "must be a number");
+  if (!std::isfinite(*number) || *number < 0.0 || (*number == 0.0 && !zero_is_good)) {
+    fail(key, zero_is_good ? "must be finite and >= 0" : "must be finite and > 0");
+  }
+  value = *number;
+}
+
+void ParameterGroup::read(const std::string& key, Vec3& value) {
+  known_.insert(key);
+  if (!has(key)) return;
+  const XmlRpcValue entry = tree_[key];
+  if (entry.getType() != XmlRpcValue::TypeArray || entry.size() != 3)
+    fail(key, "must be a list of 3 numbers");
+  for (int k = 0; k < 3; ++k) {
+    const std::optional<double> number = toNumber(entry[k]);
+    if (!number || !std::isfinite(*number)) fail(key, "must be a list of 3 finite numbers");
+    value[k] = *number;
+  }
+}
+
+ParameterGroup ParameterGroup::group(const std::string& key) {
+  known_.insert(key);
+  return {has(key) ? tree_[key] : XmlRpcValue(), origin_, path_ + key + "/"};
+}
+
+XmlRpcValue ParameterGroup::rest() const {
+  XmlRpcValue rest;
+  rest.begin();  // makes it an empty map
+  if (tree_.getType() != XmlRpcValue::TypeStruct) return rest;
+  for (const auto& member : tree_) {
+    if (known_.count(member.first) == 0) rest[member.first] = member.second;
+  }
+  return rest;
+}
+
+void ParameterGroup::rejectRest() const {
+  const XmlRpcValue unknown = rest();
+  if (unknown.size() > 0) throw InputError(origin_, path_ + unknown.begin()->first, "", "unknown parameter");
+}
+
+void ParameterGroup::fail(const std::string& key, const std::string& rule) const {
+  throw InputError(origin_, path_ + key, toYaml(tree_[key], origin_, path_ + key), rule);
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,160 @@
+#include "ros/server.h"
+
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <geometry_msgs/PoseStamped.h>
+#include <geometry_msgs/WrenchStamped.h>
+#include <haptic_cloth/ClothState.h>
+#include <ros/callback_queue.h>
+#include <ros/spinner.h>
+#include <ros/this_node.h>
+#include <std_srvs/Empty.h>
+#include <std_srvs/SetBool.h>
+#include <tf2_ros/transform_listener.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <chrono>
+#include <future>
+#include <vector>
+
+#include "ros/device_input.h"
+#include "ros/display_thread.h"
+#include "ros/haptic_thread.h"
+#include "ros/master_watch.h"
+#include "ros/node_options.h"
+#include "ros/solver_loop.h"
+#include "ros/steady_clock.h"
+#include "ros/topics.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kResetTimeout = 5.0;  ///< [s]
+constexpr double kFlush = 0.05;        ///< for the last wrench to leave the process [s]
+
+NodeOptions readParameters(const ros::NodeHandle& private_node) {
+  XmlRpc::XmlRpcValue tree;
+  private_node.getParam(private_node.getNamespace(), tree);
+  return parseNodeOptions(tree, private_node.getNamespace() + " (parameters)");
+}
+
+DisplayPublishers advertise(ros::NodeHandle& node) {
+  return {node.advertise<visualization_msgs::MarkerArray>(topics::kMarkers, topics::kMarkersQueue),
+          node.advertise<ClothState>(topics::kState, topics::kStateQueue),
+          node.advertise<geometry_msgs::PoseStamped>(topics::kProxy, topics::kProxyQueue),
+          node.advertise<diagnostic_msgs::DiagnosticArray>(topics::kDiagnostics, topics::kDiagnosticsQueue)};
+}
+
+}  // namespace
+
+class HapticClothServer::Implementation {
+ public:
+  Implementation(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
+      : options_(readParameters(private_node)),
+        solver_(options_, shared_),
+        node_(node),
+        private_node_(private_node),
+        transform_listener_(transforms_),
+        input_(options_, transforms_, shared_),
+        reaction_(node_.advertise<geometry_msgs::WrenchStamped>(topics::kReaction, topics::kReactionQueue)),
+        haptics_(options_, reaction_, shared_),
+        master_({private_node_.resolveName(topics::kReset), private_node_.resolveName(topics::kPause),
+                 ros::this_node::getName() + "/get_loggers",
+                 ros::this_node::getName() + "/set_logger_level"}),
+        display_(options_, advertise(node_), input_, haptics_, master_, shared_),
+        pose_spinner_(1, &pose_queue_),
+        service_spinner_(1, &service_queue_) {
+    offerServices();
+    subscribe();
+    start([this] { solver_.run(); });
+    start([this] { haptics_.run(); });
+    start([this] { display_.run(); });
+    start([this] { master_.run(shared_.stop); });
+    pose_spinner_.start();
+    service_spinner_.start();
+  }
+
+  ~Implementation() { stop(); }
+
+  void check() {
+    for (std::future<void>& thread : threads_) {
+      if (!thread.valid() || thread.wait_for(std::chrono::seconds(0)) != std::future_status::ready) continue;
+      stop();
+      thread.get();
+    }
+  }
+
+  void stop() {
+    if (shared_.stop.exchange(true)) return;
+    pose_spinner_.stop();
+    service_spinner_.stop();
+    for (std::future<void>& thread : threads_) thread.wait();
+    sleepUntil(steadyNow() + kFlush);
+  }
+
+ private:
+  template <class Work>
+  void start(Work work) {
+    threads_.push_back(std::async(std::launch::async, work));
+  }
+
+  void subscribe() {
+    // A queue and a thread of its own: a pose waits for no service.
+    ros::SubscribeOptions pose = ros::SubscribeOptions::create<geometry_msgs::PoseStamped>(
+        topics::kPose, topics::kPoseQueue,
+        [this](const geometry_msgs::PoseStamped::ConstPtr& message) { input_.accept(*message); },
+        ros::VoidConstPtr(), &pose_queue_);
+    pose.transport_hints = ros::TransportHints().tcpNoDelay();
+    pose_subscriber_ = node_.subscribe(pose);
+  }
+
+  void offerServices() {
+    private_node_.setCallbackQueue(&service_queue_);
+    reset_service_ = private_node_.advertiseService(topics::kReset, &Implementation::reset, this);
+    pause_service_ = private_node_.advertiseService(topics::kPause, &Implementation::pause, this);
+  }
+
+  bool reset(std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
+    const std::uint64_t wanted = ++shared_.resets_wanted;
+    const double give_up = steadyNow() + kResetTimeout;
+    while (shared_.resets_done < wanted && !shared_.stop && steadyNow() < give_up) {
+      sleepUntil(steadyNow() + 1e-3);
+    }
+    return shared_.resets_done >= wanted;
+  }
+
+  bool pause(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
+    shared_.paused = request.data;
+    response.success = true;
+    response.message = request.data ? "paused" : "running";
+    return true;
+  }
+
+  // Order matters: parameters and scene are checked before anything is offered to others.
+  NodeOptions options_;
+  SharedState shared_;
+  SolverLoop solver_;
+  ros::NodeHandle node_, private_node_;
+  tf2_ros::Buffer transforms_;
+  tf2_ros::TransformListener transform_listener_;
+  DeviceInput input_;
+  ros::Publisher reaction_;
+  HapticThread haptics_;
+  MasterWatch master_;
+  DisplayThread display_;
+  ros::CallbackQueue pose_queue_, service_queue_;
+  ros::Subscriber pose_subscriber_;
+  ros::ServiceServer reset_service_, pause_service_;
+  ros::AsyncSpinner pose_spinner_, service_spinner_;
+  std::vector<std::future<void>> threads_;
+};
+
+HapticClothServer::HapticClothServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
+    : implementation_(std::make_unique<Implementation>(node, private_node)) {}
+
+HapticClothServer::~HapticClothServer() = default;
+
+void HapticClothServer::check() { implementation_->check(); }
+
+void HapticClothServer::stop() { implementation_->stop(); }
+
+}  // namespace haptic_cloth

@@ -1,0 +1,72 @@
+/// What the threads of the node tell each other. Mailboxes have one writer and one reader each, named here.
+#pragma once
+
+#include <ros/time.h>
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "haptic_cloth/haptics.h"
+#include "haptic_cloth/report.h"
+#include "haptic_cloth/simulation.h"
+#include "haptics/lateness.h"
+
+namespace haptic_cloth {
+
+/// A device pose with the exact stamp of its message, for the wrench that answers it.
+struct StampedSample {
+  DeviceSample sample;
+  ros::Time stamp;
+};
+
+/// A copy of what is shown.
+struct DisplayFrame {
+  double time = 0.0;  ///< simulated [s]
+  std::vector<Vec3> positions;
+  std::vector<CellView> cells;
+  std::vector<float> tension, bending;
+  ProbeReport probe;
+  bool valid = false;
+};
+
+/// The solver over one window of about a second.
+struct SolverStats {
+  double taken = -1.0;          ///< steady clock at the end of the window [s]; < 0: none yet
+  double wall = 0.0;            ///< length of the window [s]
+  double time = 0.0;            ///< simulated since reset [s]
+  int steps = 0;                ///< in the window
+  double real_time_factor = 0;  ///< simulated over wall time [-]
+  double iterations = 0.0;      ///< mean a step [-]
+  std::uint64_t failed = 0;     ///< since start
+  double kinetic = 0.0;         ///< [J]
+  StepReport last;
+};
+
+/// The haptic thread over one window of about a second.
+struct HapticStats {
+  double taken = -1.0;  ///< steady clock at the end of the window [s]; < 0: none yet
+  double wall = 0.0;    ///< [s]
+  int ticks = 0;
+  LatenessHistogram lateness;
+  HapticStatus status = HapticStatus::NoPose;
+  Vec3 force = Vec3::Zero();  ///< at the end of the window [N]
+};
+
+struct SharedState {
+  Mailbox<StampedSample> device_for_haptics;  ///< pose callback → haptic thread
+  Mailbox<StampedSample> device_for_solver;   ///< pose callback → solver thread
+  Mailbox<ProbeSnapshot> snapshot;            ///< solver thread → haptic thread
+  Mailbox<DisplayFrame> frame;                ///< solver thread → display thread
+  Mailbox<SolverStats> solver_stats;          ///< solver thread → display thread
+  Mailbox<HapticStats> haptic_stats;          ///< haptic thread → display thread
+  Mailbox<Vec3> force;                        ///< haptic thread → display thread [N]
+
+  std::atomic<bool> stop{false};
+  std::atomic<bool> paused{false};
+  std::atomic<bool> frame_wanted{true};
+  std::atomic<std::uint64_t> resets_wanted{0}, resets_done{0};
+};
+
+}  // namespace haptic_cloth

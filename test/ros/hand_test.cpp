@@ -1,0 +1,49 @@
+/// The demonstration's launch file: a simulated hand in a closed loop with the cloth.
+#include <geometry_msgs/PoseStamped.h>
+#include <gtest/gtest.h>
+#include <ros/ros.h>
+
+#include "ros_test_support.h"
+
+namespace haptic_cloth {
+namespace {
+
+TEST(Hand, PressesFeelsAndLifts) {
+  ros::NodeHandle node;
+  ros::AsyncSpinner spinner(2);
+  spinner.start();
+  ReactionListener reaction(node, "probe/reaction");
+  std::atomic<double> height{-1.0};
+  std::atomic<long> poses{0};
+  const ros::Subscriber pose = node.subscribe<geometry_msgs::PoseStamped>(
+      "probe/pose", 1000, [&](const geometry_msgs::PoseStamped::ConstPtr& message) {
+        height = message->pose.position.z;
+        ++poses;
+      });
+  ASSERT_TRUE(waitFor([&] { return reaction.count() > 0 && poses > 0; }));
+  ASSERT_TRUE(waitFor([&] { return reaction.force().z() > 0.2; })) << "the hand felt nothing";
+  // The cloth lies on a box of 50 mm and the probe's radius is 8 mm: the will goes to 50 mm, the box holds
+  // it.
+  double lowest = height;
+  ASSERT_TRUE(waitFor([&] {
+    lowest = std::min(lowest, height.load());
+    return height > 0.12;
+  })) << "the hand did not lift";
+  EXPECT_GT(lowest, 0.050);
+  EXPECT_LT(lowest, 0.062);
+  EXPECT_TRUE(waitFor([&] { return reaction.force().isZero(0.0); }));
+  EXPECT_TRUE(reaction.finite());
+
+  const long seen_poses = poses, seen_reactions = reaction.count();
+  EXPECT_TRUE(waitFor([&] { return poses > seen_poses && reaction.count() > seen_reactions; }))
+      << "a node died";
+}
+
+}  // namespace
+}  // namespace haptic_cloth
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "ros_hand_test");
+  return RUN_ALL_TESTS();
+}

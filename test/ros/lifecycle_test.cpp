@@ -1,0 +1,151 @@
+/// How the node starts and ends: bad parameters, signals, rosnode kill, a lost master.
+#include <gtest/gtest.h>
+#include <ros/ros.h>
+#include <signal.h>
+#include <std_srvs/Empty.h>
+#include <xmlrpcpp/XmlRpcClient.h>
+
+#include <cstdlib>
+#include <memory>
+
+#include "ros_test_support.h"
+
+namespace haptic_cloth {
+namespace {
+
+const std::string kScene = std::string(HAPTIC_CLOTH_SOURCE_DIR) + "/test/ros/scene.yaml";
+
+std::vector<std::string> nodeCommand(const std::vector<std::string>& parameters) {
+  std::vector<std::string> command{programDirectory() + "/haptic_cloth_node", "__name:=cloth"};
+  command.insert(command.end(), parameters.begin(), parameters.end());
+  return command;
+}
+
+class LifecycleTest : public testing::Test {
+ protected:
+  LifecycleTest() : spinner_(2) { spinner_.start(); }
+  void TearDown() override { ros::param::del("/cloth"); }
+
+  /// A node whose probe presses on the cloth with a force that is felt.
+  void startPressed() {
+    process_ = std::make_unique<Process>(nodeCommand({"_scene_file:=" + kScene}));
+    reaction_ = std::make_unique<ReactionListener>(node_, "probe/reaction");
+    device_ = std::make_unique<TestDevice>(node_, Vec3(0.0, 0.0, 0.125));
+    device_->moveTo(Vec3(0.0, 0.0, 0.100));
+    ASSERT_TRUE(waitFor([this] { return reaction_->force().z() > 0.1; })) << process_->output();
+  }
+
+  void expectZeroAtTheEnd() {
+    EXPECT_EQ(process_->wait(), 0) << process_->output();
+    EXPECT_TRUE(waitFor([this] { return reaction_->force() == Vec3::Zero(); })) << "the force was left on";
+    EXPECT_TRUE(reaction_->finite());
+  }
+
+  void expectRefused(const std::vector<std::string>& parameters, const std::string& word) {
+    Process process(nodeCommand(parameters));
+    EXPECT_EQ(process.wait(), 2) << process.output();
+    EXPECT_NE(process.output().find(word), std::string::npos) << process.output();
+    ros::param::del("/cloth");
+  }
+
+  ros::NodeHandle node_;
+  ros::AsyncSpinner spinner_;
+  std::unique_ptr<Process> process_;
+  std::unique_ptr<ReactionListener> reaction_;
+  std::unique_ptr<TestDevice> device_;
+};
+
+TEST_F(LifecycleTest, SigtermSendsZeroLast) {
+  startPressed();
+  process_->signal(SIGTERM);
+  expectZeroAtTheEnd();
+}
+
+TEST_F(LifecycleTest, SigintSendsZeroLast) {
+  startPressed();
+  process_->signal(SIGINT);
+  expectZeroAtTheEnd();
+}
+
+TEST_F(LifecycleTest, RosnodeKillSendsZeroLast) {
+  startPressed();
+  Process kill({"rosnode", "kill", "/cloth"});
+  EXPECT_EQ(kill.wait(), 0) << kill.output();
+  expectZeroAtTheEnd();
+}
+
+TEST_F(LifecycleTest, BadParametersAreNamed) {
+  const std::string scene = "_scene_file:=" + kScene;
+  expectRefused({}, "cloth");
+  expectRefused({scene, "_colour:=red"}, "colour");
+  expectRefused({scene, "_haptics/max_farce:=3.0"}, "haptics/max_farce");
+  expectRefused({scene, "_haptics/max_force:=-1.0"}, "haptics/max_force");
+  expectRefused({scene, "_max_pose_age:=soon"}, "max_pose_age");
+  expectRefused({scene, "_probe/radius:=-0.01"}, "probe.radius");
+  expectRefused({"_scene_file:=/nowhere/scene.yaml"}, "/nowhere/scene.yaml");
+}
+
+/// A master on a port of its own, which can be killed without harm to the test's.
+class OwnMaster {
+ public:
+  OwnMaster() : port_(20000 + getpid() % 10000) { start(); }
+  void start() {
+    process_ = std::make_unique<Process>(
+        std::vector<std::string>{"rosmaster", "--core", "-p", std::to_string(port_)});
+  }
+  void kill() {
+    process_->signal(SIGKILL);
+    process_->wait();
+  }
+  std::string uri() const { return "ROS_MASTER_URI=http://localhost:" + std::to_string(port_) + "/"; }
+  /// @return whether the master knows a node, and answers at all
+  bool knows(const std::string& node) const { return ask("lookupNode", node); }
+  bool knowsService(const std::string& service) const { return ask("lookupService", service); }
+
+ private:
+  bool ask(const std::string& method, const std::string& name) const {
+    XmlRpc::XmlRpcClient client("localhost", port_, "/");
+    XmlRpc::XmlRpcValue request, response;
+    request[0] = "/test";
+    request[1] = name;
+    return client.execute(method.c_str(), request, response) && !client.isFault() &&
+           response.getType() == XmlRpc::XmlRpcValue::TypeArray && static_cast<int>(response[0]) == 1;
+  }
+
+  int port_;
+  std::unique_ptr<Process> process_;
+};
+
+TEST_F(LifecycleTest, WaitsForTheMasterAndCanBeStoppedMeanwhile) {
+  Process process(nodeCommand({}), {"ROS_MASTER_URI=http://localhost:9/"});
+  ASSERT_TRUE(waitFor([&] { return process.output().find("waiting") != std::string::npos; }));
+  process.signal(SIGTERM);
+  EXPECT_EQ(process.wait(), 0);
+}
+
+TEST_F(LifecycleTest, ANewMasterFindsTheNodeAgain) {
+  OwnMaster master;
+  Process process(nodeCommand({"_scene_file:=" + kScene}), {master.uri()});
+  ASSERT_TRUE(waitFor([&] { return master.knowsService("/cloth/reset"); })) << process.output();
+  master.kill();
+  EXPECT_TRUE(waitFor([&] { return process.output().find("master lost") != std::string::npos; }));
+  EXPECT_TRUE(process.running());
+  master.start();
+  EXPECT_TRUE(waitFor([&] { return master.knowsService("/cloth/reset"); })) << process.output();
+  EXPECT_TRUE(master.knows("/cloth"));
+
+  // Someone new finds the topic and gets the force: rostopic echo ends after one message.
+  Process echo({"rostopic", "echo", "-n1", "/probe/reaction"}, {master.uri()});
+  EXPECT_EQ(echo.wait(), 0) << echo.output();
+  process.signal(SIGTERM);
+  EXPECT_EQ(process.wait(), 0);
+}
+
+}  // namespace
+}  // namespace haptic_cloth
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "ros_lifecycle_test");
+  return RUN_ALL_TESTS();
+}

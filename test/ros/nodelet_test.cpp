@@ -1,0 +1,51 @@
+/// The nodelet: loads, is felt, leaves no force when it is unloaded, and refuses bad parameters.
+#include <gtest/gtest.h>
+#include <nodelet/NodeletLoad.h>
+#include <nodelet/NodeletUnload.h>
+#include <ros/ros.h>
+
+#include "ros_test_support.h"
+
+namespace haptic_cloth {
+namespace {
+
+bool load(const std::string& name) {
+  nodelet::NodeletLoad request;
+  request.request.name = name;
+  request.request.type = "haptic_cloth/HapticCloth";
+  return ros::service::call("/manager/load_nodelet", request) && request.response.success;
+}
+
+bool unload(const std::string& name) {
+  nodelet::NodeletUnload request;
+  request.request.name = name;
+  return ros::service::call("/manager/unload_nodelet", request) && request.response.success;
+}
+
+TEST(Nodelet, LoadsIsFeltAndUnloadsWithoutForce) {
+  ros::NodeHandle node;
+  ros::AsyncSpinner spinner(2);
+  spinner.start();
+  ASSERT_TRUE(ros::service::waitForService("/manager/load_nodelet", ros::Duration(kPatience)));
+  ReactionListener reaction(node, "probe/reaction");
+  TestDevice device(node, Vec3(0.0, 0.0, 0.125));
+  ASSERT_TRUE(load("/cloth"));
+  device.moveTo(Vec3(0.0, 0.0, 0.100));
+  ASSERT_TRUE(waitFor([&] { return reaction.force().z() > 0.1; }));
+  ASSERT_TRUE(unload("/cloth"));
+  EXPECT_TRUE(waitFor([&] { return reaction.force() == Vec3::Zero(); }));
+
+  ros::param::set("/bad/scene_file", "/nowhere.yaml");
+  EXPECT_FALSE(load("/bad")) << "without a scene there is nothing to run";
+  ASSERT_TRUE(load("/cloth")) << "the manager must have survived";
+  EXPECT_TRUE(waitFor([&] { return reaction.force().z() > 0.1; }));
+}
+
+}  // namespace
+}  // namespace haptic_cloth
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "ros_nodelet_test");
+  return RUN_ALL_TESTS();
+}

@@ -1,0 +1,102 @@
+/// What the node tests share: a device, listeners that wait for conditions, and processes of their own.
+#pragma once
+
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <geometry_msgs/PoseStamped.h>
+#include <geometry_msgs/WrenchStamped.h>
+#include <ros/ros.h>
+#include <sys/types.h>
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "haptic_cloth/types.h"
+
+namespace haptic_cloth {
+
+/// Long enough for a busy machine; a test waits for its condition, never for this [s].
+constexpr double kPatience = 30.0;
+
+/// @return whether `condition` came true within `seconds`
+bool waitFor(const std::function<bool()>& condition, double seconds = kPatience);
+
+/// The directory of this program, where those under test lie too.
+std::string programDirectory();
+
+/// A device at 500 Hz that moves towards its target at 0.1 m/s.
+class TestDevice {
+ public:
+  TestDevice(ros::NodeHandle& node, const Vec3& start);
+  ~TestDevice();
+  void moveTo(const Vec3& target);
+  bool arrived() const { return arrived_; }
+  /// Silence: no more poses until resume().
+  void silence() { silent_ = true; }
+  void resume() { silent_ = false; }
+
+ private:
+  void run();
+  ros::Publisher publisher_;
+  std::mutex mutex_;
+  Vec3 position_, target_;
+  std::atomic<bool> silent_{false}, arrived_{false}, stop_{false};
+  std::thread thread_;
+};
+
+/// Everything that came on probe/reaction.
+class ReactionListener {
+ public:
+  ReactionListener(ros::NodeHandle& node, const std::string& topic);
+  long count() const { return count_; }
+  bool finite() const { return finite_; }
+  geometry_msgs::WrenchStamped last() const;
+  Vec3 force() const;
+
+ private:
+  ros::Subscriber subscriber_;
+  mutable std::mutex mutex_;
+  geometry_msgs::WrenchStamped last_;
+  std::atomic<long> count_{0};
+  std::atomic<bool> finite_{true};
+};
+
+/// The newest diagnostics of the node.
+class DiagnosticsListener {
+ public:
+  explicit DiagnosticsListener(ros::NodeHandle& node);
+  /// "" until it has been heard. @param part "solver", "haptic thread", "probe input", "display"
+  std::string value(const std::string& part, const std::string& key) const;
+  double number(const std::string& part, const std::string& key) const;
+  long count() const { return count_; }
+
+ private:
+  ros::Subscriber subscriber_;
+  mutable std::mutex mutex_;
+  std::map<std::string, std::string> values_;
+  std::atomic<long> count_{0};
+};
+
+/// A child process whose standard output and error are kept.
+class Process {
+ public:
+  /// @param environment "NAME=VALUE" in addition to that of this process
+  Process(const std::vector<std::string>& command, const std::vector<std::string>& environment = {});
+  ~Process();
+  void signal(int number) const;
+  bool running();
+  /// @return exit code, 128 + signal, or -1 if it still runs after `seconds`
+  int wait(double seconds = kPatience);
+  std::string output() const;
+
+ private:
+  pid_t pid_ = -1;
+  int code_ = -1;
+  std::string output_file_;
+};
+
+}  // namespace haptic_cloth

@@ -1,0 +1,368 @@
+/// The pure functions between ROS and the library: conversions, parameters, the pose gate, markers,
+/// diagnostics.
+#include "ros/conversions.h"
+
+#include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
+
+#include <cmath>
+#include <limits>
+
+#include "haptic_cloth/error.h"
+#include "haptic_cloth/simulation.h"
+#include "ros/diagnostics.h"
+#include "ros/hand_model.h"
+#include "ros/markers.h"
+#include "ros/node_options.h"
+#include "ros/pose_gate.h"
+
+namespace haptic_cloth {
+namespace {
+
+using XmlRpc::XmlRpcValue;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// A YAML node as rosparam puts it on the parameter server.
+XmlRpcValue toParameter(const YAML::Node& node) {
+  XmlRpcValue value;
+  if (node.IsMap()) {
+    value.begin();
+    for (const auto& member : node) value[member.first.as<std::string>()] = toParameter(member.second);
+  } else if (node.IsSequence()) {
+    value.setSize(static_cast<int>(node.size()));
+    for (std::size_t i = 0; i < node.size(); ++i) value[static_cast<int>(i)] = toParameter(node[i]);
+  } else {
+    int whole;
+    double number;
+    const std::string text = node.as<std::string>();
+    if (node.Tag() != "!" && YAML::convert<int>::decode(node, whole)) {
+      value = whole;
+    } else if (node.Tag() != "!" && YAML::convert<double>::decode(node, number)) {
+      value = number;
+    } else {
+      value = text;
+    }
+  }
+  return value;
+}
+
+XmlRpcValue sceneParameters() {
+  return toParameter(YAML::LoadFile(std::string(HAPTIC_CLOTH_SOURCE_DIR) + "/test/ros/scene.yaml"));
+}
+
+std::string messageOf(const XmlRpcValue& parameters) {
+  try {
+    parseNodeOptions(parameters, "/cloth (parameters)");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Conversions, PointAndPoseKeepEveryBit) {
+  const Vec3 position(1.0 / 3.0, -2e-17, 3e5);
+  EXPECT_EQ(toVec3(toPoint(position)), position);
+  const Quat turned(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
+  EXPECT_EQ(toQuat(toPose(position, turned).orientation).coeffs(), turned.coeffs());
+}
+
+TEST(Conversions, FiniteAndUnit) {
+  geometry_msgs::Pose pose = toPose(Vec3(1, 2, 3));
+  EXPECT_TRUE(isFinite(pose));
+  pose.orientation.y = kNaN;
+  EXPECT_FALSE(isFinite(pose));
+  pose = toPose(Vec3(1, std::numeric_limits<double>::infinity(), 3));
+  EXPECT_FALSE(isFinite(pose));
+  geometry_msgs::Quaternion orientation;
+  EXPECT_FALSE(isUnit(orientation));
+  orientation.w = 1.05;
+  EXPECT_TRUE(isUnit(orientation));
+  orientation.w = 1.2;
+  EXPECT_FALSE(isUnit(orientation));
+}
+
+TEST(Conversions, Transformed) {
+  geometry_msgs::TransformStamped transform;
+  transform.transform.translation.z = 1.0;
+  transform.transform.rotation.z = transform.transform.rotation.w = std::sqrt(0.5);
+  EXPECT_TRUE(transformed(transform, Vec3(1, 0, 0)).isApprox(Vec3(0, 1, 1), 1e-12));
+}
+
+TEST(Conversions, Wrench) {
+  const auto wrench = toWrench(Vec3(1, 2, 3), ros::Time(5, 6), "frame");
+  EXPECT_EQ(wrench.wrench.force.y, 2.0);
+  EXPECT_EQ(wrench.wrench.torque.x, 0.0);
+  EXPECT_EQ(wrench.header.stamp, ros::Time(5, 6));
+  EXPECT_EQ(wrench.header.frame_id, "frame");
+}
+
+TEST(Conversions, YamlOfEveryType) {
+  XmlRpcValue tree;
+  tree["b"] = true;
+  tree["i"] = -7;
+  tree["d"] = 0.1;
+  tree["s"] = std::string("a \"b\": [c]\n\\");
+  tree["late_number"] = std::string("1e-3");
+  tree["list"][0] = 1.5;
+  tree["list"][1] = std::string("two");
+  tree["map"]["inner"] = 1e300;
+  tree["empty"].setSize(0);
+  const YAML::Node node = YAML::Load(toYaml(tree, "test", ""));
+  EXPECT_TRUE(node["b"].as<bool>());
+  EXPECT_EQ(node["i"].as<int>(), -7);
+  EXPECT_EQ(node["d"].as<double>(), 0.1);
+  EXPECT_EQ(node["s"].as<std::string>(), "a \"b\": [c]\n\\");
+  EXPECT_EQ(node["late_number"].as<double>(), 1e-3);
+  EXPECT_EQ(node["list"][1].as<std::string>(), "two");
+  EXPECT_EQ(node["map"]["inner"].as<double>(), 1e300);
+  EXPECT_EQ(node["empty"].size(), 0u);
+  XmlRpcValue binary(const_cast<char*>("x"), 1);
+  EXPECT_THROW(toYaml(binary, "test", "key"), InputError);
+}
+
+TEST(Conversions, Overrides) {
+  XmlRpcValue tree;
+  tree["probe"]["radius"] = 0.5;
+  tree["cloth"]["particles"][0] = 17;
+  tree["cloth"]["particles"][1] = 33;
+  EXPECT_EQ(toOverrides(tree, "test"),
+            (std::vector<std::string>{"cloth.particles=[17, 33]", "probe.radius=0.5"}));
+  EXPECT_TRUE(toOverrides(XmlRpcValue(), "test").empty());
+}
+
+TEST(Conversions, ClothState) {
+  DisplayFrame frame;
+  frame.time = 2.5;
+  for (int i = 0; i < 9; ++i) frame.positions.push_back(Vec3(i, 2 * i, 3 * i));
+  // Two cells of a 3 x 3 grid that share the side (1, 4).
+  frame.cells = {{{0, 1, 3, 4}, 0}, {{1, 2, 4, 5}, 0}};
+  frame.tension = {1.0F, 2.0F};
+  frame.bending = {3.0F, 4.0F};
+  ClothState state;
+  std::vector<int> scratch;
+  toClothState(frame, 3, 3, scratch, state);
+  toClothState(frame, 3, 3, scratch, state);
+  EXPECT_EQ(state.particles, (std::vector<std::uint32_t>{0, 1, 3, 4, 2, 5}));
+  EXPECT_EQ(state.corners, (std::vector<std::uint32_t>{0, 1, 2, 3, 1, 4, 3, 5}));
+  EXPECT_EQ(state.positions[3 * 4 + 1], 4.0F);
+  EXPECT_EQ(state.tension[1], 2.0F);
+}
+
+TEST(NodeOptions, TheShippedSettingsAreTheDefaults) {
+  XmlRpcValue parameters = sceneParameters();
+  const NodeOptions plain = parseNodeOptions(parameters, "test");
+  const YAML::Node shipped = YAML::LoadFile(std::string(HAPTIC_CLOTH_SOURCE_DIR) + "/config/node.yaml");
+  for (const auto& entry : toParameter(shipped)) parameters[entry.first] = entry.second;
+  const NodeOptions loaded = parseNodeOptions(parameters, "test");
+  EXPECT_EQ(loaded.frame_id, plain.frame_id);
+  EXPECT_EQ(loaded.scene_file, plain.scene_file);
+  EXPECT_EQ(loaded.max_pose_age, plain.max_pose_age);
+  EXPECT_EQ(loaded.probe_timeout, plain.probe_timeout);
+  EXPECT_EQ(loaded.velocity_time_constant, plain.velocity_time_constant);
+  EXPECT_EQ(loaded.step_budget, plain.step_budget);
+  EXPECT_EQ(loaded.markers_rate, plain.markers_rate);
+  EXPECT_EQ(loaded.markers_force_scale, plain.markers_force_scale);
+  EXPECT_EQ(loaded.state_rate, plain.state_rate);
+  EXPECT_EQ(loaded.haptics.rate, plain.haptics.rate);
+  EXPECT_EQ(loaded.haptics.max_force, plain.haptics.max_force);
+  EXPECT_EQ(loaded.haptics.max_force_rate, plain.haptics.max_force_rate);
+  EXPECT_EQ(loaded.haptics.soft_start, plain.haptics.soft_start);
+  EXPECT_EQ(loaded.haptics.pose_timeout, plain.haptics.pose_timeout);
+  EXPECT_EQ(loaded.haptics.snapshot_timeout, plain.haptics.snapshot_timeout);
+  EXPECT_EQ(loaded.haptics.ramp_time, plain.haptics.ramp_time);
+  // Every key of the code stands in the file: 8 above the groups, of which haptics has 7, markers 2, state 1.
+  EXPECT_EQ(shipped.size(), 9u);
+  EXPECT_EQ(shipped["haptics"].size(), 7u);
+  EXPECT_EQ(shipped["markers"].size(), 2u);
+  EXPECT_EQ(shipped["state"].size(), 1u);
+}
+
+TEST(NodeOptions, SceneByParametersOrByFile) {
+  XmlRpcValue parameters = sceneParameters();
+  parameters["haptics"]["max_force"] = 2;
+  const NodeOptions direct = parseNodeOptions(parameters, "test");
+  EXPECT_EQ(direct.scene.cloth.particles[0], 17);
+  EXPECT_EQ(direct.scene.cloth.pins.size(), 4u);
+  EXPECT_EQ(direct.haptics.max_force, 2.0);
+
+  XmlRpcValue file;
+  file["scene_file"] = std::string(HAPTIC_CLOTH_SOURCE_DIR) + "/test/ros/scene.yaml";
+  file["probe"]["coupling_stiffness"] = 250.0;
+  const NodeOptions loaded = parseNodeOptions(file, "test");
+  EXPECT_EQ(loaded.scene.cloth.particles[0], 17);
+  EXPECT_EQ(loaded.scene.probe.coupling_stiffness, 250.0);
+  EXPECT_EQ(loaded.haptics.coupling_stiffness, 250.0);
+}
+
+TEST(NodeOptions, TheBudgetOfAStepIsTheSmallerOne) {
+  XmlRpcValue parameters = sceneParameters();
+  EXPECT_EQ(parseNodeOptions(parameters, "test").scene.solver.minimizer.time_budget, 0.025);
+  parameters["solver"]["time_budget"] = 0.01;
+  EXPECT_EQ(parseNodeOptions(parameters, "test").scene.solver.minimizer.time_budget, 0.01);
+  parameters["solver"]["time_budget"] = 0.5;
+  EXPECT_EQ(parseNodeOptions(parameters, "test").scene.solver.minimizer.time_budget, 0.025);
+  parameters["step_budget"] = 0;
+  EXPECT_EQ(parseNodeOptions(parameters, "test").scene.solver.minimizer.time_budget, 0.5);
+}
+
+TEST(NodeOptions, BadOnesAreNamed) {
+  const auto with = [](const std::string& key, const XmlRpcValue& value) {
+    XmlRpcValue parameters = sceneParameters();
+    parameters[key] = value;
+    return messageOf(parameters);
+  };
+  EXPECT_EQ(messageOf(sceneParameters()), "");
+  EXPECT_NE(with("frame_id", 7).find("frame_id = 7: must be text"), std::string::npos);
+  EXPECT_NE(with("max_pose_age", -1.0).find("max_pose_age = -1: must be finite and >= 0"), std::string::npos);
+  EXPECT_NE(with("max_pose_age", kNaN).find("max_pose_age"), std::string::npos);
+  EXPECT_NE(with("haptics", 3).find("must be a map"), std::string::npos);
+  EXPECT_NE(with("tpyo", 3).find("tpyo"), std::string::npos);
+  XmlRpcValue group;
+  group["max_farce"] = 3;
+  EXPECT_NE(with("haptics", group).find("haptics/max_farce: unknown parameter"), std::string::npos);
+  EXPECT_NE(messageOf(XmlRpcValue()).find("/cloth (parameters)"), std::string::npos);
+}
+
+geometry_msgs::PoseStamped poseAt(double stamp) {
+  geometry_msgs::PoseStamped pose;
+  pose.pose = toPose(Vec3::Zero());
+  pose.header.stamp = ros::Time(stamp);
+  return pose;
+}
+
+TEST(PoseGate, Stamps) {
+  PoseGate gate(0.2);
+  const ros::Time now(100.0);
+  EXPECT_EQ(gate.judge(poseAt(99.9), now), PoseVerdict::Accepted);
+  EXPECT_EQ(gate.judge(poseAt(99.9), now), PoseVerdict::Accepted);
+  EXPECT_EQ(gate.judge(poseAt(99.85), now), PoseVerdict::OutOfOrder);
+  EXPECT_EQ(gate.judge(poseAt(99.7), now), PoseVerdict::Late);
+  EXPECT_EQ(gate.judge(poseAt(0.0), now), PoseVerdict::Accepted);
+  EXPECT_EQ(gate.judge(poseAt(99.95), now), PoseVerdict::Accepted);
+  // The clock was set back by 50 s.
+  EXPECT_EQ(gate.judge(poseAt(50.0), ros::Time(50.0)), PoseVerdict::Accepted);
+  EXPECT_EQ(gate.judge(poseAt(49.9), ros::Time(50.0)), PoseVerdict::OutOfOrder);
+}
+
+TEST(PoseGate, NoAgeLimit) {
+  PoseGate gate(0.0);
+  EXPECT_EQ(gate.judge(poseAt(10.0), ros::Time(1e9)), PoseVerdict::Accepted);
+}
+
+TEST(PoseGate, NotFinite) {
+  PoseGate gate(0.2);
+  geometry_msgs::PoseStamped pose = poseAt(0.0);
+  pose.pose.position.y = kNaN;
+  EXPECT_EQ(gate.judge(pose, ros::Time(1.0)), PoseVerdict::NotFinite);
+}
+
+class MarkersTest : public testing::Test {
+ protected:
+  MarkersTest() {
+    XmlRpcValue parameters = sceneParameters();
+    const YAML::Node obstacles = YAML::Load(
+        "[{shape: box, size: [0.1, 0.2, 0.3]}, {shape: sphere, radius: 0.05}, {shape: plane},"
+        " {shape: cylinder, radius: 0.02, length: 0.3}, {shape: capsule, radius: 0.02, length: 0.3}]");
+    parameters["obstacles"] = toParameter(obstacles);
+    scene_ = parseNodeOptions(parameters, "test").scene;
+    Simulation simulation(scene_);
+    simulation.positions(frame_.positions);
+    simulation.cells(frame_.cells);
+  }
+  Scene scene_;
+  DisplayFrame frame_;
+};
+
+TEST_F(MarkersTest, CountsStayTheSameForEveryMesh) {
+  MarkerBuilder builder(scene_, "world", 0.05);
+  const auto first = builder.build(frame_, Vec3::Zero(), ros::Time(1.0));
+  frame_.cells = {{{0, 16, 16 * 17, 17 * 17 - 1}, 4}};  // one coarse cell
+  const auto second = builder.build(frame_, Vec3(0, 0, 1), ros::Time(2.0));
+  ASSERT_EQ(first.markers.size(), second.markers.size());
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(first.markers[k].points.size(), second.markers[k].points.size());
+    EXPECT_EQ(first.markers[k].points.size(), first.markers[k].colors.size());
+  }
+  EXPECT_EQ(first.markers[0].points.size() % 3, 0u);
+  EXPECT_EQ(first.markers[1].points.size() % 2, 0u);
+}
+
+TEST_F(MarkersTest, EveryMarkerIsOneThatRvizTakes) {
+  MarkerBuilder builder(scene_, "world", 0.05);
+  std::set<std::pair<std::string, int>> names;
+  for (const auto& marker : builder.build(frame_, Vec3(0, 0, 1), ros::Time(1.0)).markers) {
+    EXPECT_TRUE(names.emplace(marker.ns, marker.id).second);
+    EXPECT_TRUE(isUnit(marker.pose.orientation));
+    EXPECT_TRUE(isFinite(marker.pose));
+    EXPECT_GT(marker.scale.x, 0.0);
+    EXPECT_EQ(marker.header.frame_id, "world");
+    for (const auto& point : marker.points) ASSERT_TRUE(toVec3(point).allFinite());
+  }
+  // Surface, mesh, probe, proxy, force; box, sphere, plane, cylinder, and a capsule of three parts.
+  EXPECT_EQ(names.size(), 5u + 7u);
+}
+
+TEST_F(MarkersTest, TheForceArrowPointsAlongTheForce) {
+  MarkerBuilder builder(scene_, "world", 0.05);
+  frame_.probe.present = true;
+  frame_.probe.proxy = Vec3(0.1, 0.2, 0.3);
+  const auto& arrow = builder.build(frame_, Vec3(0, 0, 2.0), ros::Time(1.0)).markers[4];
+  EXPECT_EQ(arrow.action, visualization_msgs::Marker::ADD);
+  EXPECT_TRUE((toVec3(arrow.points[1]) - toVec3(arrow.points[0])).isApprox(Vec3(0, 0, 0.1), 1e-12));
+  EXPECT_EQ(builder.build(frame_, Vec3::Zero(), ros::Time(1.0)).markers[4].action,
+            visualization_msgs::Marker::DELETE);
+}
+
+TEST(Diagnostics, LevelsSayWhatIsWrong) {
+  using diagnostic_msgs::DiagnosticStatus;
+  EXPECT_EQ(solverStatus(SolverStats(), false, 10.0).level, DiagnosticStatus::WARN);
+  EXPECT_EQ(solverStatus(SolverStats(), true, 10.0).level, DiagnosticStatus::OK);
+  SolverStats solver;
+  solver.taken = 9.5;
+  EXPECT_EQ(solverStatus(solver, false, 10.0).level, DiagnosticStatus::OK);
+  solver.last.failed = true;
+  EXPECT_EQ(solverStatus(solver, false, 10.0).level, DiagnosticStatus::WARN);
+
+  HapticStats haptic;
+  haptic.taken = 9.5;
+  haptic.wall = 1.0;
+  haptic.ticks = 1000;
+  EXPECT_EQ(hapticStatus(haptic, 1000.0, "SCHED_FIFO", 10.0).level, DiagnosticStatus::OK);
+  haptic.ticks = 800;
+  EXPECT_EQ(hapticStatus(haptic, 1000.0, "SCHED_FIFO", 10.0).level, DiagnosticStatus::WARN);
+  EXPECT_EQ(hapticStatus(haptic, 1000.0, "SCHED_FIFO", 20.0).level, DiagnosticStatus::ERROR);
+
+  InputCounters counters;
+  EXPECT_EQ(inputStatus(counters).level, DiagnosticStatus::OK);
+  counters.received = 5;
+  counters.late = 2;
+  EXPECT_EQ(inputStatus(counters).level, DiagnosticStatus::WARN);
+  EXPECT_EQ(displayStatus(0, 0, false, 0).level, DiagnosticStatus::WARN);
+}
+
+TEST(HandModel, TheWillIsContinuousAndRepeats) {
+  const HandOptions options;
+  Vec3 last = handTarget(options, 0.0);
+  EXPECT_EQ(last, options.start);
+  bool pressed = false;
+  for (double time = 0.0; time < 20.0; time += 1e-3) {
+    const Vec3 target = handTarget(options, time);
+    // Fastest: 9 cm in 1 s with a smooth step, whose peak is 1.5 times the mean.
+    EXPECT_LT((target - last).norm(), 2e-4) << time;
+    pressed = pressed || target == options.press;
+    last = target;
+  }
+  EXPECT_TRUE(pressed);
+}
+
+TEST(HandModel, ReactionAndWillBalance) {
+  HandOptions options;
+  HandModel hand(options);
+  Vec3 position;
+  for (int i = 0; i < 5000; ++i) position = hand.step(options.start, Vec3(0, 0, 1.5), 1e-3);
+  EXPECT_NEAR(position.z() - options.start.z(), 1.5 / options.stiffness, 1e-9);
+}
+
+}  // namespace
+}  // namespace haptic_cloth
