@@ -154,7 +154,6 @@ void ClothWorld::minimise(StepReport& report) {
   const double at_rest = objective.evaluate(start_, gradient_);
   Sums parts;
   energy_before_ = objective.internalEnergy(parts) + objective.couplingEnergy() + objective.lossPotential();
-  objective.buildPreconditioner(scene.solver.minimizer.preconditioner);
 
   for (int n = 0; n < mesh.free; ++n) motion_.segment<3>(3 * n) = h * velocities_[n];
   if (probe_step_.present) motion_.segment<3>(3 * mesh.free) = h * probe.velocity;
@@ -162,7 +161,11 @@ void ClothWorld::minimise(StepReport& report) {
   const int size = objective.size();
   x_.head(size) = start_.head(size) + step * motion_.head(size);
   const double moving = objective.evaluate(x_, gradient_);
-  if (!(moving < at_rest)) x_.head(size) = start_.head(size);
+  if (!(moving < at_rest)) {
+    x_.head(size) = start_.head(size);
+    objective.evaluate(x_, gradient_);
+  }
+  objective.buildPreconditioner(scene.solver.minimizer.preconditioner);
   report.minimizer = minimizer_.minimize(objective, x_, team);
 }
 
