@@ -22,6 +22,7 @@ ClothObjective::ClothObjective(const Scene& scene, const ActiveMesh& mesh, Inter
       contacts_(contacts),
       team_(team),
       gravity_(scene.gravity),
+      preconditioner_(scene.solver.minimizer.preconditioner),
       h_(scene.solver.time_step),
       air_damping_(scene.air_damping),
       coupling_stiffness_(scene.probe.coupling_stiffness),
@@ -150,11 +151,11 @@ double ClothObjective::curvature() {
   return value;
 }
 
-void ClothObjective::buildPreconditioner(Preconditioner kind) {
+void ClothObjective::fitPreconditioner() {
   const double inertia = (1.0 + air_damping_ * h_) / (h_ * h_);
   std::fill(diagonal_.begin(), diagonal_.end(), Vec3::Zero());
   Vec3 proxy = Vec3::Constant(coupling_stiffness_ + coupling_damping_ / h_);
-  if (kind == Preconditioner::Jacobi) {
+  if (preconditioner_ == Preconditioner::Jacobi) {
     internal_.addDiagonal(diagonal_);
     for (int n = 0; n < mesh_.nodes(); ++n) contacts_.addDiagonal(n, diagonal_[n]);
     mesh_.handOverGhosts(diagonal_, 0.25);

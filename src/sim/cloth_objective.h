@@ -39,11 +39,9 @@ class ClothObjective : public Objective {
   int size() const override { return 3 * (mesh_.free + (probe_.present ? 1 : 0)); }
   double evaluate(const Vector& x, Vector& gradient) override;
   Along along(const Vector& d) override;
+  void fitPreconditioner() override;
   void precondition(const Vector& gradient, Vector& z) const override;
   double residual(const Vector& gradient) const override;
-
-  /// Builds the preconditioner from H⁺ at the last evaluated point.
-  void buildPreconditioner(Preconditioner kind);
 
   /// Unknowns from node values and proxy, for begin()'s mesh.
   void pack(const std::vector<Vec3>& nodes, const Vec3& proxy, Vector& x) const;
@@ -70,6 +68,7 @@ class ClothObjective : public Objective {
   ContactSet& contacts_;
   Team& team_;
   Vec3 gravity_;
+  Preconditioner preconditioner_;
   double h_, air_damping_, coupling_stiffness_, coupling_damping_;
 
   ProbeStep probe_;

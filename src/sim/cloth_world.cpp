@@ -161,11 +161,7 @@ void ClothWorld::minimise(StepReport& report) {
   const int size = objective.size();
   x_.head(size) = start_.head(size) + step * motion_.head(size);
   const double moving = objective.evaluate(x_, gradient_);
-  if (!(moving < at_rest)) {
-    x_.head(size) = start_.head(size);
-    objective.evaluate(x_, gradient_);
-  }
-  objective.buildPreconditioner(scene.solver.minimizer.preconditioner);
+  if (!(moving < at_rest)) x_.head(size) = start_.head(size);
   report.minimizer = minimizer_.minimize(objective, x_, team);
 }
 

@@ -5,6 +5,14 @@
 #include <cmath>
 
 namespace haptic_cloth {
+namespace {
+
+// Contacts and folds change the Hessian while they form, so the preconditioner is fitted anew after this many
+// iterations, then after twice as many in all and so on: a long solve of a stiff but steady problem must keep
+// its conjugate directions.
+constexpr int kFirstRenewal = 15;
+
+}  // namespace
 
 const char* toString(Termination why) {
   switch (why) {
@@ -39,6 +47,7 @@ MinimizerReport Minimizer::minimize(Objective& objective, Vector& x, Team& team)
   report.evaluations = 1;
   report.value_start = value;
   report.why = Termination::IterationLimit;
+  int renewal = 0;
   bool restart = true;
   while (true) {
     report.residual = objective.residual(gradient_);
@@ -54,6 +63,11 @@ MinimizerReport Minimizer::minimize(Objective& objective, Vector& x, Team& team)
     if (options_.time_budget > 0.0 && elapsed() > options_.time_budget) {
       report.why = Termination::TimeBudget;
       break;
+    }
+    if (report.iterations >= renewal) {
+      objective.fitPreconditioner();
+      renewal = std::max(kFirstRenewal, 2 * renewal);
+      restart = true;
     }
     direction(objective, team, restart, report);
     const bool steepest = restart;

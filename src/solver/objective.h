@@ -27,7 +27,10 @@ class Objective {
   /// What lies along d from the last evaluated point.
   virtual Along along(const Vector& d) = 0;
 
-  /// z = P g, P ≈ H⁻¹ symmetric positive definite and constant over one solve.
+  /// Fits P ≈ H⁻¹, symmetric positive definite, to the last evaluated point.
+  virtual void fitPreconditioner() = 0;
+
+  /// z = P g.
   virtual void precondition(const Vector& gradient, Vector& z) const = 0;
 
   /// Norm of a gradient that the tolerance is compared with.

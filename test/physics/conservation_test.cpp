@@ -72,9 +72,10 @@ TEST_P(Energy, IsOnlyLost) {
   std::cout << "  " << name(GetParam()) << ": largest gain in a step " << worst_rise / scale << "\n";
   // Merging four cells into one of 25 mm puts the nodes between them on straight lines, up to coarsen_below /
   // 8 of 25 mm away: 4e-3 of the fall if the whole sheet did so at once, upwards; a few cells at a time give
-  // less.
-  const bool merges = GetParam() == Strategy::Coarsen || GetParam() == Strategy::Amrc;
-  EXPECT_LE(worst_rise, tolerance((merges ? 1e-3 : 1e-5) * scale));
+  // less. Splitting a bilinear cell leaves its curvature on its sides alone: for a moment twice the bending
+  // energy of those few cells. A mesh that does not change gains nothing.
+  const bool changes = GetParam() != Strategy::Finest && GetParam() != Strategy::Coarsest;
+  EXPECT_LE(worst_rise, tolerance((changes ? 1e-3 : 1e-5) * scale));
   EXPECT_GT(before, 0.05 * scale);
   EXPECT_LT(before, scale);
 }
