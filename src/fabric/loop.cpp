@@ -1,0 +1,72 @@
+#include "haptic_cloth/loop.h"
+
+#include <cassert>
+#include <cmath>
+
+namespace haptic_cloth {
+
+Loop::Loop(double begin, double step, std::vector<double> upper, std::vector<double> lower, double reversal) {
+  assert(reversal > 1.0 && upper.size() == lower.size() && upper.size() >= 2);
+  // One more interval at each end: there, and so past the ends, both branches rise alike.
+  const double first = upper[1] - upper[0], last = upper.back() - upper[upper.size() - 2];
+  for (auto* branch : {&upper, &lower}) {
+    branch->insert(branch->begin(), branch->front() - first);
+    branch->push_back(branch->back() + last);
+  }
+  begin_ = begin - step;
+  step_ = step;
+  nodes_ = static_cast<int>(upper.size());
+
+  double largest = 0.0, widest = 0.0;
+  std::vector<double> path{0.0};
+  for (int i = 0; i + 1 < nodes_; ++i) {
+    const double rise = std::max({upper[i + 1] - upper[i], lower[i + 1] - lower[i], 0.0});
+    path.push_back(path.back() + reversal * rise);
+    largest = std::max(largest, rise);
+    widest = std::max({widest, upper[i] - lower[i], upper[i + 1] - lower[i + 1]});
+  }
+  memory_ = widest > 1e-12 * largest;
+  upper_ = Curve(begin_, step, upper);
+  if (!memory_) return;
+  // Where both branches are level the path still has to rise.
+  for (int i = 0; i < nodes_; ++i) path[i] += 1e-6 * largest * i;
+  const double at_zero = Curve(begin_, step, path)(0.0).force;
+  for (double& force : path) force -= at_zero;
+  lower_ = Curve(begin_, step, lower);
+  path_ = Curve(begin_, step, path);
+}
+
+/// The deformation at which branch - R, which falls everywhere, equals the play: a search among the nodes,
+/// then the root of a line. Past the ends the last intervals' lines go on.
+double Loop::joins(const Curve& branch, double play) const {
+  const auto above = [&](int node) {
+    const double s = begin_ + node * step_;
+    return branch(s).force - path_(s).force - play;
+  };
+  int low = 0, high = nodes_ - 1;
+  while (high - low > 1) {
+    const int middle = (low + high) / 2;
+    (above(middle) > 0.0 ? low : high) = middle;
+  }
+  const double a = above(low), b = above(high);
+  return begin_ + (low + a / (a - b) * (high - low)) * step_;
+}
+
+Loop::Step Loop::begin(double play) const {
+  if (!memory_) return {};
+  Step step{play, joins(lower_, play), joins(upper_, play), 0.0, 0.0};
+  const auto onPath = [&](double s) { return path_(s).potential + play * s; };
+  step.on_lower = onPath(step.low) - lower_(step.low).potential;
+  step.on_upper = onPath(step.high) - upper_(step.high).potential;
+  return step;
+}
+
+double Loop::stored(double play, double s) const {
+  if (!memory_) return upper_(s).potential;
+  const Point up = upper_(s), low = lower_(s), path = path_(s);
+  const double slider = path.force + clampPlay(play, s) - 0.5 * (up.force + low.force);
+  const double spring = path.slope - 0.5 * (up.slope + low.slope);
+  return 0.5 * (up.potential + low.potential) + 0.5 * slider * slider / spring;
+}
+
+}  // namespace haptic_cloth
