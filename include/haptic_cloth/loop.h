@@ -64,9 +64,9 @@ class Loop {
   /// The law for a given play.
   Step begin(double play) const;
 
-  /// ψ (up to a constant), f and f' at s within a step; ψ is C1 and f its derivative. @pre hasMemory()
+  /// ψ (up to a constant), f and f' at s within a step; ψ is C1 and f its derivative.
   Point operator()(const Step& step, double s) const {
-    if (s > step.high) return shifted(upper_(s), step.on_upper);
+    if (!memory_ || s > step.high) return shifted(upper_(s), step.on_upper);
     if (s < step.low) return shifted(lower_(s), step.on_lower);
     const Point path = path_(s);
     return {path.potential + step.play * s, path.force + step.play, path.slope};

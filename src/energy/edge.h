@@ -16,9 +16,10 @@ struct EdgeResult {
   double along, across;  ///< stiffness of b - a along the axis and across it, positive part [N/m]
 };
 
-/// @param length at rest [m]  @param width [m]  @param tensile strain → tension [N/m]
+/// @param length at rest [m]  @param width [m]  @param tensile law: strain → Curve::Point of tension [N/m]
+template <class Law>
 inline EdgeResult evaluateEdge(const Vec3& a, const Vec3& b, double length, double width,
-                               const Curve& tensile) {
+                               const Law& tensile) {
   const Vec3 span = b - a;
   const double now = span.norm();
   const Vec3 axis = now > 0.0 ? Vec3(span / now) : Vec3::Zero();  // degenerate: no direction, no force

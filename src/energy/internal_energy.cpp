@@ -8,20 +8,47 @@
 #include "energy/triple.h"
 
 namespace haptic_cloth {
+namespace {
+
+/// A law within a step; `steps` is empty where no law of the kind has memory.
+struct StepLaw {
+  StepLaw(const Loop& l, const std::vector<Loop::Step>& steps, int element)
+      : law(l), step(steps.empty() ? kNoMemory : steps[element]) {}
+
+  Curve::Point operator()(double s) const { return law(step, s); }
+
+  static constexpr Loop::Step kNoMemory{};
+  const Loop& law;
+  const Loop::Step& step;
+};
+
+}  // namespace
 
 InternalEnergy::InternalEnergy(const Fabric& fabric, const ActiveMesh& mesh)
     : mesh_(mesh),
-      tensile_(fabric.tensile),
-      bending_(fabric.bending),
+      stretch_(fabric.tensile),
+      bend_(fabric.bending),
       shear_(fabric.shear),
-      bends_(!bending_[kWarp].isZero() || !bending_[kWeft].isZero()),
+      bends_(!bend_[kWarp].isZero() || !bend_[kWeft].isZero()),
       shears_(!shear_.isZero()) {
   node_normals_.reserve(mesh.grid.particles());
   slots_.reserve(mesh.edges.capacity() + mesh.triples.capacity() + 2 * mesh.patches.capacity());
   edge_tangents_.reserve(mesh.edges.capacity());
   triple_stiffness_.reserve(mesh.triples.capacity());
   patch_tangents_.reserve(mesh.patches.capacity());
+  if (hasMemory(stretch_)) edge_steps_.reserve(mesh.edges.capacity());
+  if (hasMemory(bend_)) triple_steps_.reserve(mesh.triples.capacity());
+  if (shear_.hasMemory()) patch_steps_.reserve(mesh.patches.capacity());
   resize();
+  for (int e = 0; e < static_cast<int>(edge_steps_.size()); ++e) {
+    const Loop& law = stretch_[mesh_.edges[e].direction];
+    edge_steps_[e] = law.begin(law.initialPlay());
+  }
+  for (int t = 0; t < static_cast<int>(triple_steps_.size()); ++t) {
+    const Loop& law = bend_[mesh_.triples[t].direction];
+    triple_steps_[t] = law.begin(law.initialPlay());
+  }
+  std::fill(patch_steps_.begin(), patch_steps_.end(), shear_.begin(shear_.initialPlay()));
 }
 
 void InternalEnergy::resize() {
@@ -29,6 +56,9 @@ void InternalEnergy::resize() {
   triple_count_ = bends_ ? static_cast<int>(mesh_.triples.size()) : 0;
   patch_count_ = shears_ ? static_cast<int>(mesh_.patches.size()) : 0;
   slots_.assign(mesh_.slots(), Vec3::Zero());
+  if (hasMemory(stretch_)) edge_steps_.resize(edge_count_);
+  if (hasMemory(bend_)) triple_steps_.resize(triple_count_);
+  if (shear_.hasMemory()) patch_steps_.resize(patch_count_);
   edge_tangents_.resize(edge_count_);
   triple_stiffness_.resize(triple_count_);
   patch_tangents_.resize(patch_count_);
@@ -63,8 +93,8 @@ double InternalEnergy::evaluateEdges(int begin, int end, const std::vector<Vec3>
   double energy = 0.0;
   for (int e = begin; e < end; ++e) {
     const Edge& edge = mesh_.edges[e];
-    const EdgeResult r =
-        evaluateEdge(x[edge.a], x[edge.b], edge.length, edge.width, tensile_[edge.direction]);
+    const EdgeResult r = evaluateEdge(x[edge.a], x[edge.b], edge.length, edge.width,
+                                      StepLaw(stretch_[edge.direction], edge_steps_, e));
     energy += r.energy;
     slots_[e] = r.gradient;
     edge_tangents_[e] = {r.axis, r.along, r.across};
@@ -78,8 +108,9 @@ double InternalEnergy::evaluateTriples(int begin, int end, const std::vector<Vec
   for (int t = begin; t < end; ++t) {
     const Triple& triple = mesh_.triples[t];
     const Vec3& normal = node_normals_[triple.c];
-    const TripleResult r = evaluateTriple(x[triple.l], x[triple.c], x[triple.r], normal, triple.left,
-                                          triple.right, triple.area, bending_[triple.direction]);
+    const TripleResult r =
+        evaluateTriple(x[triple.l], x[triple.c], x[triple.r], normal, triple.left, triple.right, triple.area,
+                       StepLaw(bend_[triple.direction], triple_steps_, t));
     energy += r.energy;
     slots[t] = r.moment * normal;
     triple_stiffness_[t] = r.stiffness;
@@ -92,10 +123,9 @@ double InternalEnergy::evaluatePatches(int begin, int end, const std::vector<Vec
   Vec3* slots = slots_.data() + mesh_.edges.size() + mesh_.triples.size();
   for (int k = begin; k < end; ++k) {
     const Patch& patch = mesh_.patches[k];
-    const double span = patch.cell.span();
     const ShearResult r =
         evaluateShear({x[patch.nodes[0]], x[patch.nodes[1]], x[patch.nodes[2]], x[patch.nodes[3]]},
-                      span * span * mesh_.grid.dx * mesh_.grid.dy, shear_);
+                      patch.area, StepLaw(shear_, patch_steps_, k));
     energy += r.energy;
     slots[2 * k] = r.force * r.rising;
     slots[2 * k + 1] = r.force * r.falling;
@@ -162,7 +192,7 @@ double InternalEnergy::maxStrain(const std::vector<Vec3>& x) const {
 }
 
 double InternalEnergy::tension(int edge, const std::vector<Vec3>& x) const {
-  return tensile_[mesh_.edges[edge].direction](strain(edge, x)).force;
+  return StepLaw(stretch_[mesh_.edges[edge].direction], edge_steps_, edge)(strain(edge, x)).force;
 }
 
 double InternalEnergy::curvature(int triple, const std::vector<Vec3>& x) const {
@@ -171,7 +201,8 @@ double InternalEnergy::curvature(int triple, const std::vector<Vec3>& x) const {
 }
 
 double InternalEnergy::bendingDensity(int triple, const std::vector<Vec3>& x) const {
-  return bending_[mesh_.triples[triple].direction](curvature(triple, x)).potential;
+  const Loop& law = bend_[mesh_.triples[triple].direction];
+  return law.stored(triple_steps_.empty() ? 0.0 : triple_steps_[triple].play, curvature(triple, x));
 }
 
 }  // namespace haptic_cloth

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "energy/history.h"
 #include "haptic_cloth/fabric.h"
 #include "mesh/active_mesh.h"
 
@@ -18,8 +19,21 @@ class InternalEnergy {
 
   explicit InternalEnergy(const Fabric& fabric, const ActiveMesh& mesh);
 
-  /// Adjusts to a rebuilt mesh.
+  /// Adjusts to a rebuilt mesh; laws with memory wait for recall().
   void resize();
+
+  /// True where a law has hysteresis; else the three calls below do nothing.
+  bool hasMemory() const { return hasMemory(stretch_) || hasMemory(bend_) || shear_.hasMemory(); }
+
+  /// Makes the end of an accepted step, elements begin..end, part of the fabric's history.
+  void commit(int begin, int end, const std::vector<Vec3>& x);
+
+  /// Writes forces down before a change of the mesh, and reads them after resize() and setNormals().
+  void remember(const std::vector<Vec3>& x, ForceHistory& history) const;
+  void recall(const std::vector<Vec3>& x, ForceHistory& history);
+
+  /// Energy the elements could give back. Without memory the same as evaluate()'s sum.
+  Energy stored(const std::vector<Vec3>& x) const;
 
   /// Takes the surface normals for a step; triples bend about them until the next call.
   void setNormals(const std::vector<Vec3>& positions);
@@ -63,10 +77,19 @@ class InternalEnergy {
   double evaluateTriples(int begin, int end, const std::vector<Vec3>& x);
   double evaluatePatches(int begin, int end, const std::vector<Vec3>& x);
   double strain(int edge, const std::vector<Vec3>& x) const;
+  void recallEdges(const std::vector<Vec3>& x, ForceHistory& history);
+  double shearAngle(int patch, const std::vector<Vec3>& x) const;
+  static bool hasMemory(const std::array<Loop, 2>& laws) {
+    return laws[kWarp].hasMemory() || laws[kWeft].hasMemory();
+  }
+
+  /// Calls edge(e), triple(t), patch(k) for elements begin..end.
+  template <class OnEdge, class OnTriple, class OnPatch>
+  void forEach(int begin, int end, OnEdge edge, OnTriple triple, OnPatch patch) const;
 
   const ActiveMesh& mesh_;
-  std::array<Curve, 2> tensile_, bending_;
-  Curve shear_;
+  std::array<Loop, 2> stretch_, bend_;
+  Loop shear_;
   bool bends_, shears_;
   int edge_count_ = 0, triple_count_ = 0, patch_count_ = 0;
   std::vector<Vec3> node_normals_;
@@ -74,6 +97,7 @@ class InternalEnergy {
   std::vector<EdgeTangent> edge_tangents_;
   std::vector<double> triple_stiffness_;
   std::vector<PatchTangent> patch_tangents_;
+  std::vector<Loop::Step> edge_steps_, triple_steps_, patch_steps_;  ///< empty where no law has memory
 };
 
 }  // namespace haptic_cloth

@@ -18,8 +18,17 @@ struct ShearResult {
   Vec3 rising, falling;  ///< dγ/dx of corner 11 (minus that of 00) and of corner 10 (minus that of 01) [1/m]
 };
 
-/// @param x corners 00, 10, 01, 11  @param area [m²]  @param shear angle [rad] → force [N/m]
-inline ShearResult evaluateShear(const std::array<Vec3, 4>& x, double area, const Curve& shear) {
+/// The angle γ [rad] alone. @param x corners 00, 10, 01, 11
+inline double shearAngle(const std::array<Vec3, 4>& x) {
+  const Vec3 u = x[3] - x[0] + x[1] - x[2], v = x[3] - x[0] - x[1] + x[2];
+  const double scale = u.norm() * v.norm();
+  return scale > 0.0 ? std::asin(std::clamp(u.dot(v) / scale, -1.0, 1.0)) : 0.0;
+}
+
+/// @param x corners 00, 10, 01, 11  @param area [m²]  @param shear law: angle [rad] → Curve::Point of force
+/// [N/m]
+template <class Law>
+inline ShearResult evaluateShear(const std::array<Vec3, 4>& x, double area, const Law& shear) {
   const Vec3 rising = x[3] - x[0], falling = x[1] - x[2];
   const Vec3 u = rising + falling, v = rising - falling;  // twice the mean sides; only directions matter
   const double nu = u.norm(), nv = v.norm();

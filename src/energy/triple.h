@@ -13,9 +13,11 @@ struct TripleResult {
   double stiffness;  ///< A M'(κ) [N·m³]
 };
 
-/// @param left, right coefficients [1/m²]  @param area [m²]  @param bending curvature [1/m] → moment [N·m/m]
+/// @param left, right coefficients [1/m²]  @param area [m²]  @param bending law: curvature [1/m] →
+/// Curve::Point of moment [N·m/m]
+template <class Law>
 inline TripleResult evaluateTriple(const Vec3& l, const Vec3& c, const Vec3& r, const Vec3& normal,
-                                   double left, double right, double area, const Curve& bending) {
+                                   double left, double right, double area, const Law& bending) {
   const double curvature = normal.dot(left * (l - c) + right * (r - c));
   const Curve::Point law = bending(curvature);
   return {area * law.potential, area * law.force, area * law.slope};

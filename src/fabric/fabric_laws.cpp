@@ -10,25 +10,60 @@ namespace {
 constexpr std::size_t kIntervals = 512;    ///< of a sampled law, at least
 constexpr double kReferenceStrain = 0.01;  ///< where compression_ratio takes the tensile stiffness [-]
 
+// Slope after a reversal over that of the steeper branch: KES does not give it. In tension the branches meet
+// at both ends, so any value keeps the outer loop. In bending and shear the path crosses the loop's whole
+// width at each end; 20 cuts off less than 1.5 % of the area of any fabric we ship.
+constexpr double kTensileReversal = 3.0;
+constexpr double kOddReversal = 20.0;
+
+constexpr double kBendingEnd = 256.0;                          ///< KES bends to 250/m
+constexpr double kShearEnd = 8.0 / kes::kDegreesPerRadian;     ///< KES shears to 8° [rad]
+constexpr double kShearNarrow = 0.5 / kes::kDegreesPerRadian;  ///< where 2HG is read [rad]
+constexpr double kShearWide = 5.0 / kes::kDegreesPerRadian;    ///< where 2HG5 is read [rad]
+
+std::vector<double> power(double exponent) {
+  std::vector<double> forces;
+  for (std::size_t i = 0; i <= kIntervals; ++i) {
+    forces.push_back(kes::kLargestTension *
+                     std::pow(static_cast<double>(i) / static_cast<double>(kIntervals), exponent));
+  }
+  return forces;
+}
+
+std::vector<double> sample(const std::vector<TableRow>& rows, double end, std::size_t count) {
+  std::vector<double> forces;
+  for (std::size_t i = 0; i <= count; ++i) {
+    forces.push_back(interpolate(rows, end * static_cast<double>(i) / static_cast<double>(count)));
+  }
+  return forces;
+}
+
 }  // namespace
 
-double Loading::at(double s) const {
+double branchAt(const std::vector<double>& forces, double step, double s) {
   const double last = static_cast<double>(forces.size() - 2);
   const auto i = static_cast<std::size_t>(std::clamp(s / step, 0.0, last));
   return forces[i] + (s / step - static_cast<double>(i)) * (forces[i + 1] - forces[i]);
 }
 
-Loading kesTensile(double largest_strain, double linearity) {
+HalfLoop kesTensile(double largest_strain, double linearity, double resilience) {
   const double exponent = 2.0 / linearity - 1.0;
-  Loading loading{largest_strain / kIntervals, {}};
-  for (std::size_t i = 0; i <= kIntervals; ++i) {
-    loading.forces.push_back(kes::kLargestTension *
-                             std::pow(static_cast<double>(i) / static_cast<double>(kIntervals), exponent));
-  }
-  return loading;
+  return {largest_strain / kIntervals, power(exponent), power((exponent + 1.0) / resilience - 1.0)};
 }
 
-Loading linearLoading(double slope, double end) { return {end, {0.0, slope * end}}; }
+HalfLoop kesBending(double rigidity, double half_width) {
+  const double most = rigidity * kBendingEnd;
+  return {kBendingEnd, {half_width, most + half_width}, {-half_width, most - half_width}};
+}
+
+HalfLoop kesShear(double modulus, double half_width, double half_width5) {
+  const double widening = (half_width5 - half_width) / (kShearWide - kShearNarrow);
+  const double at_zero = half_width - widening * kShearNarrow, at_end = at_zero + widening * kShearEnd;
+  const double most = modulus * kShearEnd;
+  return {kShearEnd, {at_zero, most + at_end}, {-at_zero, most - at_end}};
+}
+
+HalfLoop linearLaw(double slope, double end) { return {end, {0.0, slope * end}, {0.0, slope * end}}; }
 
 double interpolate(const std::vector<TableRow>& rows, double s) {
   std::size_t row = 0;
@@ -38,43 +73,46 @@ double interpolate(const std::vector<TableRow>& rows, double s) {
   return a.force + (b.force - a.force) * (s - a.deformation) / (b.deformation - a.deformation);
 }
 
-Loading tableLoading(const std::vector<TableRow>& rows) {
-  const std::size_t spans = rows.size() - 1;
+HalfLoop tableLaw(const std::vector<TableRow>& loading, const std::vector<TableRow>& unloading) {
+  const std::size_t spans = loading.size() - 1;
   const std::size_t count = (kIntervals + spans - 1) / spans * spans;
-  const double end = rows.back().deformation;
-  Loading loading{end / static_cast<double>(count), {}};
-  for (std::size_t i = 0; i <= count; ++i) {
-    loading.forces.push_back(interpolate(rows, end * static_cast<double>(i) / static_cast<double>(count)));
-  }
-  return loading;
+  const double end = loading.back().deformation;
+  return {end / static_cast<double>(count), sample(loading, end, count),
+          sample(unloading.empty() ? loading : unloading, end, count)};
 }
 
-Loading meanLoading(const Loading& a, const Loading& b) {
-  const double end = std::max(a.end(), b.end());
-  Loading mean{end / kIntervals, {}};
+HalfLoop meanLaw(const HalfLoop& a, const HalfLoop& b) {
+  HalfLoop mean{std::max(a.end(), b.end()) / kIntervals, {}, {}};
   for (std::size_t i = 0; i <= kIntervals; ++i) {
-    const double s = end * static_cast<double>(i) / static_cast<double>(kIntervals);
-    mean.forces.push_back(0.5 * (a.at(s) + b.at(s)));
+    const double s = mean.step * static_cast<double>(i);
+    mean.loading.push_back(0.5 * (branchAt(a.loading, a.step, s) + branchAt(b.loading, b.step, s)));
+    mean.unloading.push_back(0.5 * (branchAt(a.unloading, a.step, s) + branchAt(b.unloading, b.step, s)));
   }
   return mean;
 }
 
-Curve tensileCurve(const Loading& loading, double compression_ratio) {
+Loop tensileLoop(const HalfLoop& half, double compression_ratio) {
   // The tangent is a central difference over one sample, so that a corner of a table at 1 % has one answer.
-  const double half = std::min(0.5 * loading.step, kReferenceStrain);
-  const double rise = loading.at(kReferenceStrain + half) - loading.at(kReferenceStrain - half);
-  const double compression_stiffness = compression_ratio * rise / (2.0 * half);
-  std::vector<double> forces{-compression_stiffness * loading.step};
-  forces.insert(forces.end(), loading.forces.begin(), loading.forces.end());
-  return Curve(-loading.step, loading.step, forces);
+  const double reach = std::min(0.5 * half.step, kReferenceStrain);
+  const double rise = branchAt(half.loading, half.step, kReferenceStrain + reach) -
+                      branchAt(half.loading, half.step, kReferenceStrain - reach);
+  const double below_zero = -compression_ratio * rise / (2.0 * reach) * half.step;
+  std::vector<double> upper{below_zero}, lower{below_zero};
+  upper.insert(upper.end(), half.loading.begin(), half.loading.end());
+  lower.insert(lower.end(), half.unloading.begin(), half.unloading.end());
+  return Loop(-half.step, half.step, upper, lower, kTensileReversal);
 }
 
-Curve oddCurve(const Loading& loading) {
-  std::vector<double> forces;
-  for (auto force = loading.forces.rbegin(); force != loading.forces.rend(); ++force)
-    forces.push_back(-*force);
-  forces.insert(forces.end(), loading.forces.begin() + 1, loading.forces.end());
-  return Curve(-loading.end(), loading.step, forces);
+Loop oddLoop(const HalfLoop& half) {
+  // At zero the upper branch comes from the unloading one of the other side; it must not fall from there.
+  const double at_zero = std::max(half.loading.front(), -half.unloading.front());
+  std::vector<double> upper;
+  for (auto force = half.unloading.rbegin(); force != half.unloading.rend() - 1; ++force)
+    upper.push_back(-*force);
+  for (const double force : half.loading) upper.push_back(std::max(force, at_zero));
+  std::vector<double> lower(upper.rbegin(), upper.rend());
+  for (double& force : lower) force = -force;
+  return Loop(-half.end(), half.step, upper, lower, kOddReversal);
 }
 
 }  // namespace haptic_cloth

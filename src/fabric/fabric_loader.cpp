@@ -1,4 +1,6 @@
+#include <cmath>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "fabric/fabric_laws.h"
@@ -25,8 +27,9 @@ double notNegative(const YamlValue& value) {
   return number;
 }
 
-void checkNotNegative(const YamlMap& map, const std::string& name) {
-  if (const auto value = map.find(name)) notNegative(*value);
+double notNegativeOr(const YamlMap& map, const std::string& name, double missing) {
+  const auto value = map.find(name);
+  return value ? notNegative(*value) : missing;
 }
 
 std::vector<TableRow> readRows(const YamlValue& table) {
@@ -46,8 +49,10 @@ std::vector<TableRow> readRows(const YamlValue& table) {
   return rows;
 }
 
-void checkUnloading(const YamlValue& table, const std::vector<TableRow>& loading) {
-  const std::vector<TableRow> rows = readRows(table);
+/// Unloading rows, completed to the range of loading: below the first the force stays, and the last joins
+/// loading's end.
+std::vector<TableRow> readUnloading(const YamlValue& table, const std::vector<TableRow>& loading) {
+  std::vector<TableRow> rows = readRows(table);
   const std::vector<YamlValue> entries = table.list();
   // Room for rounding where both tables share their last row.
   const double slack = 1e-9 * loading.back().force;
@@ -59,16 +64,27 @@ void checkUnloading(const YamlValue& table, const std::vector<TableRow>& loading
       entries[i].fail("unloading must not lie above loading");
     }
   }
+  if (rows.front().deformation > 0.0) rows.insert(rows.begin(), {0.0, rows.front().force});
+  if (rows.back().deformation < loading.back().deformation) rows.push_back(loading.back());
+  return rows;
 }
 
-Loading readTables(const YamlMap& map) {
+/// @param through_zero the law is not odd: it begins at no force
+HalfLoop readTables(const YamlMap& map, bool through_zero) {
   const YamlValue table = map.require("loading", "is required beside unloading");
   const std::vector<TableRow> rows = readRows(table);
-  if (rows.front().deformation != 0.0 || rows.front().force != 0.0) {
-    table.list().front().fail("the first row must be [0, 0]");
+  const auto other = map.find("unloading");
+  const TableRow& first = rows.front();
+  if (first.deformation != 0.0 || first.force < 0.0 || ((through_zero || !other) && first.force != 0.0)) {
+    table.list().front().fail(through_zero || !other ? "the first row must be [0, 0]"
+                                                     : "the first row must be [0, force >= 0]");
   }
-  if (const auto unloading = map.find("unloading")) checkUnloading(*unloading, rows);
-  return tableLoading(rows);
+  if (!other) return tableLaw(rows, {});
+  const std::vector<TableRow> unloading = readUnloading(*other, rows);
+  if (through_zero && unloading.front().force != 0.0) {
+    other->list().front().fail("the first force must be 0: a tensile loop closes there");
+  }
+  return tableLaw(rows, unloading);
 }
 
 /// What a law may be written as.
@@ -102,63 +118,72 @@ LawKind lawKind(const YamlMap& map, const LawKeys& keys) {
   return has_kes ? LawKind::Kes : has_linear ? LawKind::Linear : LawKind::Table;
 }
 
-Loading readTensileLaw(const YamlMap& map) {
+HalfLoop readTensileLaw(const YamlMap& map) {
   switch (lawKind(map, kTensileKeys)) {
     case LawKind::Kes: {
       const double emt = positive(map.require("EMT"));
       const double linearity = positive(map.require("LT"));
       if (linearity > 1.0) map.require("LT").fail("must be > 0 and <= 1");
-      if (const auto resilience = map.find("RT")) {
-        if (const double rt = resilience->number(); !(rt > 0.0 && rt <= 100.0)) {
-          resilience->fail("must be > 0 and <= 100");
-        }
+      double resilience = 100.0;
+      if (const auto value = map.find("RT")) {
+        resilience = value->number();
+        if (!(resilience > 0.0 && resilience <= 100.0)) value->fail("must be > 0 and <= 100");
       }
-      return kesTensile(emt / 100.0, linearity);
+      return kesTensile(emt / 100.0, linearity, resilience / 100.0);
     }
     case LawKind::Linear:
-      return linearLoading(positive(map.require("stiffness")), kLinearStrain);
+      return linearLaw(positive(map.require("stiffness")), kLinearStrain);
     case LawKind::Table:
       break;
   }
-  const Loading loading = readTables(map);
-  if (!(loading.forces.back() > 0.0)) map.require("loading").fail("the last force must be > 0");
-  return loading;
+  const HalfLoop law = readTables(map, true);
+  if (!(law.loading.back() > 0.0)) map.require("loading").fail("the last force must be > 0");
+  return law;
 }
 
-Loading readBendingLaw(const YamlMap& map) {
+HalfLoop readBendingLaw(const YamlMap& map) {
   switch (lawKind(map, kBendingKeys)) {
     case LawKind::Kes:
-      checkNotNegative(map, "2HB");
-      return linearLoading(kes::kBendingRigidity * notNegative(map.require("B")), kLinearCurvature);
+      return kesBending(kes::kBendingRigidity * notNegative(map.require("B")),
+                        0.5 * kes::kHysteresisOfBending * notNegativeOr(map, "2HB", 0.0));
     case LawKind::Linear:
-      return linearLoading(notNegative(map.require("rigidity")), kLinearCurvature);
+      return linearLaw(notNegative(map.require("rigidity")), kLinearCurvature);
     case LawKind::Table:
       break;
   }
-  return readTables(map);
+  return readTables(map, false);
 }
 
-Loading readShearLaw(const YamlMap& map) {
+HalfLoop readKesShear(const YamlMap& map) {
+  const double modulus = notNegative(map.require("G"));
+  const double narrow = notNegativeOr(map, "2HG", notNegativeOr(map, "2HG5", 0.0));
+  const double wide = notNegativeOr(map, "2HG5", narrow);
+  // Both branches rise, and the loop is open at zero.
+  if (std::abs(wide - narrow) > 9.0 * modulus || wide > 10.0 * narrow) {
+    map.require("2HG5").fail("must differ from 2HG by at most 9 G and be at most 10 times 2HG");
+  }
+  return kesShear(kes::kShearModulus * modulus, 0.5 * kes::kForcePerWidth * narrow,
+                  0.5 * kes::kForcePerWidth * wide);
+}
+
+HalfLoop readShearLaw(const YamlMap& map) {
   switch (lawKind(map, kShearKeys)) {
     case LawKind::Kes:
-      checkNotNegative(map, "2HG");
-      checkNotNegative(map, "2HG5");
-      return linearLoading(kes::kShearModulus * notNegative(map.require("G")), kLinearShear);
+      return readKesShear(map);
     case LawKind::Linear:
-      return linearLoading(notNegative(map.require("modulus")), kLinearShear);
+      return linearLaw(notNegative(map.require("modulus")), kLinearShear);
     case LawKind::Table:
       break;
   }
-  return readTables(map);
+  return readTables(map, false);
 }
-
-void checkBias(const YamlValue& bias) { notNegative(YamlMap(bias, {"B"}).require("B")); }
 
 /// The laws of warp and weft; the same one twice where the file gives one for both.
 struct Group {
-  Loading warp;
-  Loading weft;
+  HalfLoop warp;
+  HalfLoop weft;
   bool apart;
+  std::optional<YamlValue> bias;
 };
 
 /// One law for both directions, or `warp` and `weft` apart. @param bias whether a `bias` entry may stand here
@@ -169,18 +194,34 @@ Group readGroup(const YamlValue& group, const LawKeys& keys, bool bias, ReadLaw 
   std::vector<std::string> known_apart = known;
   known_apart.insert(known_apart.end(), {"warp", "weft"});
   const YamlMap either(group, known_apart);
-  if (bias && either.find("bias")) checkBias(*either.find("bias"));
+  const std::optional<YamlValue> bias_value = bias ? either.find("bias") : std::nullopt;
 
   if (!either.find("warp") && !either.find("weft")) {
-    const Loading law = read_law(YamlMap(group, known));
-    return {law, law, false};
+    const HalfLoop law = read_law(YamlMap(group, known));
+    return {law, law, false, bias_value};
   }
   for (const std::string& key : allKeys(keys)) {
     if (const auto beside = either.find(key)) beside->fail("must not stand beside warp and weft");
   }
   const YamlValue warp = either.require("warp", "is required beside weft");
   const YamlValue weft = either.require("weft", "is required beside warp");
-  return {read_law(YamlMap(warp, allKeys(keys))), read_law(YamlMap(weft, allKeys(keys))), true};
+  return {read_law(YamlMap(warp, allKeys(keys))), read_law(YamlMap(weft, allKeys(keys))), true, bias_value};
+}
+
+/// B_t of the twist term from the rigidity on the bias: B_45 = (B_warp + B_weft)/4 + B_t/2.
+double twistRigidity(const Group& bending) {
+  if (!bending.bias) return 0.0;
+  const auto rigidity = [](const HalfLoop& half) {
+    return (half.loading.back() - half.loading.front()) / half.end();
+  };
+  const YamlMap map(*bending.bias, {"B"});
+  const double bias = kes::kBendingRigidity * notNegative(map.require("B"));
+  const double twist = 2.0 * bias - 0.5 * (rigidity(bending.warp) + rigidity(bending.weft));
+  if (twist < 0.0) {
+    map.require("B").fail(
+        "must be at least (B_warp + B_weft)/4: so much do warp and weft alone give on the bias");
+  }
+  return twist;
 }
 
 void readAssumed(const YamlMap& map, std::vector<std::string>& assumed) {
@@ -204,15 +245,16 @@ Fabric readFabric(const YamlMap& map, const std::string& default_name) {
   if (const auto ratio = map.find("compression_ratio")) fabric.compression_ratio = notNegative(*ratio);
 
   const Group tensile = readGroup(map.require("tensile"), kTensileKeys, false, readTensileLaw);
-  fabric.tensile = {tensileCurve(tensile.warp, fabric.compression_ratio),
-                    tensileCurve(tensile.weft, fabric.compression_ratio)};
+  fabric.tensile = {tensileLoop(tensile.warp, fabric.compression_ratio),
+                    tensileLoop(tensile.weft, fabric.compression_ratio)};
   if (const auto group = map.find("bending")) {
     const Group bending = readGroup(*group, kBendingKeys, true, readBendingLaw);
-    fabric.bending = {oddCurve(bending.warp), oddCurve(bending.weft)};
+    fabric.bending = {oddLoop(bending.warp), oddLoop(bending.weft)};
+    fabric.twist_rigidity = twistRigidity(bending);
   }
   if (const auto group = map.find("shear")) {
     const Group shear = readGroup(*group, kShearKeys, false, readShearLaw);
-    fabric.shear = oddCurve(shear.apart ? meanLoading(shear.warp, shear.weft) : shear.warp);
+    fabric.shear = oddLoop(shear.apart ? meanLaw(shear.warp, shear.weft) : shear.warp);
   }
   return fabric;
 }

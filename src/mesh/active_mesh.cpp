@@ -37,7 +37,8 @@ void ActiveMesh::rebuild(const LeafMesh& leaves) {
   findGhosts();
   patches.clear();
   for (const Cell& cell : cells_) {
-    Patch patch{cell.corners(grid), cell};
+    const double s = cell.span();
+    Patch patch{cell.corners(grid), cell, s * grid.dx * (s * grid.dy), {}};
     for (int& corner : patch.nodes) corner = node[corner];
     patches.push_back(patch);
   }
@@ -95,8 +96,7 @@ void ActiveMesh::findGhosts() {
 void ActiveMesh::lumpMass() {
   mass.assign(nodes(), 0.0);
   for (const Patch& patch : patches) {
-    const double s = patch.cell.span();
-    for (const int n : patch.nodes) mass[n] += 0.25 * areal_density_ * (s * grid.dx) * (s * grid.dy);
+    for (const int n : patch.nodes) mass[n] += 0.25 * areal_density_ * patch.area;
   }
   handOverGhosts(mass);
   std::fill(mass.begin() + active(), mass.end(), 0.0);
@@ -105,16 +105,16 @@ void ActiveMesh::lumpMass() {
 void ActiveMesh::buildEdges() {
   edges.clear();
   for (auto& map : edge_of_slot_) std::fill(map.begin(), map.end(), -1);
-  for (const Cell& cell : cells_) {
+  for (Patch& patch : patches) {
+    const Cell& cell = patch.cell;
     const int s = cell.span();
-    addSide(cell, cell.i, cell.j, kWarp);
-    addSide(cell, cell.i, cell.j + s, kWarp);
-    addSide(cell, cell.i, cell.j, kWeft);
-    addSide(cell, cell.i + s, cell.j, kWeft);
+    patch.sides = {addSide(cell, cell.i, cell.j, kWarp), addSide(cell, cell.i, cell.j + s, kWarp),
+                   addSide(cell, cell.i, cell.j, kWeft), addSide(cell, cell.i + s, cell.j, kWeft)};
   }
 }
 
-void ActiveMesh::addSide(const Cell& cell, int i, int j, int direction) {
+/// Gives half of a cell's width to one of its sides. @return the edge there
+int ActiveMesh::addSide(const Cell& cell, int i, int j, int direction) {
   const int s = cell.span();
   const double along = direction == kWarp ? grid.dx : grid.dy,
                across = direction == kWarp ? grid.dy : grid.dx;
@@ -128,6 +128,7 @@ void ActiveMesh::addSide(const Cell& cell, int i, int j, int direction) {
     edges.push_back({node[a], node[b], direction, s * along, 0.0});
   }
   edges[edge].width += 0.5 * s * across;
+  return edge;
 }
 
 void ActiveMesh::buildTriples(const LeafMesh& leaves) {

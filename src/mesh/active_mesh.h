@@ -31,6 +31,8 @@ struct Triple {
 struct Patch {
   std::array<int, 4> nodes;  ///< (i,j), (i+s,j), (i,j+s), (i+s,j+s)
   Cell cell;
+  double area;               ///< at rest [m²]
+  std::array<int, 4> sides;  ///< edges below and above (warp), left and right (weft)
 };
 
 /// A hanging corner: the mean of two masters, which may be ghosts of a coarser side.
@@ -92,7 +94,7 @@ class ActiveMesh {
   void findGhosts();
   void lumpMass();
   void buildEdges();
-  void addSide(const Cell& cell, int i, int j, int direction);
+  int addSide(const Cell& cell, int i, int j, int direction);
   void buildTriples(const LeafMesh& leaves);
   void addTriple(const LeafMesh& leaves, int centre, int direction);
   void buildIncidences();

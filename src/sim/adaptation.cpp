@@ -11,7 +11,7 @@ Adaptation::Adaptation(const AdaptOptions& options, const Grid& grid)
       curvature_(grid.particles(), 0.0),
       born_(grid.cells(), -options.minimum_age),
       merge_transfer_(grid) {
-  for (auto* list : {&leaves_, &marked_, &split_}) list->reserve(grid.cells());
+  for (auto* list : {&leaves_, &marked_, &merged_, &split_}) list->reserve(grid.cells());
 }
 
 int Adaptation::startLevel(const AdaptOptions& options) {
@@ -19,28 +19,34 @@ int Adaptation::startLevel(const AdaptOptions& options) {
   return coarse ? options.levels : 0;
 }
 
-Adaptation::Changes Adaptation::update(long step, const std::vector<Vec3>& nodes,
-                                       const InternalEnergy& internal, const FineRegion* fine,
-                                       LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state) {
-  const Strategy strategy = options_.strategy;
-  const bool refines = strategy == Strategy::Amrc || strategy == Strategy::Refine;
-  const bool coarsens = strategy == Strategy::Amrc || strategy == Strategy::Coarsen;
-  if ((!refines && !coarsens) || step % options_.interval != 0) return {};
+bool Adaptation::refines() const {
+  return options_.strategy == Strategy::Amrc || options_.strategy == Strategy::Refine;
+}
 
+bool Adaptation::coarsens() const {
+  return options_.strategy == Strategy::Amrc || options_.strategy == Strategy::Coarsen;
+}
+
+bool Adaptation::isDue(long step) const { return (refines() || coarsens()) && step % options_.interval == 0; }
+
+bool Adaptation::update(long step, const std::vector<Vec3>& nodes, const InternalEnergy& internal,
+                        const FineRegion* fine, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state) {
+  merged_.clear();
+  split_.clear();
+  if (!isDue(step)) return false;
   measure(nodes, internal, mesh);
   leaves.leaves(leaves_);
   marked_.clear();
   for (const Cell& cell : leaves_) {
-    if (!refines || cell.level == 0) continue;
+    if (!refines() || cell.level == 0) continue;
     double largest = 0.0;
     for (const int corner : cell.corners(grid_)) largest = std::max(largest, curvature_[corner]);
     const bool turns = largest * length(cell) > options_.refine_above;
     if (turns || touches(fine, cell, state.position)) marked_.push_back(cell);
   }
-  Changes changes;
-  if (coarsens) changes.coarsened = mergeCells(step, fine, leaves, mesh, state);
-  if (!marked_.empty()) changes.refined = splitCells(step, leaves, mesh, state);
-  return changes;
+  if (coarsens()) mergeCells(step, fine, leaves, mesh, state);
+  if (!marked_.empty()) splitCells(step, leaves, mesh, state);
+  return !merged_.empty() || !split_.empty();
 }
 
 double Adaptation::length(const Cell& cell) const { return cell.span() * std::max(grid_.dx, grid_.dy); }
@@ -61,24 +67,22 @@ void Adaptation::measure(const std::vector<Vec3>& nodes, const InternalEnergy& i
   }
 }
 
-int Adaptation::mergeCells(long step, const FineRegion* fine, LeafMesh& leaves, ActiveMesh& mesh,
-                           ParticleState& state) {
-  int count = 0;
+void Adaptation::mergeCells(long step, const FineRegion* fine, LeafMesh& leaves, ActiveMesh& mesh,
+                            ParticleState& state) {
   for (const Cell& cell : leaves_) {
     if (cell.level == grid_.levels) continue;
     const Cell parent{cell.i, cell.j, cell.level + 1};
     const int mask = parent.span() - 1;
     if ((cell.i & mask) != 0 || (cell.j & mask) != 0) continue;  // seen once, from its lower left child
     if (!mayMerge(parent, step, fine, leaves, state)) continue;
-    if (count++ == 0) merge_transfer_.capture(mesh, state);
+    if (merged_.empty()) merge_transfer_.capture(mesh, state);
     leaves.merge(parent);
+    merged_.push_back(parent);
     born_[grid_.cell(parent.i, parent.j)] = step;
   }
-  if (count > 0) {
-    mesh.rebuild(leaves);
-    merge_transfer_.apply(leaves, mesh, state);
-  }
-  return count;
+  if (merged_.empty()) return;
+  mesh.rebuild(leaves);
+  merge_transfer_.apply(leaves, mesh, state);
 }
 
 bool Adaptation::mayMerge(const Cell& parent, long step, const FineRegion* fine, const LeafMesh& leaves,
@@ -99,10 +103,9 @@ bool Adaptation::mayMerge(const Cell& parent, long step, const FineRegion* fine,
   return largest * length(parent) < options_.coarsen_below && !touches(fine, parent, state.position);
 }
 
-int Adaptation::splitCells(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state) {
-  split_.clear();
+void Adaptation::splitCells(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state) {
   for (const Cell& cell : marked_) leaves.split(cell, split_);
-  if (split_.empty()) return 0;
+  if (split_.empty()) return;
   for (const Cell& cell : split_) {
     const int half = cell.span() / 2;
     for (const int j : {cell.j, cell.j + half}) {
@@ -111,7 +114,6 @@ int Adaptation::splitCells(long step, LeafMesh& leaves, ActiveMesh& mesh, Partic
   }
   transferAfterSplit(grid_, split_, state);
   mesh.rebuild(leaves);
-  return static_cast<int>(split_.size());
 }
 
 }  // namespace haptic_cloth

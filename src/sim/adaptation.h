@@ -21,25 +21,31 @@ struct FineRegion {
 /// as the turning angle κ l over the cell it would be judged on.
 class Adaptation {
  public:
-  struct Changes {
-    int refined = 0;    ///< leaves split
-    int coarsened = 0;  ///< groups of four merged
-  };
-
   Adaptation(const AdaptOptions& options, const Grid& grid);
+
+  /// True where update() will look at the mesh.
+  bool isDue(long step) const;
+
+  /// What the last update() changed: parents merged, then cells split, in order.
+  const std::vector<Cell>& merged() const { return merged_; }
+  const std::vector<Cell>& split() const { return split_; }
 
   /// Level all leaves start at.
   static int startLevel(const AdaptOptions& options);
 
   /// Looks at the mesh every `interval` steps; on a change, rebuilds `mesh` and hands the state over.
+  /// @return whether it changed
   /// @param nodes positions of the nodes [m]  @param fine null: none
-  Changes update(long step, const std::vector<Vec3>& nodes, const InternalEnergy& internal,
-                 const FineRegion* fine, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
+  bool update(long step, const std::vector<Vec3>& nodes, const InternalEnergy& internal,
+              const FineRegion* fine, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
 
  private:
   void measure(const std::vector<Vec3>& nodes, const InternalEnergy& internal, const ActiveMesh& mesh);
-  int mergeCells(long step, const FineRegion* fine, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
-  int splitCells(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
+  void mergeCells(long step, const FineRegion* fine, LeafMesh& leaves, ActiveMesh& mesh,
+                  ParticleState& state);
+  void splitCells(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
+  bool refines() const;
+  bool coarsens() const;
   bool mayMerge(const Cell& parent, long step, const FineRegion* fine, const LeafMesh& leaves,
                 const ParticleState& state) const;
   bool touches(const FineRegion* fine, const Cell& cell, const std::vector<Vec3>& positions) const;
@@ -49,7 +55,7 @@ class Adaptation {
   Grid grid_;
   std::vector<double> curvature_;  ///< largest |κ| at a particle [1/m]
   std::vector<long> born_;         ///< step a leaf came to be, at its lower left finest cell
-  std::vector<Cell> leaves_, marked_, split_;
+  std::vector<Cell> leaves_, marked_, merged_, split_;
   MergeTransfer merge_transfer_;
 };
 

@@ -47,6 +47,7 @@ ClothWorld::ClothWorld(const Scene& s)
       objective(s, mesh, internal, contacts, team),
       adaptation_(s.adapt, grid),
       minimizer_(s.solver.minimizer) {
+  if (internal.hasMemory()) history_.emplace(grid);
   nodes_.reserve(grid.particles());
   velocities_.reserve(grid.particles());
   for (Vector* v : {&x_, &start_, &motion_, &gradient_}) v->setZero(objective.capacity());
@@ -106,15 +107,21 @@ void ClothWorld::gatherNodes() {
 
 void ClothWorld::adapt(StepReport& report) {
   const FineRegion fine{probe_step_.proxy, scene.probe.radius + kFineReach * std::max(grid.dx, grid.dy)};
-  const Adaptation::Changes changes =
+  if (history_ && adaptation_.isDue(steps)) internal.remember(nodes_, *history_);
+  const bool changed =
       adaptation_.update(steps, nodes_, internal, probe_step_.present ? &fine : nullptr, leaves, mesh, state);
-  report.refined = changes.refined;
-  report.coarsened = changes.coarsened;
-  if (changes.refined + changes.coarsened > 0) {
+  report.refined = static_cast<int>(adaptation_.split().size());
+  report.coarsened = static_cast<int>(adaptation_.merged().size());
+  if (changed) {
     internal.resize();
     gatherNodes();
   }
   internal.setNormals(nodes_);
+  if (changed && history_) {
+    for (const Cell& parent : adaptation_.merged()) history_->merge(parent);
+    for (const Cell& parent : adaptation_.split()) history_->split(parent);
+    internal.recall(nodes_, *history_);
+  }
 }
 
 /// Contacts are sought as far as the cloth is expected to move. Where it moved farther, something may have
@@ -191,6 +198,9 @@ void ClothWorld::accept(StepReport& report) {
     probe.contact = contacts.probeTouched();
     probe_step_.proxy = probe.proxy;
   }
+  if (history_) {
+    team.forRange(internal.size(), [this](int begin, int end) { internal.commit(begin, end, nodes_); });
+  }
   support_force = contacts.obstacleForce() + objective.pinForce();
   report.max_penetration = contacts.deepest();
 }
@@ -238,9 +248,11 @@ EnergyReport ClothWorld::measureEnergy() const {
   }
   Sums parts;
   objective.internalEnergy(parts);
-  e.stretch = parts[0];
-  e.bend = parts[1];
-  e.shear = parts[2];
+  const InternalEnergy::Energy stored =
+      history_ ? internal.stored(nodes_) : InternalEnergy::Energy{parts[0], parts[1], parts[2]};
+  e.stretch = stored.stretch;
+  e.bend = stored.bend;
+  e.shear = stored.shear;
   e.contact = parts[3];
   e.coupling = objective.couplingEnergy();
   return e;

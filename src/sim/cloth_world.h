@@ -1,6 +1,7 @@
 /// The parts of one simulation and how a step uses them.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "contact/contact_set.h"
@@ -57,6 +58,7 @@ class ClothWorld {
   EnergyReport measureEnergy() const;
 
   Adaptation adaptation_;
+  std::optional<ForceHistory> history_;  ///< of a fabric with hysteresis
   Minimizer minimizer_;
   ProbeStep probe_step_;
   double energy_before_ = 0.0;  ///< Φ's energies at the start of the step in hand, with its inputs [J]

@@ -70,17 +70,52 @@ TEST_F(FabricFile, KesParametersBecomeSi) {
   EXPECT_EQ(fabric.name, "cloth");
   EXPECT_DOUBLE_EQ(fabric.areal_density, 0.2);
   // 500 gf/cm at EMT; 1 gf·cm²/cm = 9.80665e-5 N·m, 1 gf/(cm·deg) = 56.18797 N/m.
-  EXPECT_NEAR(fabric.tensile[kWarp](0.0603).force, 490.3325, 1e-9);
-  EXPECT_NEAR(fabric.bending[kWarp](10.0).force, 0.1357 * 9.80665e-4, 1e-15);
-  EXPECT_NEAR(fabric.bending[kWeft](-10.0).force, -0.2 * 9.80665e-4, 1e-15);
-  EXPECT_NEAR(fabric.shear(0.1).force, 0.9676 * 5.618797, 1e-6);
-  EXPECT_EQ(fabric.bending[kWarp](0.0).force, 0.0);
-  EXPECT_EQ(fabric.shear(0.0).force, 0.0);
+  EXPECT_NEAR(fabric.tensile[kWarp].upper()(0.0603).force, 490.3325, 1e-9);
+  EXPECT_NEAR(fabric.bending[kWarp].upper()(10.0).force, 0.1357 * 9.80665e-4 + 0.5 * 0.0622 * 9.80665e-3,
+              1e-15);
+  EXPECT_NEAR(fabric.bending[kWeft].upper()(-10.0).force, -0.2 * 9.80665e-4, 1e-15);
+  // Half of the loop's width, 2HG + (2HG5 - 2HG)(|φ| - 0.5°)/4.5°, in 0.980665 N/m.
+  const double half_width = 0.5 * 0.980665 * (1.204 + (2.567 - 1.204) * (0.1 * 57.29577951 - 0.5) / 4.5);
+  EXPECT_NEAR(fabric.shear.upper()(0.1).force, 0.9676 * 5.618797 + half_width, 1e-6);
+  EXPECT_TRUE(fabric.bending[kWarp].hasMemory() && fabric.shear.hasMemory() &&
+              fabric.tensile[kWeft].hasMemory());
+  EXPECT_FALSE(fabric.bending[kWeft].hasMemory());
+  EXPECT_EQ(fabric.bending[kWeft].upper()(0.0).force, 0.0);
+}
+
+TEST_F(FabricFile, KesTensileLoopGivesBackTheResilience) {
+  // RT = work given back over work done between 0 and EMT, by definition.
+  const Loop loop = load(std::string(kHead) + "tensile: {EMT: 6.03, LT: 0.608, RT: 62.19}\n").tensile[kWarp];
+  double play = loop.initialPlay(), s = 0.0, done = 0.0, given_back = 0.0;
+  const auto go = [&](double to) {
+    double work = 0.0;
+    for (int k = 1; k <= 4000; ++k) {
+      const double next = s + (to - s) / (4001 - k);
+      const Loop::Step step = loop.begin(play);
+      work += loop(step, next).potential - loop(step, s).potential;
+      play = loop.commit(play, next);
+      s = next;
+    }
+    return work;
+  };
+  done = go(0.0603);
+  given_back = -go(0.0);
+  EXPECT_NEAR(done / (0.5 * 490.3325 * 0.0603), 0.608, 1e-3);
+  EXPECT_NEAR(given_back / done, 0.6219, 1e-3);
+  EXPECT_NEAR(loop.force(play, s), 0.0, 1e-6);
+}
+
+TEST_F(FabricFile, TwistMakesUpWhatTheBiasHasMore) {
+  // B_45 = (B_warp + B_weft)/4 + B_t/2.
+  const Fabric fabric =
+      load(std::string(kHead) + kTensile + "bending: {warp: {B: 0.1}, weft: {B: 0.2}, bias: {B: 0.12}}\n");
+  EXPECT_NEAR(fabric.twist_rigidity, 2.0 * (0.12 - 0.3 / 4.0) * 9.80665e-5, 1e-15);
+  EXPECT_EQ(load(std::string(kHead) + kTensile + "bending: {B: 0.1}\n").twist_rigidity, 0.0);
 }
 
 TEST_F(FabricFile, KesTensileCurveHasTheGivenLinearity) {
   // LT = ∫F dε / (½ F_m EMT) by definition; the trapezium rule on 512 intervals is good to about 1e-6.
-  const Curve tensile = load(std::string(kHead) + "tensile: {EMT: 5, LT: 0.7}\n").tensile[kWarp];
+  const Curve tensile = load(std::string(kHead) + "tensile: {EMT: 5, LT: 0.7}\n").tensile[kWarp].upper();
   EXPECT_NEAR(tensile(0.05).potential / (0.5 * 490.3325 * 0.05), 0.7, 1e-5);
   // T = F_m (ε/ε_m)^n, between nodes to second order of the step.
   EXPECT_NEAR(tensile(0.0123).force, 490.3325 * std::pow(0.0123 / 0.05, 2.0 / 0.7 - 1.0), 1e-3);
@@ -93,21 +128,21 @@ TEST_F(FabricFile, CompressionIsLinearWithTheGivenShareOfTheStiffnessAtOnePercen
   const Fabric fabric = load(std::string(kHead) + "tensile: {EMT: 6, LT: 0.6}\ncompression_ratio: 0.25\n");
   const double n = 2.0 / 0.6 - 1.0;
   const double tangent = 490.3325 / 0.06 * n * std::pow(0.01 / 0.06, n - 1.0);
-  EXPECT_NEAR(fabric.tensile[kWarp](-0.02).slope, 0.25 * tangent, 1e-3 * tangent);
-  EXPECT_NEAR(fabric.tensile[kWarp](-0.02).force, -0.02 * 0.25 * tangent, 1e-4 * tangent);
-  EXPECT_EQ(fabric.tensile[kWarp](0.0).force, 0.0);
-  EXPECT_EQ(fabric.tensile[kWarp](0.0).potential, 0.0);
+  EXPECT_NEAR(fabric.tensile[kWarp].upper()(-0.02).slope, 0.25 * tangent, 1e-3 * tangent);
+  EXPECT_NEAR(fabric.tensile[kWarp].upper()(-0.02).force, -0.02 * 0.25 * tangent, 1e-4 * tangent);
+  EXPECT_EQ(fabric.tensile[kWarp].upper()(0.0).force, 0.0);
+  EXPECT_EQ(fabric.tensile[kWarp].upper()(0.0).potential, 0.0);
 }
 
 TEST_F(FabricFile, LinearLaws) {
   const Fabric fabric = load(std::string(kHead) +
                              "tensile: {warp: {stiffness: 1000}, weft: {stiffness: 500}}\n"
                              "bending: {rigidity: 1.0e-5}\nshear: {modulus: 30}\n");
-  EXPECT_DOUBLE_EQ(fabric.tensile[kWarp](0.3).slope, 1000.0);
-  EXPECT_DOUBLE_EQ(fabric.tensile[kWeft](0.3).force, 150.0);
-  EXPECT_DOUBLE_EQ(fabric.tensile[kWarp](-0.1).force, -10.0);
-  EXPECT_DOUBLE_EQ(fabric.bending[kWarp](-1000.0).force, -0.01);
-  EXPECT_DOUBLE_EQ(fabric.shear(0.5).force, 15.0);
+  EXPECT_DOUBLE_EQ(fabric.tensile[kWarp].upper()(0.3).slope, 1000.0);
+  EXPECT_DOUBLE_EQ(fabric.tensile[kWeft].upper()(0.3).force, 150.0);
+  EXPECT_DOUBLE_EQ(fabric.tensile[kWarp].upper()(-0.1).force, -10.0);
+  EXPECT_DOUBLE_EQ(fabric.bending[kWarp].upper()(-1000.0).force, -0.01);
+  EXPECT_DOUBLE_EQ(fabric.shear.upper()(0.5).force, 15.0);
 }
 
 TEST_F(FabricFile, TablesKeepEquallySpacedRowsAndAreOddForBending) {
@@ -115,20 +150,21 @@ TEST_F(FabricFile, TablesKeepEquallySpacedRowsAndAreOddForBending) {
                              "tensile: {loading: [[0, 0], [0.01, 5], [0.02, 20], [0.03, 60]], "
                              "unloading: [[0.005, 0], [0.03, 60]]}\n"
                              "bending: {loading: [[0, 0], [100, 2.0e-3], [250, 3.0e-3]]}\n");
-  EXPECT_NEAR(fabric.tensile[kWarp](0.01).force, 5.0, 1e-9);
-  EXPECT_NEAR(fabric.tensile[kWarp](0.025).force, 40.0, 1e-9);
-  EXPECT_NEAR(fabric.tensile[kWarp](0.04).force, 100.0, 1e-9);
+  EXPECT_NEAR(fabric.tensile[kWarp].upper()(0.01).force, 5.0, 1e-9);
+  EXPECT_NEAR(fabric.tensile[kWarp].upper()(0.025).force, 40.0, 1e-9);
+  EXPECT_NEAR(fabric.tensile[kWarp].upper()(0.04).force, 100.0, 1e-9);
   // The tangent at 1 % is the mean of 500 and 1500 N/m.
-  EXPECT_NEAR(fabric.tensile[kWarp](-0.01).slope, 100.0, 1e-6);
-  EXPECT_NEAR(fabric.bending[kWeft](200.0).force, 3.0e-3 - 50.0e-3 / 150.0, 1e-12);
-  EXPECT_NEAR(fabric.bending[kWeft](-200.0).force, -fabric.bending[kWeft](200.0).force, 1e-15);
-  EXPECT_EQ(fabric.bending[kWeft](0.0).force, 0.0);
+  EXPECT_NEAR(fabric.tensile[kWarp].upper()(-0.01).slope, 100.0, 1e-6);
+  EXPECT_NEAR(fabric.bending[kWeft].upper()(200.0).force, 3.0e-3 - 50.0e-3 / 150.0, 1e-12);
+  EXPECT_NEAR(fabric.bending[kWeft].upper()(-200.0).force, -fabric.bending[kWeft].upper()(200.0).force,
+              1e-15);
+  EXPECT_EQ(fabric.bending[kWeft].upper()(0.0).force, 0.0);
 }
 
 TEST_F(FabricFile, ShearMeasuredInBothDirectionsIsAveraged) {
   const Fabric fabric =
       load(std::string(kHead) + kTensile + "shear: {warp: {modulus: 20}, weft: {modulus: 40}}\n");
-  EXPECT_NEAR(fabric.shear(0.07).force, 2.1, 1e-12);
+  EXPECT_NEAR(fabric.shear.upper()(0.07).force, 2.1, 1e-12);
 }
 
 TEST_F(FabricFile, MissingGroupsAreNoLaw) {

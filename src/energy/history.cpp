@@ -1,0 +1,81 @@
+#include "energy/history.h"
+
+namespace haptic_cloth {
+namespace {
+
+enum Side { kBelow, kAbove, kLeft, kRight };
+
+}  // namespace
+
+ForceHistory::ForceHistory(const Grid& grid)
+    : grid_(grid), sides_(grid.cells(), Sides{}), shear_(grid.cells(), 0.0) {
+  for (auto& moments : moment_) moments.assign(grid.particles(), 0.0);
+}
+
+/// Lower left, lower right, upper left, upper right.
+std::array<Cell, 4> ForceHistory::children(const Cell& parent) const {
+  const int half = parent.span() / 2, level = parent.level - 1;
+  return {Cell{parent.i, parent.j, level}, Cell{parent.i + half, parent.j, level},
+          Cell{parent.i, parent.j + half, level}, Cell{parent.i + half, parent.j + half, level}};
+}
+
+void ForceHistory::merge(const Cell& parent) {
+  const auto c = children(parent);
+  // A coarse side takes over the strip of its own fine sides and half of the strip of the thread in the
+  // middle.
+  Sides merged{};
+  for (const int column : {0, 1}) {
+    const Sides &low = sides(c[column]), &high = sides(c[2 + column]);
+    const double middle = 0.5 * (low[kAbove] + high[kBelow]);
+    merged[kBelow] += 0.25 * (low[kBelow] + middle);
+    merged[kAbove] += 0.25 * (high[kAbove] + middle);
+  }
+  for (const int row : {0, 2}) {
+    const Sides &left = sides(c[row]), &right = sides(c[row + 1]);
+    const double middle = 0.5 * (left[kRight] + right[kLeft]);
+    merged[kLeft] += 0.25 * (left[kLeft] + middle);
+    merged[kRight] += 0.25 * (right[kRight] + middle);
+  }
+  const double mean = 0.25 * (shear(c[0]) + shear(c[1]) + shear(c[2]) + shear(c[3]));
+  sides(parent) = merged;
+  shear(parent) = mean;
+  mergeMoments(parent);
+}
+
+/// The coarse triple at a corner takes half of what the triple in the middle of the side held, in the quarter
+/// of its surroundings that this cell is.
+void ForceHistory::mergeMoments(const Cell& parent) {
+  constexpr double kShare = 0.25 * 0.5;
+  const auto p = parent.corners(grid_);
+  const auto average = [](std::vector<double>& m, int a, int b) {
+    const double middle = m[(a + b) / 2];
+    m[a] += kShare * (middle - m[a]);
+    m[b] += kShare * (middle - m[b]);
+  };
+  average(moment_[kWarp], p[0], p[1]);
+  average(moment_[kWarp], p[2], p[3]);
+  average(moment_[kWeft], p[0], p[2]);
+  average(moment_[kWeft], p[1], p[3]);
+}
+
+void ForceHistory::split(const Cell& parent) {
+  const Sides coarse = sides(parent);
+  const double mean_warp = 0.5 * (coarse[kBelow] + coarse[kAbove]),
+               mean_weft = 0.5 * (coarse[kLeft] + coarse[kRight]), force = shear(parent);
+  const auto c = children(parent);
+  for (int k = 0; k < 4; ++k) {
+    const bool right = k % 2 == 1, upper = k / 2 == 1;
+    sides(c[k]) = {upper ? mean_warp : coarse[kBelow], upper ? coarse[kAbove] : mean_warp,
+                   right ? mean_weft : coarse[kLeft], right ? coarse[kRight] : mean_weft};
+    shear(c[k]) = force;
+  }
+  const auto p = parent.corners(grid_);
+  for (auto& m : moment_) {
+    for (const auto& [a, b] : {std::pair(p[0], p[1]), {p[2], p[3]}, {p[0], p[2]}, {p[1], p[3]}}) {
+      m[(a + b) / 2] = 0.5 * (m[a] + m[b]);
+    }
+    m[(p[0] + p[3]) / 2] = 0.25 * (m[p[0]] + m[p[1]] + m[p[2]] + m[p[3]]);
+  }
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,41 @@
+/// What the fabric remembers, while the mesh changes under it: forces per width as fields over the finest
+/// grid.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "mesh/active_mesh.h"
+
+namespace haptic_cloth {
+
+/// Tension, moment and shear force of the elements, written down before a change of the mesh, handed over
+/// cell by cell and read by the new elements. All are per unit width, so splitting copies and merging
+/// averages; in the total forces of [M04] 3.3 that is "half of T2 to T1 and T3", "E2 + E3 add" and "f/4 to
+/// each finer edge".
+class ForceHistory {
+ public:
+  explicit ForceHistory(const Grid& grid);
+
+  /// Tension [N/m] of the sides of each leaf: warp sides below and above, weft sides left and right.
+  using Sides = std::array<double, 4>;
+
+  Sides& sides(const Cell& cell) { return sides_[grid_.cell(cell.i, cell.j)]; }
+  double& shear(const Cell& cell) { return shear_[grid_.cell(cell.i, cell.j)]; }        ///< [N/m]
+  double& moment(int particle, int direction) { return moment_[direction][particle]; }  ///< [N·m/m]
+
+  /// To be called for each merged parent, then for each split cell in the order they were split.
+  void merge(const Cell& parent);
+  void split(const Cell& parent);
+
+ private:
+  void mergeMoments(const Cell& parent);
+  std::array<Cell, 4> children(const Cell& parent) const;
+
+  Grid grid_;
+  std::vector<Sides> sides_;
+  std::vector<double> shear_;
+  std::array<std::vector<double>, 2> moment_;
+};
+
+}  // namespace haptic_cloth
