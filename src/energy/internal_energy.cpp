@@ -6,6 +6,7 @@
 #include "energy/edge.h"
 #include "energy/shear.h"
 #include "energy/triple.h"
+#include "energy/twist.h"
 
 namespace haptic_cloth {
 namespace {
@@ -29,10 +30,13 @@ InternalEnergy::InternalEnergy(const Fabric& fabric, const ActiveMesh& mesh)
       stretch_(fabric.tensile),
       bend_(fabric.bending),
       shear_(fabric.shear),
+      twist_rigidity_(fabric.twist_rigidity),
       bends_(!bend_[kWarp].isZero() || !bend_[kWeft].isZero()),
-      shears_(!shear_.isZero()) {
+      shears_(!shear_.isZero() || twist_rigidity_ > 0.0) {
   node_normals_.reserve(mesh.grid.particles());
-  slots_.reserve(mesh.edges.capacity() + mesh.triples.capacity() + 2 * mesh.patches.capacity());
+  slots_.reserve(mesh.edges.capacity() + mesh.triples.capacity() +
+                 mesh.slots_per_patch * mesh.patches.capacity());
+  if (twist_rigidity_ > 0.0) patch_normals_.reserve(mesh.patches.capacity());
   edge_tangents_.reserve(mesh.edges.capacity());
   triple_stiffness_.reserve(mesh.triples.capacity());
   patch_tangents_.reserve(mesh.patches.capacity());
@@ -66,11 +70,13 @@ void InternalEnergy::resize() {
 
 void InternalEnergy::setNormals(const std::vector<Vec3>& positions) {
   node_normals_.assign(mesh_.nodes(), Vec3::Zero());
+  patch_normals_.clear();
   for (const Patch& patch : mesh_.patches) {
     const auto& n = patch.nodes;
     const Vec3 normal =
         (positions[n[3]] - positions[n[0]]).cross(positions[n[2]] - positions[n[1]]);  // weighted by area
     for (const int corner : n) node_normals_[corner] += normal;
+    if (twist_rigidity_ > 0.0) patch_normals_.push_back(normal.stableNormalized());
   }
   for (Vec3& normal : node_normals_) {
     const double length = normal.norm();
@@ -86,7 +92,8 @@ InternalEnergy::Energy InternalEnergy::evaluate(int begin, int end, const std::v
   const auto [e0, e1] = part(0, triples);
   const auto [t0, t1] = part(triples, patches);
   const auto [p0, p1] = part(patches, size());
-  return {evaluateEdges(e0, e1, x), evaluateTriples(t0, t1, x), evaluatePatches(p0, p1, x)};
+  return {evaluateEdges(e0, e1, x), evaluateTriples(t0, t1, x) + evaluateTwists(p0, p1, x),
+          evaluatePatches(p0, p1, x)};
 }
 
 double InternalEnergy::evaluateEdges(int begin, int end, const std::vector<Vec3>& x) {
@@ -120,16 +127,29 @@ double InternalEnergy::evaluateTriples(int begin, int end, const std::vector<Vec
 
 double InternalEnergy::evaluatePatches(int begin, int end, const std::vector<Vec3>& x) {
   double energy = 0.0;
+  const int per_patch = mesh_.slots_per_patch;
   Vec3* slots = slots_.data() + mesh_.edges.size() + mesh_.triples.size();
   for (int k = begin; k < end; ++k) {
-    const Patch& patch = mesh_.patches[k];
     const ShearResult r =
-        evaluateShear({x[patch.nodes[0]], x[patch.nodes[1]], x[patch.nodes[2]], x[patch.nodes[3]]},
-                      patch.area, StepLaw(shear_, patch_steps_, k));
+        evaluateShear(corners(k, x), mesh_.patches[k].area, StepLaw(shear_, patch_steps_, k));
     energy += r.energy;
-    slots[2 * k] = r.force * r.rising;
-    slots[2 * k + 1] = r.force * r.falling;
+    slots[per_patch * k] = r.force * r.rising;
+    slots[per_patch * k + 1] = r.force * r.falling;
     patch_tangents_[k] = {r.rising, r.falling, r.stiffness};
+  }
+  return energy;
+}
+
+/// Twist counts as bending.
+double InternalEnergy::evaluateTwists(int begin, int end, const std::vector<Vec3>& x) {
+  if (patch_normals_.empty()) return 0.0;
+  double energy = 0.0;
+  Vec3* slots = slots_.data() + mesh_.edges.size() + mesh_.triples.size();
+  for (int k = begin; k < end; ++k) {
+    const TwistResult r =
+        evaluateTwist(corners(k, x), patch_normals_[k], twist_rigidity_, mesh_.patches[k].area);
+    energy += r.energy;
+    slots[3 * k + 2] = r.gradient * patch_normals_[k];
   }
   return energy;
 }
@@ -154,6 +174,9 @@ double InternalEnergy::curvature(int begin, int end, const std::vector<Vec3>& d)
     const auto& n = mesh_.patches[k - patches].nodes;
     const double change = tangent.rising.dot(d[n[3]] - d[n[0]]) + tangent.falling.dot(d[n[1]] - d[n[2]]);
     sum += tangent.stiffness * change * change;
+    if (patch_normals_.empty()) continue;
+    const double height = patch_normals_[k - patches].dot(saddle(corners(k - patches, d)));
+    sum += twistStiffness(twist_rigidity_, mesh_.patches[k - patches].area) * height * height;
   }
   return sum;
 }
@@ -177,6 +200,9 @@ void InternalEnergy::addDiagonal(std::vector<Vec3>& diagonal) const {
     const auto& n = mesh_.patches[k].nodes;
     for (const int node : {n[0], n[3]}) diagonal[node] += t.stiffness * t.rising.cwiseAbs2();
     for (const int node : {n[1], n[2]}) diagonal[node] += t.stiffness * t.falling.cwiseAbs2();
+    if (patch_normals_.empty()) continue;
+    const double twist = twistStiffness(twist_rigidity_, mesh_.patches[k].area);
+    for (const int node : n) diagonal[node] += twist * patch_normals_[k].cwiseAbs2();
   }
 }
 

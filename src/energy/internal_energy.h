@@ -76,6 +76,11 @@ class InternalEnergy {
   double evaluateEdges(int begin, int end, const std::vector<Vec3>& x);
   double evaluateTriples(int begin, int end, const std::vector<Vec3>& x);
   double evaluatePatches(int begin, int end, const std::vector<Vec3>& x);
+  double evaluateTwists(int begin, int end, const std::vector<Vec3>& x);
+  std::array<Vec3, 4> corners(int patch, const std::vector<Vec3>& x) const {
+    const auto& n = mesh_.patches[patch].nodes;
+    return {x[n[0]], x[n[1]], x[n[2]], x[n[3]]};
+  }
   double strain(int edge, const std::vector<Vec3>& x) const;
   void recallEdges(const std::vector<Vec3>& x, ForceHistory& history);
   double shearAngle(int patch, const std::vector<Vec3>& x) const;
@@ -90,10 +95,12 @@ class InternalEnergy {
   const ActiveMesh& mesh_;
   std::array<Loop, 2> stretch_, bend_;
   Loop shear_;
+  double twist_rigidity_;  ///< [N·m]
   bool bends_, shears_;
   int edge_count_ = 0, triple_count_ = 0, patch_count_ = 0;
   std::vector<Vec3> node_normals_;
-  std::vector<Vec3> slots_;  ///< one an edge, one a triple, two a patch [N] or [N·m²] along the normal
+  std::vector<Vec3> patch_normals_;  ///< empty without a twist term
+  std::vector<Vec3> slots_;          ///< see ActiveMesh::slots(); [N], of triples [N·m²]
   std::vector<EdgeTangent> edge_tangents_;
   std::vector<double> triple_stiffness_;
   std::vector<PatchTangent> patch_tangents_;

@@ -4,6 +4,7 @@
 
 #include "energy/internal_energy.h"
 #include "energy/shear.h"
+#include "energy/twist.h"
 
 namespace haptic_cloth {
 namespace {
@@ -24,8 +25,7 @@ void InternalEnergy::forEach(int begin, int end, OnEdge edge, OnTriple triple, O
 }
 
 double InternalEnergy::shearAngle(int patch, const std::vector<Vec3>& x) const {
-  const auto& n = mesh_.patches[patch].nodes;
-  return haptic_cloth::shearAngle({x[n[0]], x[n[1]], x[n[2]], x[n[3]]});
+  return haptic_cloth::shearAngle(corners(patch, x));
 }
 
 void InternalEnergy::commit(int begin, int end, const std::vector<Vec3>& x) {
@@ -61,7 +61,11 @@ InternalEnergy::Energy InternalEnergy::stored(const std::vector<Vec3>& x) const 
         energy.bend += triple.area * bend_[triple.direction].stored(play(triple_steps_, t), curvature(t, x));
       },
       [&](int k) {
-        energy.shear += mesh_.patches[k].area * shear_.stored(play(patch_steps_, k), shearAngle(k, x));
+        const double area = mesh_.patches[k].area;
+        if (!patch_normals_.empty()) {
+          energy.bend += evaluateTwist(corners(k, x), patch_normals_[k], twist_rigidity_, area).energy;
+        }
+        energy.shear += area * shear_.stored(play(patch_steps_, k), shearAngle(k, x));
       });
   return energy;
 }

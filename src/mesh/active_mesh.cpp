@@ -9,8 +9,8 @@ enum Role : char { kInactive, kCorner, kGhost };
 
 }  // namespace
 
-ActiveMesh::ActiveMesh(const LeafMesh& leaves, double areal_density)
-    : grid(leaves.grid()), areal_density_(areal_density) {
+ActiveMesh::ActiveMesh(const LeafMesh& leaves, double areal_density, bool twist)
+    : grid(leaves.grid()), slots_per_patch(twist ? 3 : 2), areal_density_(areal_density) {
   const std::size_t n = grid.particles();
   int slots = 0;
   for (int level = 0; level <= grid.levels; ++level) {
@@ -27,7 +27,8 @@ ActiveMesh::ActiveMesh(const LeafMesh& leaves, double areal_density)
   triples.reserve(2 * n);
   patches.reserve(grid.cells());
   cells_.reserve(grid.cells());
-  incidences.reserve(2 * edges.capacity() + 3 * triples.capacity() + 4 * patches.capacity());
+  incidences.reserve(2 * edges.capacity() + 3 * triples.capacity() +
+                     4 * (slots_per_patch - 1) * patches.capacity());
   rebuild(leaves);
 }
 
@@ -187,11 +188,14 @@ void ActiveMesh::buildIncidences() {
     }
     for (int k = 0; k < static_cast<int>(patches.size()); ++k) {
       const auto& n = patches[k].nodes;
-      const int slot = first_patch + 2 * k;
+      const int slot = first_patch + slots_per_patch * k;
       put(n[0], slot, -1.0);
       put(n[3], slot, 1.0);
       put(n[1], slot + 1, 1.0);
       put(n[2], slot + 1, -1.0);
+      if (slots_per_patch < 3) continue;
+      for (const int corner : {0, 3}) put(n[corner], slot + 2, 1.0);
+      for (const int corner : {1, 2}) put(n[corner], slot + 2, -1.0);
     }
   };
   visit([&](int n, int, double) { ++rows[n + 1]; });

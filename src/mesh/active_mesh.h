@@ -50,8 +50,8 @@ struct Incidence {
 /// vectors keep the capacity of the finest mesh, so that nothing is allocated in a run.
 class ActiveMesh {
  public:
-  /// @param areal_density [kg/m²]
-  ActiveMesh(const LeafMesh& leaves, double areal_density);
+  /// @param areal_density [kg/m²]  @param twist whether patches have a slot for a twist term
+  ActiveMesh(const LeafMesh& leaves, double areal_density, bool twist = false);
 
   void rebuild(const LeafMesh& leaves);
 
@@ -69,10 +69,14 @@ class ActiveMesh {
   std::vector<Triple> triples;
   std::vector<Patch> patches;
 
-  /// Gather lists: which element slots act on a node. Slots are numbered edges, triples, then two a patch.
+  /// Gather lists: which element slots act on a node. Slots are numbered edges, triples, then two
+  /// (with a twist term three) a patch.
   std::vector<int> rows;
   std::vector<Incidence> incidences;
-  int slots() const { return static_cast<int>(edges.size() + triples.size() + 2 * patches.size()); }
+  int slots_per_patch;
+  int slots() const {
+    return static_cast<int>(edges.size() + triples.size() + slots_per_patch * patches.size());
+  }
 
   /// Replaces each ghost's entry by the mean of its masters'.
   template <class Values>

@@ -39,7 +39,7 @@ ClothWorld::ClothWorld(const Scene& s)
     : scene(s),
       grid(makeGrid(s)),
       leaves(grid, s.cloth.pins, Adaptation::startLevel(s.adapt)),
-      mesh(leaves, s.cloth.fabric.areal_density),
+      mesh(leaves, s.cloth.fabric.areal_density, s.cloth.fabric.twist_rigidity > 0.0),
       state(flatState(s, grid)),
       internal(s.cloth.fabric, mesh),
       contacts(grid, s.obstacles, contactOptions(s)),

@@ -32,7 +32,10 @@ namespace {
 Scene pressedSheet() {
   LinearFabric linear;
   linear.rigidity = 1e-5;
-  Scene scene = sheetScene(makeFabric(linear), 17, 17, 0.064, 0.064);
+  Fabric fabric = makeFabric(linear);
+  fabric.twist_rigidity = 2e-5;
+  fabric.bending[kWeft] = Loop(-256.0, 256.0, {-2e-3, 5e-4, 3e-3}, {-3e-3, -5e-4, 2e-3}, 20.0);
+  Scene scene = sheetScene(fabric, 17, 17, 0.064, 0.064);
   scene.adapt.levels = 2;
   scene.air_damping = 0.5;
   pin(scene, 0, 0, 0, 3);
@@ -53,7 +56,7 @@ class ObjectiveTest : public ::testing::Test {
       : scene_(pressedSheet()),
         grid_{17, 17, 2, 0.004, 0.004},
         leaves_(mixed(grid_, scene_)),
-        mesh_(leaves_, scene_.cloth.fabric.areal_density),
+        mesh_(leaves_, scene_.cloth.fabric.areal_density, true),
         internal_(scene_.cloth.fabric, mesh_),
         contacts_(grid_, scene_.obstacles, {5e-4, 1e-3, 1e-3, scene_.probe.radius, scene_.probe.friction}),
         team_(1),
