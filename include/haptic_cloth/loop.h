@@ -45,6 +45,9 @@ class Loop {
   /// The rising branch; the law itself where there is no memory.
   const Curve& upper() const { return upper_; }
 
+  /// The falling branch.
+  const Curve& lower() const { return memory_ ? lower_ : upper_; }
+
   /// Play of an element that was never deformed.
   double initialPlay() const { return memory_ ? clampPlay(0.0, 0.0) : 0.0; }
 

@@ -1,0 +1,21 @@
+#!/usr/bin/python3
+"""Draws a curve of kes_test (CSV on stdin) beside the fabric's loop. Usage: plot_kes.py FILE.png < curve.csv"""
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+
+s, force, upper, lower = np.loadtxt(sys.stdin, delimiter=",", skiprows=1, unpack=True)
+order = np.argsort(s)
+plt.figure(figsize=(6, 4.5))
+plt.plot(s[order], upper[order], color="0.6", lw=3, label="fabric: branches of the loop")
+plt.plot(s[order], lower[order], color="0.6", lw=3)
+plt.plot(s, force, color="C3", lw=1, label="mesh")
+plt.xlabel("strain [-], angle [rad] or curvature [1/m]")
+plt.ylabel("force per width [N/m or N·m/m]")
+plt.legend()
+plt.tight_layout()
+plt.savefig(sys.argv[1], dpi=110)

@@ -1,0 +1,126 @@
+/// kes_test: the Kawabata tests on a virtual specimen of a fabric file.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <sstream>
+#include <string>
+
+#include "haptic_cloth/error.h"
+#include "haptic_cloth/fabric.h"
+#include "tools/kes_values.h"
+#include "tools/specimen.h"
+
+namespace haptic_cloth {
+namespace {
+
+enum ExitCode { kSuccess = 0, kBadInput = 2, kFailed = 3 };
+
+constexpr const char* kDescription =
+    "Virtual Kawabata (KES-F) tests of a fabric file on a mesh.\n"
+    "Example: kes_test config/fabrics/denim_a.yaml --test bending --out bending.csv --plot bending.png";
+
+constexpr const char* kFooter =
+    "FILE.csv: deformation (strain, rad or 1/m), force on the mesh (N/m or N m/m), upper and lower branch "
+    "of\n"
+    "the fabric's loop there. Tension goes up to 500 gf/cm and back; shear to 8 deg and bending to 2.5/cm: "
+    "up,\n"
+    "down to the negative end and up again. Printed: what a KES instrument would read, in KES units.\n"
+    "Exit status: 0 success; 2 bad input, nothing written; 3 failure.";
+
+struct Arguments {
+  std::string fabric, out, plot;
+  KesTest test = KesTest::Tensile;
+  Direction direction = kWarp;
+  SpecimenMesh mesh = SpecimenMesh::Finest;
+};
+
+const std::map<std::string, KesTest> kTests{
+    {"tensile", KesTest::Tensile}, {"shear", KesTest::Shear}, {"bending", KesTest::Bending}};
+const std::map<std::string, Direction> kDirections{{"warp", kWarp}, {"weft", kWeft}};
+const std::map<std::string, SpecimenMesh> kMeshes{
+    {"finest", SpecimenMesh::Finest}, {"coarsest", SpecimenMesh::Coarsest}, {"mixed", SpecimenMesh::Mixed}};
+
+void addArguments(CLI::App& app, Arguments& arguments) {
+  app.footer(kFooter);
+  app.add_option("FABRIC", arguments.fabric, "fabric file (YAML)")->required();
+  app.add_option("--test", arguments.test, "tensile, shear or bending")
+      ->required()
+      ->transform(CLI::CheckedTransformer(kTests));
+  app.add_option("--direction", arguments.direction, "warp (default) or weft")
+      ->transform(CLI::CheckedTransformer(kDirections));
+  app.add_option("--mesh", arguments.mesh, "finest (default), coarsest or mixed")
+      ->transform(CLI::CheckedTransformer(kMeshes));
+  app.add_option("--out", arguments.out, "FILE.csv: the curve");
+  app.add_option("--plot", arguments.plot, "FILE.png: the curve beside the loop (needs python3-matplotlib)");
+}
+
+std::string asCsv(const std::vector<KesRow>& rows) {
+  std::ostringstream out;
+  out.precision(17);
+  out << "deformation,force,upper,lower\n";
+  for (const KesRow& row : rows) {
+    out << row.deformation << ',' << row.force << ',' << row.upper << ',' << row.lower << '\n';
+  }
+  return out.str();
+}
+
+void writeFile(const std::string& file, const std::string& text) {
+  const std::string partial = file + ".partial";
+  std::ofstream out(partial);
+  out << text;
+  out.close();
+  if (!out) throw InputError("--out", "", file, "cannot be written");
+  std::filesystem::rename(partial, file);
+}
+
+void plotCurve(const std::string& file, const std::string& csv) {
+  std::string script = HAPTIC_CLOTH_SOURCE_SCRIPTS "/plot_kes.py";
+  if (!std::filesystem::exists(script)) script = HAPTIC_CLOTH_INSTALL_SCRIPTS "/plot_kes.py";
+  const std::string command = "/usr/bin/python3 '" + script + "' '" + file + "'";
+  FILE* python = popen(command.c_str(), "w");
+  if (python == nullptr) throw std::runtime_error(command + ": cannot be started");
+  std::fwrite(csv.data(), 1, csv.size(), python);
+  if (pclose(python) != 0) throw std::runtime_error("--plot " + file + ": the plot failed");
+}
+
+int run(const Arguments& arguments) {
+  const Fabric fabric = loadFabric(arguments.fabric);
+  if (loopOf(fabric, arguments.test, arguments.direction).isZero()) {
+    throw InputError(arguments.fabric, "", "", "has no data for this test");
+  }
+  const std::vector<KesRow> rows = runKesTest(fabric, arguments.test, arguments.direction, arguments.mesh);
+  const std::string csv = asCsv(rows);
+  if (!arguments.out.empty()) writeFile(arguments.out, csv);
+  if (!arguments.plot.empty()) plotCurve(arguments.plot, csv);
+  for (const auto& [name, value] : kesValues(rows, arguments.test)) std::cout << name << ' ' << value << '\n';
+  const LoopAreas areas = loopAreas(rows, arguments.test);
+  std::cout << "loop_area " << areas.measured << " J/m2 (fabric: " << areas.input << ")" << std::endl;
+  return kSuccess;
+}
+
+}  // namespace
+}  // namespace haptic_cloth
+
+int main(int argc, char** argv) {
+  haptic_cloth::Arguments arguments;
+  CLI::App app(haptic_cloth::kDescription, "kes_test");
+  try {
+    haptic_cloth::addArguments(app, arguments);
+    app.parse(argc, argv);
+    return haptic_cloth::run(arguments);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    std::cerr << "kes_test: " << error.what() << " (see --help)" << std::endl;
+    return haptic_cloth::kBadInput;
+  } catch (const haptic_cloth::InputError& error) {
+    std::cerr << error.what() << std::endl;
+    return haptic_cloth::kBadInput;
+  } catch (const std::exception& error) {
+    std::cerr << "kes_test: " << error.what() << std::endl;
+    return haptic_cloth::kFailed;
+  }
+}
