@@ -9,7 +9,7 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr int kParticles = 33, kLevels = 2;
+constexpr int kParticles = 65, kLevels = 2;
 constexpr int kStepsPerSweep = 200;  ///< of a sweep from zero to the largest deformation
 
 Grid specimenGrid(KesTest test, Direction direction) {
