@@ -17,3 +17,8 @@ set(HAPTIC_CLOTH_TESTS ${CATKIN_ENABLE_TESTING})
 set(HAPTIC_CLOTH_PROGRAM_DIR "${CATKIN_DEVEL_PREFIX}/lib/haptic_cloth")
 set(HAPTIC_CLOTH_LIBRARY_DIR "${CATKIN_DEVEL_PREFIX}/lib")
 set(HAPTIC_CLOTH_RESULTS_DIR "${CATKIN_TEST_RESULTS_DIR}/haptic_cloth")
+
+# rosrun passes over everything below PACKAGE/build. Where that is the build folder, a link beside it leads there.
+if(PROJECT_BINARY_DIR STREQUAL "${PROJECT_SOURCE_DIR}/build")
+  execute_process(COMMAND ${CMAKE_COMMAND} -E create_symlink build/devel "${PROJECT_SOURCE_DIR}/devel")
+endif()

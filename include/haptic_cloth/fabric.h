@@ -17,10 +17,10 @@ struct Fabric {
   double areal_density = 0.0;        ///< [kg/m²]
   double thickness = 0.0;            ///< [m]
   double compression_ratio = 0.1;    ///< stiffness below zero strain over the tangent one at 1 % strain [-]
-  std::array<Loop, 2> tensile;      ///< strain [-] → tension [N/m]
-  std::array<Loop, 2> bending;      ///< curvature [1/m] → moment per width [N·m/m]
+  std::array<Loop, 2> tensile;       ///< strain [-] → tension [N/m]
+  std::array<Loop, 2> bending;       ///< curvature [1/m] → moment per width [N·m/m]
   double twist_rigidity = 0.0;       ///< B_t, from the bending rigidity on the bias; 0: no twist term [N·m]
-  Loop shear;                       ///< shear angle [rad] → shear force per width [N/m]
+  Loop shear;                        ///< shear angle [rad] → shear force per width [N/m]
 };
 
 /// Reads a fabric file (format: docs/formats.md; KES units where KES has them).

@@ -6,9 +6,9 @@
 namespace haptic_cloth {
 
 /// Normal contact: pressure p(u) = p₀ u²/(1-u) with u = (range - gap)/range, zero from gap = range on, rising
-/// without bound towards gap = 0 but continued linearly from u = kSwitch on, so that a cloth that starts
-/// inside a solid finds a finite way out. Soft at first touch, hard when pressed: a light drape keeps the
-/// solve well conditioned, a hard push does not get through.
+/// without bound towards gap = 0 but continued linearly from u = kSwitch on: never infinite. Soft at first
+/// touch, hard when pressed: a light drape keeps the solve well conditioned, a hard push does not get
+/// through.
 class ContactLaw {
  public:
   struct Point {
@@ -21,6 +21,9 @@ class ContactLaw {
   explicit ContactLaw(double range) : range_(range) {}
 
   double range() const { return range_; }
+
+  /// Gap at which the pressure is as large as it gets before it goes on linearly [m].
+  double firmGap() const { return (1.0 - kSwitch) * range_; }
 
   Point operator()(double gap) const {
     const double u = 1.0 - gap / range_;

@@ -30,7 +30,6 @@ Distance ContactSet::distance(int solid, const Vec3& point, const Vec3& proxy) c
 void ContactSet::collect(const ActiveMesh& mesh, const std::vector<Vec3>& nodes, double reach,
                          const Vec3* proxy, double proxy_reach) {
   samples_.clear();
-  deepest_ = 0.0;
   sampleObstacles(mesh, nodes, law_.range() + reach);
   if (proxy) sampleProbe(mesh, nodes, law_.range() + reach + proxy_reach, *proxy);
   slots_.resize(samples_.size());
@@ -47,6 +46,21 @@ std::pair<Vec3, double> boundingSphere(const Patch& patch, const std::vector<Vec
   for (const int corner : n) radius = std::max(radius, (nodes[corner] - centre).squaredNorm());
   return {centre, std::sqrt(radius)};
 }
+
+/// The part of a row of samples across a cell that may lie within reach of the probe.
+struct Window {
+  /// @param length of the cell at rest [m]  @param side its mean side now [m]  @param offset of the probe
+  /// from its centre
+  Window(double length, double spacing, const Vec3& side, const Vec3& offset, double reach)
+      : count(std::max(1, static_cast<int>(std::ceil(length / spacing)))) {
+    // Twice the reach makes up for cells that are not flat rectangles.
+    const double middle = 0.5 + offset.dot(side) / std::max(side.squaredNorm(), 1e-300),
+                 half = 2.0 * reach / std::max(side.norm(), 1e-300);
+    first = static_cast<int>(count * std::clamp(middle - half, 0.0, 1.0));
+    last = static_cast<int>(std::ceil(count * std::clamp(middle + half, 0.0, 1.0)));
+  }
+  int count, first, last;
+};
 
 }  // namespace
 
@@ -75,33 +89,46 @@ void ContactSet::sampleObstacles(const ActiveMesh& mesh, const std::vector<Vec3>
 
 void ContactSet::sampleProbe(const ActiveMesh& mesh, const std::vector<Vec3>& nodes, double margin,
                              const Vec3& proxy) {
-  const double spacing = options_.probe_radius / 3.0;
+  const double spacing = options_.probe_radius / 3.0, reach = options_.probe_radius + margin;
   for (const Patch& patch : mesh.patches) {
     const auto [centre, radius] = boundingSphere(patch, nodes);
-    if ((centre - proxy).norm() > options_.probe_radius + radius + margin) continue;
-    const double lx = patch.cell.span() * grid_.dx, ly = patch.cell.span() * grid_.dy;
-    const int columns = static_cast<int>(std::ceil(lx / spacing)),
-              rows = static_cast<int>(std::ceil(ly / spacing));
-    for (int j = 0; j < rows; ++j) {
-      for (int i = 0; i < columns; ++i) {
-        addSample(patch, (i + 0.5) / columns, (j + 0.5) / rows, lx * ly / (columns * rows), kProbe, nodes,
-                  margin, proxy);
+    if ((centre - proxy).norm() > reach + radius) continue;
+    const auto& n = patch.nodes;
+    const Vec3 u = 0.5 * (nodes[n[3]] + nodes[n[1]] - nodes[n[2]] - nodes[n[0]]),
+               v = 0.5 * (nodes[n[3]] + nodes[n[2]] - nodes[n[1]] - nodes[n[0]]);
+    const Window columns(patch.cell.span() * grid_.dx, spacing, u, proxy - centre, reach);
+    const Window rows(patch.cell.span() * grid_.dy, spacing, v, proxy - centre, reach);
+    const double area = patch.area / (static_cast<double>(columns.count) * rows.count);
+    for (int j = rows.first; j < rows.last; ++j) {
+      for (int i = columns.first; i < columns.last; ++i) {
+        addSample(patch, (i + 0.5) / columns.count, (j + 0.5) / rows.count, area, kProbe, nodes, margin,
+                  proxy);
       }
     }
   }
 }
 
+bool ContactSet::isClear(const ActiveMesh& mesh, const std::vector<Vec3>& nodes, const Vec3& proxy) {
+  samples_.clear();
+  sampleProbe(mesh, nodes, law_.range(), proxy);
+  const bool clear = samples_.empty();
+  samples_.clear();
+  return clear;
+}
+
 void ContactSet::addSample(const Patch& patch, double u, double v, double area, int solid,
                            const std::vector<Vec3>& nodes, double margin, const Vec3& proxy) {
-  ContactSample sample{
-      patch.nodes, {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v}, area, solid, 0.0, Vec3::Zero(),
-      Vec3::Zero()};
+  ContactSample sample{};
+  sample.nodes = patch.nodes;
+  sample.weights = {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v};
+  sample.area = area;
+  sample.solid = solid;
   const Vec3 position = samplePosition(sample, nodes);
   const Distance d = distance(solid, position, proxy);
-  deepest_ = std::max(deepest_, -d.value);
   if (d.value > margin) return;
+  sample.raised = d.value < 0.0 ? law_.firmGap() - d.value : 0.0;
   const double friction = solid == kProbe ? options_.probe_friction : obstacles_[solid].friction();
-  sample.friction_force = friction * area * law_(d.value).pressure;
+  sample.friction_force = friction * area * law_(d.value + sample.raised).pressure;
   sample.start = solid == kProbe ? Vec3(position - proxy) : position;
   sample.start_normal = d.normal;
   samples_.push_back(sample);
@@ -132,8 +159,9 @@ ContactSet::Energy ContactSet::evaluate(int begin, int end, const std::vector<Ve
     const ContactSample& sample = samples_[k];
     const Vec3 position = samplePosition(sample, nodes);
     const Distance d = distance(sample.solid, position, proxy);
-    const ContactLaw::Point contact = law_(d.value);
+    const ContactLaw::Point contact = law_(d.value + sample.raised);
     Slot& slot = slots_[k];
+    slot.gap = d.value;
     slot.normal = d.normal;
     slot.normal_stiffness = sample.area * contact.stiffness;
     slot.tangent_stiffness = 0.0;
@@ -230,6 +258,19 @@ double ContactSet::maxStep(const std::vector<Vec3>& nodes, const Vec3& proxy, co
     if (now.value > 0.0 && closing > 0.0) step = std::min(step, kShareOfGap * now.value / closing);
   }
   return step;
+}
+
+double ContactSet::deepest() const {
+  double deepest = 0.0;
+  for (const Slot& slot : slots_) deepest = std::max(deepest, -slot.gap);
+  return deepest;
+}
+
+void ContactSet::calm(std::vector<Vec3>& velocities) const {
+  for (const ContactSample& sample : samples_) {
+    if (sample.raised == 0.0) continue;
+    for (const int node : sample.nodes) velocities[node].setZero();
+  }
 }
 
 bool ContactSet::probeTouched() const {

@@ -16,8 +16,9 @@ struct ContactSample {
   std::array<double, 4> weights;  ///< bilinear, sum 1
   double area;                    ///< of cloth it stands for [m²]
   int solid;                      ///< index of the obstacle; kProbe: the probe
-  double friction_force;          ///< μ times the normal force at the start of the step [N]
-  Vec3 start;                     ///< position relative to the solid at the start of the step [m]
+  double raised;          ///< by this much its gap counts larger: it began the step inside a solid [m]
+  double friction_force;  ///< μ times the normal force at the start of the step [N]
+  Vec3 start;             ///< position relative to the solid at the start of the step [m]
   Vec3 start_normal;
 };
 
@@ -44,7 +45,13 @@ class ContactSet {
   void collect(const ActiveMesh& mesh, const std::vector<Vec3>& nodes, double speed, const Vec3* proxy,
                double probe_reach);
 
+  /// True where a probe at `proxy` would not touch the cloth.
+  bool isClear(const ActiveMesh& mesh, const std::vector<Vec3>& nodes, const Vec3& proxy);
+
   int size() const { return static_cast<int>(samples_.size()); }
+
+  /// Stops the nodes of samples that began the step inside a solid: they are let out, not thrown.
+  void calm(std::vector<Vec3>& velocities) const;
 
   struct Energy {
     double contact = 0.0;   ///< stored [J]
@@ -72,13 +79,14 @@ class ContactSet {
   double maxStep(const std::vector<Vec3>& nodes, const Vec3& proxy, const std::vector<Vec3>& d,
                  const Vec3& d_proxy) const;
 
-  bool probeTouched() const;                   ///< some probe sample carries force
-  double deepest() const { return deepest_; }  ///< penetration at the last collect() [m]
+  bool probeTouched() const;  ///< some probe sample carries force
+  double deepest() const;     ///< deepest penetration at the last evaluation [m]
 
  private:
   struct Slot {
     Vec3 gradient;  ///< of the energy by the sample's position [N]
     Vec3 normal;
+    double gap;                                  ///< [m]
     double normal_stiffness, tangent_stiffness;  ///< [N/m]
   };
 
@@ -103,7 +111,6 @@ class ContactSet {
   std::vector<Slot> slots_;
   std::vector<int> rows_;
   std::vector<Entry> entries_;
-  double deepest_ = 0.0;
 };
 
 }  // namespace haptic_cloth

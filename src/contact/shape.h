@@ -17,9 +17,6 @@ class Solid {
 
   Distance distance(const Vec3& point) const;
 
-  /// Moves the solid without turning it.
-  void setPosition(const Vec3& position) { position_ = position; }
-  const Vec3& position() const { return position_; }
   double friction() const { return friction_; }
 
  private:

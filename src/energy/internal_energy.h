@@ -57,7 +57,7 @@ class InternalEnergy {
   /// Diagonal of H⁺ [N/m] at all nodes, added to `diagonal`, from the last evaluation.
   void addDiagonal(std::vector<Vec3>& diagonal) const;
 
-  /// Largest |ε| of the edges and the maxima per patch for display, at positions `x`.
+  /// For display, at positions `x`: largest |ε| of the edges, and values of one element.
   double maxStrain(const std::vector<Vec3>& x) const;
   double tension(int edge, const std::vector<Vec3>& x) const;           ///< [N/m]
   double curvature(int triple, const std::vector<Vec3>& x) const;       ///< of one triple [1/m]

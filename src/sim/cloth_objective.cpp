@@ -48,14 +48,15 @@ void ClothObjective::begin(const std::vector<Vec3>& positions, const std::vector
 
   double total_mass = 0.0;
   for (int n = 0; n < mesh_.free; ++n) total_mass += mesh_.mass[n];
+  // The proxy has no mass; its coupling answers over a step as this one would.
+  const double proxy_mass = h_ * h_ * coupling_stiffness_ + h_ * coupling_damping_;
+  if (mesh_.free == 0) total_mass = proxy_mass;
   const double g = referenceAcceleration(gravity_);
-  const auto weight = [&](double mass) { return 1.0 / (mass * std::max(total_mass, 1e-300) * g * g); };
-  for (int n = 0; n < mesh_.free; ++n) residual_weight_.segment<3>(3 * n).setConstant(weight(mesh_.mass[n]));
-  if (probe.present) {
-    // The proxy has no mass; its coupling answers over a step as this one would.
-    const double mass = h_ * h_ * coupling_stiffness_ + h_ * coupling_damping_;
-    residual_weight_.segment<3>(3 * mesh_.free).setConstant(weight(mass));
+  const auto weight = [&](double mass) { return 1.0 / (mass * total_mass * g * g); };
+  for (int n = 0; n < mesh_.free; ++n) {
+    residual_weight_.segment<3>(3 * n).setConstant(weight(mesh_.mass[n]));
   }
+  if (probe.present) residual_weight_.segment<3>(3 * mesh_.free).setConstant(weight(proxy_mass));
 }
 
 void ClothObjective::pack(const std::vector<Vec3>& nodes, const Vec3& proxy, Vector& x) const {

@@ -49,7 +49,7 @@ class ClothObjective : public Objective {
   /// At the last evaluated point:
   const std::vector<Vec3>& nodes() const { return nodes_; }
   const Vec3& proxy() const { return proxy_; }
-  const Vec3& proxyStart() const { return probe_.proxy; }
+  const ProbeStep& probeStep() const { return probe_; }  ///< as begin() was given it
   double internalEnergy(
       Sums& parts) const;         ///< stretch, bend, shear, contact [J] as parts 0..3; returns their sum
   double couplingEnergy() const;  ///< spring between device and proxy [J]

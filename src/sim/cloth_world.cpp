@@ -28,6 +28,15 @@ ParticleState flatState(const Scene& scene, const Grid& grid) {
   return state;
 }
 
+/// Work of two solves of one step; the state is the last one's.
+MinimizerReport sum(const MinimizerReport& a, MinimizerReport b) {
+  b.iterations += a.iterations;
+  b.evaluations += a.evaluations;
+  b.restarts += a.restarts;
+  b.seconds += a.seconds;
+  return b;
+}
+
 ContactSet::Options contactOptions(const Scene& scene) {
   return {scene.cloth.fabric.thickness, kSlipSpeed, scene.solver.time_step, scene.probe.radius,
           scene.probe.friction};
@@ -50,18 +59,24 @@ ClothWorld::ClothWorld(const Scene& s)
   if (internal.hasMemory()) history_.emplace(grid);
   nodes_.reserve(grid.particles());
   velocities_.reserve(grid.particles());
-  for (Vector* v : {&x_, &start_, &motion_, &gradient_}) v->setZero(objective.capacity());
+  for (Vector* v : {&x_, &start_, &trial_, &motion_, &gradient_}) v->setZero(objective.capacity());
   minimizer_.reserve(objective.capacity());
   gatherNodes();
   internal.setNormals(nodes_);
+  findContacts(0.0, 0.0);  // a cloth that starts in contact has energy there
+  objective.begin(nodes_, velocities_, probe_step_);
+  objective.pack(nodes_, probe_step_.proxy, start_);
+  objective.evaluate(start_, gradient_);
   energy = measureEnergy();
 }
 
 void ClothWorld::setDevice(const Vec3& position, const Vec3& velocity) {
+  if (!position.allFinite() || !velocity.allFinite()) return;
   if (!probe_step_.present) {
     probe_step_.proxy = position;
     probe.proxy = position;
     probe.velocity = Vec3::Zero();
+    probe_entered_ = false;
   }
   probe_step_.present = true;
   probe_step_.device = position;
@@ -86,7 +101,7 @@ StepReport ClothWorld::step() {
   } else {
     accept(report);
   }
-  account(coupling_before);
+  account(report.failed, coupling_before);
   ++steps;
   report.time = time();
   report.active_particles = mesh.active();
@@ -106,7 +121,11 @@ void ClothWorld::gatherNodes() {
 }
 
 void ClothWorld::adapt(StepReport& report) {
-  const FineRegion fine{probe_step_.proxy, scene.probe.radius + kFineReach * std::max(grid.dx, grid.dy)};
+  const double spacing = std::max(grid.dx, grid.dy);
+  const double ahead = std::min((probe_step_.device - probe_step_.proxy).norm(), kFineReach * spacing);
+  const FineRegion fine{probe_step_.proxy, scene.probe.radius + kFineReach * spacing + ahead};
+  const double before = energy.total() - energy.contact - energy.coupling;
+  created_ = 0.0;
   if (history_ && adaptation_.isDue(steps)) internal.remember(nodes_, *history_);
   const bool changed =
       adaptation_.update(steps, nodes_, internal, probe_step_.present ? &fine : nullptr, leaves, mesh, state);
@@ -117,11 +136,15 @@ void ClothWorld::adapt(StepReport& report) {
     gatherNodes();
   }
   internal.setNormals(nodes_);
-  if (changed && history_) {
+  if (!changed) return;
+  if (history_) {
     for (const Cell& parent : adaptation_.merged()) history_->merge(parent);
     for (const Cell& parent : adaptation_.split()) history_->split(parent);
     internal.recall(nodes_, *history_);
   }
+  const InternalEnergy::Energy stored = internal.stored(nodes_);
+  const EnergyReport motion = measureMotion();
+  created_ = motion.kinetic + motion.gravity + stored.stretch + stored.bend + stored.shear - before;
 }
 
 /// Contacts are sought as far as the cloth is expected to move. Where it moved farther, something may have
@@ -130,18 +153,24 @@ void ClothWorld::solve(StepReport& report) {
   constexpr int kAttempts = 3;
   const double h = scene.solver.time_step;
   double reach = 2.0 * h * (maxSpeed() + h * scene.gravity.norm()) + 0.1 * std::min(grid.dx, grid.dy);
+  double proxy_reach = (probe_step_.device - probe_step_.proxy).norm() + 2.0 * h * probe.velocity.norm();
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    findContacts(reach);
-    minimise(report);
-    const double moved = largestMove();
-    if (!(moved > reach)) return;
+    findContacts(reach, proxy_reach);
+    const MinimizerReport last = minimise();
+    report.minimizer = attempt == 0 ? last : sum(report.minimizer, last);
+    const double moved = largestMove(), proxy_moved = (objective.proxy() - probe_step_.proxy).norm();
+    const bool covered = !(moved > reach) && !(probe_step_.present && proxy_moved > proxy_reach);
+    if (covered || last.why == Termination::TimeBudget) return;
     reach = 2.0 * moved;
+    proxy_reach = 2.0 * proxy_moved;
   }
 }
 
-void ClothWorld::findContacts(double reach) {
-  const double proxy_reach = probe_step_.present ? (probe_step_.device - probe_step_.proxy).norm() : 0.0;
-  contacts.collect(mesh, nodes_, reach, probe_step_.present ? &probe_step_.proxy : nullptr, proxy_reach);
+void ClothWorld::findContacts(double reach, double proxy_reach) {
+  if (probe_step_.present && !probe_entered_)
+    probe_entered_ = contacts.isClear(mesh, nodes_, probe_step_.proxy);
+  const bool touches = probe_step_.present && probe_entered_;
+  contacts.collect(mesh, nodes_, reach, touches ? &probe_step_.proxy : nullptr, proxy_reach);
 }
 
 /// Of a node in the step just solved [m].
@@ -153,23 +182,36 @@ double ClothWorld::largestMove() const {
   return std::sqrt(largest);
 }
 
-/// From rest or from inertial motion, whichever has the lower Φ, to a minimum of Φ.
-void ClothWorld::minimise(StepReport& report) {
-  const double h = scene.solver.time_step;
+MinimizerReport ClothWorld::minimise() {
   objective.begin(nodes_, velocities_, probe_step_);
-  objective.pack(nodes_, probe_step_.proxy, start_);
-  const double at_rest = objective.evaluate(start_, gradient_);
-  Sums parts;
-  energy_before_ = objective.internalEnergy(parts) + objective.couplingEnergy() + objective.lossPotential();
+  chooseStart();
+  return minimizer_.minimize(objective, x_, team);
+}
 
-  for (int n = 0; n < mesh.free; ++n) motion_.segment<3>(3 * n) = h * velocities_[n];
-  if (probe_step_.present) motion_.segment<3>(3 * mesh.free) = h * probe.velocity;
-  const double step = std::min(1.0, objective.along(motion_).max_step);
+/// At rest, in inertial motion or in free fall: whichever has the lowest Φ. So Φ never ends above that at
+/// rest, and each of the three is exact where it is what happens.
+void ClothWorld::chooseStart() {
+  const double h = scene.solver.time_step, share = h / (1.0 + scene.air_damping * h);
   const int size = objective.size();
-  x_.head(size) = start_.head(size) + step * motion_.head(size);
-  const double moving = objective.evaluate(x_, gradient_);
-  if (!(moving < at_rest)) x_.head(size) = start_.head(size);
-  report.minimizer = minimizer_.minimize(objective, x_, team);
+  objective.pack(nodes_, probe_step_.proxy, start_);
+  double lowest = objective.evaluate(start_, gradient_);
+  Sums parts;
+  energy_before_ = objective.internalEnergy(parts) + objective.couplingEnergy() + objective.lossPotential() -
+                   std::max(0.0, created_);
+  x_.head(size) = start_.head(size);
+  for (const double fall : {0.0, h}) {
+    for (int n = 0; n < mesh.free; ++n) {
+      motion_.segment<3>(3 * n) = share * (velocities_[n] + fall * scene.gravity);
+    }
+    if (probe_step_.present) motion_.segment<3>(3 * mesh.free) = h * probe.velocity;
+    objective.evaluate(start_, gradient_);
+    const double step = std::min(1.0, objective.along(motion_).max_step);
+    trial_.head(size) = start_.head(size) + step * motion_.head(size);
+    const double value = objective.evaluate(trial_, gradient_);
+    if (!(value < lowest)) continue;
+    lowest = value;
+    x_.head(size) = trial_.head(size);
+  }
 }
 
 void ClothWorld::accept(StepReport& report) {
@@ -182,6 +224,7 @@ void ClothWorld::accept(StepReport& report) {
   }
   for (int n = 0; n < mesh.nodes(); ++n) velocities_[n] = (after[n] - nodes_[n]) / h;
   nodes_ = after;
+  contacts.calm(velocities_);
 
   Sums parts;
   const double spent =
@@ -228,24 +271,37 @@ void ClothWorld::restore() {
   probe.contact = false;
 }
 
-/// Energy balance: the device works on the coupling at the start of a step; what is missing at its end is
-/// dissipated.
-void ClothWorld::account(double coupling_before) {
-  const double before = energy.total(), dissipated = energy.dissipated;
-  const double coupling_moved =
-      probe_step_.present
-          ? 0.5 * scene.probe.coupling_stiffness * (probe_step_.device - objective.proxyStart()).squaredNorm()
-          : 0.0;
+/// Energy balance: the device works on spring and damper of the coupling; what is missing at the end of a
+/// step was dissipated. A failed step went nowhere and is left out.
+void ClothWorld::account(bool failed, double coupling_before) {
+  double before = energy.total();
+  const double dissipated = energy.dissipated;
+  if (probe_step_.present) {
+    const ProbeStep& made = objective.probeStep();
+    const double spring =
+        0.5 * scene.probe.coupling_stiffness * (made.device - made.proxy).squaredNorm() - coupling_before;
+    const double damper = scene.probe.coupling_damping * scene.solver.time_step *
+                          (made.device_velocity - probe.velocity).dot(made.device_velocity);
+    before += spring + damper;
+  } else {
+    before -= coupling_before;
+  }
   energy = measureEnergy();
-  energy.dissipated = dissipated + before + (coupling_moved - coupling_before) - energy.total();
+  energy.dissipated = failed ? dissipated : dissipated + before - energy.total();
 }
 
-EnergyReport ClothWorld::measureEnergy() const {
+/// Kinetic energy and that of gravity.
+EnergyReport ClothWorld::measureMotion() const {
   EnergyReport e;
   for (int n = 0; n < mesh.active(); ++n) {
     e.kinetic += 0.5 * mesh.mass[n] * velocities_[n].squaredNorm();
     e.gravity -= mesh.mass[n] * scene.gravity.dot(nodes_[n]);
   }
+  return e;
+}
+
+EnergyReport ClothWorld::measureEnergy() const {
+  EnergyReport e = measureMotion();
   Sums parts;
   objective.internalEnergy(parts);
   const InternalEnergy::Energy stored =

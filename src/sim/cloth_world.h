@@ -48,22 +48,26 @@ class ClothWorld {
   void gatherNodes();
   void adapt(StepReport& report);
   void solve(StepReport& report);
-  void findContacts(double reach);
-  void minimise(StepReport& report);
+  void findContacts(double reach, double proxy_reach);
+  MinimizerReport minimise();
+  void chooseStart();
   double largestMove() const;
   void accept(StepReport& report);
   void restore();
   double guardEnergy(double left);
-  void account(double coupling_before);
+  void account(bool failed, double coupling_before);
+  EnergyReport measureMotion() const;
   EnergyReport measureEnergy() const;
 
   Adaptation adaptation_;
   std::optional<ForceHistory> history_;  ///< of a fabric with hysteresis
   Minimizer minimizer_;
   ProbeStep probe_step_;
+  bool probe_entered_ = false;  ///< the probe has been clear of the cloth once; before, it touches nothing
+  double created_ = 0.0;        ///< by the mesh change of the step in hand [J]
   double energy_before_ = 0.0;  ///< Φ's energies at the start of the step in hand, with its inputs [J]
   std::vector<Vec3> nodes_, velocities_;
-  Vector x_, start_, motion_, gradient_;
+  Vector x_, start_, trial_, motion_, gradient_;
 };
 
 }  // namespace haptic_cloth

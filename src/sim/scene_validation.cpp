@@ -1,5 +1,6 @@
 #include "sim/scene_validation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <locale>
 #include <sstream>
@@ -12,7 +13,11 @@ namespace {
 constexpr int kMostLevels = 8;
 constexpr int kMostThreads = 1024;
 constexpr double kMostParticles = 1 << 24;  ///< so that every index and offset fits an int
-constexpr double kUnitTolerance = 1e-6;     ///< of a quaternion's norm [-]
+constexpr double kMost =
+    1e6;  ///< of positions [m] and gravity [m/s²]: beyond, millimetres are lost to rounding
+constexpr double kFinestProbe =
+    0.02;  ///< probe radius over the finest spacing: thinner ones need too many samples [-]
+constexpr double kUnitTolerance = 1e-6;  ///< of a quaternion's norm [-]
 
 /// Rules with names, each of which throws when it is broken.
 class Check {
@@ -43,6 +48,7 @@ class Check {
   }
   void finite(const std::string& key, const Vec3& value) const {
     that(value.allFinite(), key, value.transpose(), "must be finite");
+    that(value.cwiseAbs().maxCoeff() <= kMost, key, value.transpose(), "must be within -1e6 to 1e6");
   }
   void pose(const std::string& prefix, const Pose& pose) const {
     finite(prefix + ".position", pose.position);
@@ -154,9 +160,8 @@ void checkScene(const Scene& scene, const Locate& locate) {
   const Check check(locate);
   checkGrid(check, scene.cloth, scene.adapt);
   check.pose("cloth", scene.cloth.pose);
-  // Files must give a thickness; a scene built in code may do without.
   check.positive("cloth.fabric.areal_density", scene.cloth.fabric.areal_density);
-  check.notNegative("cloth.fabric.thickness", scene.cloth.fabric.thickness);
+  check.positive("cloth.fabric.thickness", scene.cloth.fabric.thickness);
   checkPins(check, scene.cloth);
   check.finite("gravity", scene.gravity);
   check.notNegative("air_damping", scene.air_damping);
@@ -164,6 +169,10 @@ void checkScene(const Scene& scene, const Locate& locate) {
     checkObstacle(check, indexed("obstacles", i), scene.obstacles[i]);
   }
   checkProbe(check, scene.probe);
+  const double spacing = std::min(scene.cloth.size[0] / (scene.cloth.particles[0] - 1),
+                                  scene.cloth.size[1] / (scene.cloth.particles[1] - 1));
+  check.that(scene.probe.radius >= kFinestProbe * spacing, "probe.radius", scene.probe.radius,
+             "must be at least a fiftieth of the finest spacing");
   checkOptions(check, scene);
 }
 

@@ -55,12 +55,12 @@ MinimizerReport Minimizer::minimize(Objective& objective, Vector& x, Team& team)
       report.why = Termination::NotFinite;
       break;
     }
-    if (report.residual < options_.tolerance) {
+    if (report.residual <= options_.tolerance) {
       report.why = Termination::Converged;
       break;
     }
     if (report.iterations >= options_.max_iterations) break;
-    if (options_.time_budget > 0.0 && elapsed() > options_.time_budget) {
+    if (options_.time_budget > 0.0 && report.iterations > 0 && elapsed() > options_.time_budget) {
       report.why = Termination::TimeBudget;
       break;
     }

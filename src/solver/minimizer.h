@@ -8,8 +8,8 @@
 
 namespace haptic_cloth {
 
-/// Φ never rises from one iterate to the next, so the result is never worse than the start, however early a
-/// limit ends the solve.
+/// Φ never rises from one iterate to the next, but for its rounding, so the result is never worse than the
+/// start, however early a limit ends the solve.
 class Minimizer {
  public:
   explicit Minimizer(const MinimizerOptions& options) : options_(options) {}

@@ -368,6 +368,7 @@ TEST(SceneFile, MessagesHaveTheLine) {
 TEST(ValidateScene, ChecksWhatIsBuiltInCode) {
   Scene scene;
   scene.cloth.fabric.areal_density = 0.1;
+  scene.cloth.fabric.thickness = 5e-4;
   EXPECT_NO_THROW(validateScene(scene, "code"));
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto fails = [](const Scene& broken) {
@@ -382,6 +383,14 @@ TEST(ValidateScene, ChecksWhatIsBuiltInCode) {
   Scene broken = scene;
   broken.gravity.z() = nan;
   EXPECT_NE(fails(broken).find("code: gravity = "), std::string::npos);
+  broken.gravity = Vec3(0, 0, -1e7);
+  EXPECT_NE(fails(broken).find("must be within -1e6 to 1e6"), std::string::npos);
+  broken = scene;
+  broken.cloth.fabric.thickness = 0.0;
+  EXPECT_EQ(fails(broken), "code: cloth.fabric.thickness = 0: must be > 0");
+  broken = scene;
+  broken.probe.radius = 1e-5;
+  EXPECT_EQ(fails(broken), "code: probe.radius = 1e-05: must be at least a fiftieth of the finest spacing");
   broken = scene;
   broken.stop.time = nan;
   EXPECT_EQ(fails(broken), "code: stop.time = nan: must be > 0");

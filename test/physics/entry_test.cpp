@@ -1,0 +1,77 @@
+/// How a simulation begins, or is disturbed, in ways that must do no harm: cloth inside a solid, a first
+/// device pose inside the cloth, poses that are not finite. Criteria: nothing is thrown. Held cloth must not
+/// be pierced: strain stays that of hanging under its own weight (below 2 % for this fabric); cloth let out
+/// of a solid leaves at no more than the contact range a step, and is then at rest on it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "haptic_cloth/simulation.h"
+#include "support/scenes.h"
+#include "support/tolerance.h"
+
+namespace haptic_cloth {
+namespace {
+
+Scene heldSheet() {
+  LinearFabric linear;
+  linear.rigidity = 1e-5;
+  Scene scene = sheetScene(makeFabric(linear), 25, 25, 0.2, 0.2);
+  pinAllSides(scene);
+  scene.air_damping = 1.0;
+  return scene;
+}
+
+TEST(Entry, FirstPoseInsideTheClothTouchesNothingUntilItWasClear) {
+  Simulation simulation(heldSheet());
+  for (int k = 0; k < 200; ++k) {
+    simulation.setDevice(Vec3::Zero(), Vec3::Zero());
+    ASSERT_FALSE(simulation.step().failed);
+    EXPECT_FALSE(simulation.probe().contact);
+  }
+  EXPECT_LT(simulation.maxStrain(), tolerance(0.02));
+  // Out, and in again from above: now it presses.
+  const Vec3 above(0.0, 0.0, 0.03), pressed(0.0, 0.0, -0.01);
+  for (int k = 0; k < 200; ++k) {
+    simulation.setDevice(k < 50 ? above : Vec3(above + (pressed - above) * (k - 50) / 150.0), Vec3::Zero());
+    simulation.step();
+  }
+  EXPECT_TRUE(simulation.probe().contact);
+  EXPECT_GT(simulation.probe().force.z(), 0.05);
+}
+
+TEST(Entry, PosesThatAreNotFiniteAreIgnored) {
+  Simulation simulation(heldSheet());
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  simulation.setDevice(Vec3(nan, 0, 0), Vec3::Zero());
+  ASSERT_FALSE(simulation.step().failed);
+  EXPECT_FALSE(simulation.probe().present);
+  for (int k = 0; k < 20; ++k) {
+    simulation.setDevice(Vec3(0, 0, 0.02), Vec3::Zero());
+    simulation.setDevice(Vec3(0, nan, 0), Vec3(0, 0, nan));
+    ASSERT_FALSE(simulation.step().failed);
+  }
+  EXPECT_EQ(simulation.probe().device.z(), 0.02);
+  EXPECT_TRUE(std::isfinite(simulation.energy().dissipated));
+}
+
+TEST(Entry, ClothInsideASolidIsLetOutNotThrown) {
+  LinearFabric linear;
+  Scene scene = sheetScene(makeFabric(linear), 17, 17, 0.2, 0.2);
+  Obstacle floor;
+  floor.pose.position.z() = 0.02;  // the cloth begins 20 mm below the floor's surface
+  scene.obstacles.push_back(floor);
+  Simulation simulation(scene);
+  double fastest = 0.0;
+  for (int k = 0; k < 500; ++k) {
+    ASSERT_FALSE(simulation.step().failed);
+    fastest = std::max(fastest, simulation.maxSpeed());
+  }
+  // At most the contact range, 0.5 mm, in a step of 1 ms.
+  EXPECT_LT(fastest, tolerance(0.5));
+  EXPECT_NEAR(particle(simulation, 8, 8).z(), 0.02, tolerance(linear.thickness));
+}
+
+}  // namespace
+}  // namespace haptic_cloth
