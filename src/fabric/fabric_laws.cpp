@@ -12,9 +12,9 @@ constexpr double kReferenceStrain = 0.01;  ///< where compression_ratio takes th
 
 // Slope after a reversal over that of the steeper branch: KES does not give it. In tension the branches meet
 // at both ends, so any value keeps the outer loop. In bending and shear the path crosses the loop's whole
-// width at each end; 20 cuts off less than 1.5 % of the area of any fabric we ship.
+// width at each end; 30 cuts off less than 1.5 % of the area of any fabric we ship.
 constexpr double kTensileReversal = 3.0;
-constexpr double kOddReversal = 20.0;
+constexpr double kOddReversal = 30.0;
 
 constexpr double kBendingEnd = 256.0;                          ///< KES bends to 250/m
 constexpr double kShearEnd = 8.0 / kes::kDegreesPerRadian;     ///< KES shears to 8° [rad]

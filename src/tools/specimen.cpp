@@ -9,14 +9,13 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr int kParticles = 65, kLevels = 2;
-constexpr int kStepsPerSweep = 200;  ///< of a sweep from zero to the largest deformation
+constexpr int kAlong = 49, kAcross = 9, kLevels = 2;  ///< particles in the direction of the test, and across
+constexpr int kStepsPerSweep = 200;                   ///< of a sweep from zero to the largest deformation
 
 Grid specimenGrid(KesTest test, Direction direction) {
-  const double along = (test == KesTest::Bending ? 0.01 : 0.05) / (kParticles - 1),
-               across = 0.20 / (kParticles - 1);
-  return direction == kWarp ? Grid{kParticles, kParticles, kLevels, along, across}
-                            : Grid{kParticles, kParticles, kLevels, across, along};
+  const double along = (test == KesTest::Bending ? 0.01 : 0.05) / (kAlong - 1), across = 0.20 / (kAcross - 1);
+  return direction == kWarp ? Grid{kAlong, kAcross, kLevels, along, across}
+                            : Grid{kAcross, kAlong, kLevels, across, along};
 }
 
 LeafMesh specimenLeaves(const Grid& grid, SpecimenMesh mesh) {
@@ -24,9 +23,9 @@ LeafMesh specimenLeaves(const Grid& grid, SpecimenMesh mesh) {
   if (mesh != SpecimenMesh::Mixed) return leaves;
   std::vector<Cell> done;
   for (int level = kLevels; level > 0; --level) {  // finest in one corner, coarsest in the opposite one
-    const int reach = (kParticles - 1) * level / (kLevels + 1);
-    for (int j = 0; j < reach; ++j) {
-      for (int i = 0; i < reach; ++i) {
+    const double part = static_cast<double>(level) / (kLevels + 1);
+    for (int j = 0; j < part * (grid.rows - 1); ++j) {
+      for (int i = 0; i < part * (grid.columns - 1); ++i) {
         const Cell cell = leaves.leafAt(i, j);
         if (cell.level == level) leaves.split(cell, done);
       }
@@ -69,7 +68,7 @@ Vec3 Specimen::position(int i, int j, double deformation) const {
       break;
   }
   const double h = warp ? grid_.dx : grid_.dy, turn = deformation * h;
-  const int middle = (kParticles - 1) / 2, steps = (warp ? i : j) - middle;
+  const int middle = (kAlong - 1) / 2, steps = (warp ? i : j) - middle;
   if (std::abs(turn) < 1e-9) return place(u, v, 0.0);
   // Σ of unit chords with angles turn/2, 3 turn/2, ...: a polygon in a circle of radius h / (2 sin(turn/2)).
   const double radius = 0.5 * h / std::sin(0.5 * turn);
