@@ -57,10 +57,11 @@ void MasterWatch::look() {
   if (reachable != reachable_) {
     ROS_WARN_STREAM("ROS master " << (reachable ? "found again" : "lost; connected peers go on"));
   }
+  // A master that was away may be a new one that already knows a part of this node: whatever it was just
+  // registering. So everything is registered again; that changes nothing for a master that knows it.
+  if (reachable && !reachable_) incomplete_ = true;
   reachable_ = reachable;
-  XmlRpc::XmlRpcValue payload;
-  const bool known = !reachable || call("lookupNode", {ros::this_node::getName()}, payload);
-  unknown_ = known ? 0 : unknown_ + 1;
+  unknown_ = !reachable || isKnown() ? 0 : unknown_ + 1;
   // Twice: a node that is just being renamed or killed is unknown for a moment too.
   if (unknown_ < 2 && !(incomplete_ && reachable)) return;
   unknown_ = 0;
@@ -68,6 +69,13 @@ void MasterWatch::look() {
   if (incomplete_) return;
   ++renewals_;
   ROS_WARN("registered with the new ROS master");
+}
+
+bool MasterWatch::isKnown() const {
+  XmlRpc::XmlRpcValue payload;
+  bool known = call("lookupNode", {ros::this_node::getName()}, payload);
+  for (const std::string& service : services_) known = known && call("lookupService", {service}, payload);
+  return known;
 }
 
 bool MasterWatch::registerAnew() const {

@@ -26,6 +26,8 @@ class MasterWatch {
 
  private:
   void look();
+  /// @return whether the master knows the node and all its services
+  bool isKnown() const;
   /// @return whether the master took everything
   bool registerAnew() const;
 

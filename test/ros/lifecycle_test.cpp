@@ -31,6 +31,8 @@ class LifecycleTest : public testing::Test {
     process_ = std::make_unique<Process>(nodeCommand({"_scene_file:=" + kScene}));
     reaction_ = std::make_unique<ReactionListener>(node_, "probe/reaction");
     device_ = std::make_unique<TestDevice>(node_, Vec3(0.0, 0.0, 0.125));
+    const DiagnosticsListener diagnostics(node_);  // a probe must have been clear of the cloth to press on it
+    ASSERT_TRUE(waitFor([&] { return diagnostics.value("haptic thread", "status") == "free"; }));
     device_->moveTo(Vec3(0.0, 0.0, 0.100));
     ASSERT_TRUE(waitFor([this] { return reaction_->force().z() > 0.1; })) << process_->output();
   }
@@ -125,8 +127,12 @@ TEST_F(LifecycleTest, WaitsForTheMasterAndCanBeStoppedMeanwhile) {
 
 TEST_F(LifecycleTest, ANewMasterFindsTheNodeAgain) {
   OwnMaster master;
-  Process process(nodeCommand({"_scene_file:=" + kScene}), {master.uri()});
-  ASSERT_TRUE(waitFor([&] { return master.knowsService("/cloth/reset"); })) << process.output();
+  std::vector<std::string> command = nodeCommand({"_scene_file:=" + kScene});
+  command.insert(command.begin(), {"stdbuf", "-oL"});  // what it says must be read while it runs
+  Process process(command, {master.uri()});
+  ASSERT_TRUE(waitFor([&] { return process.output().find("ready") != std::string::npos; }))
+      << process.output();
+  ASSERT_TRUE(master.knowsService("/cloth/reset"));
   master.kill();
   EXPECT_TRUE(waitFor([&] { return process.output().find("master lost") != std::string::npos; }));
   EXPECT_TRUE(process.running());

@@ -148,6 +148,7 @@ TEST_F(NodeTest, TheWrenchCarriesThePosesStamp) {
 
 TEST_F(NodeTest, ASilentDeviceFeelsNothing) {
   TestDevice device(node_, kAbove);
+  ASSERT_TRUE(waitFor([&] { return diagnostics_.value("haptic thread", "status") == "free"; }));
   device.moveTo(kPressed);
   ASSERT_TRUE(waitFor([&] { return reaction_.force().z() > 0.1; }));
   device.silence();
@@ -157,6 +158,7 @@ TEST_F(NodeTest, ASilentDeviceFeelsNothing) {
 
 TEST_F(NodeTest, PauseStopsTimeAndForce) {
   TestDevice device(node_, kAbove);
+  ASSERT_TRUE(waitFor([&] { return diagnostics_.value("haptic thread", "status") == "free"; }));
   device.moveTo(kPressed);
   ASSERT_TRUE(waitFor([&] { return reaction_.force().z() > 0.1; }));
   pause(true);

@@ -30,7 +30,10 @@ TEST(Nodelet, LoadsIsFeltAndUnloadsWithoutForce) {
   ReactionListener reaction(node, "probe/reaction");
   TestDevice device(node, Vec3(0.0, 0.0, 0.125));
   ASSERT_TRUE(load("/cloth"));
-  device.moveTo(Vec3(0.0, 0.0, 0.100));
+  const Vec3 above(0.0, 0.0, 0.125), pressed(0.0, 0.0, 0.100);
+  const DiagnosticsListener diagnostics(node);  // a probe must have been clear of the cloth to press on it
+  ASSERT_TRUE(waitFor([&] { return diagnostics.value("haptic thread", "status") == "free"; }));
+  device.moveTo(pressed);
   ASSERT_TRUE(waitFor([&] { return reaction.force().z() > 0.1; }));
   ASSERT_TRUE(unload("/cloth"));
   EXPECT_TRUE(waitFor([&] { return reaction.force() == Vec3::Zero(); }));
@@ -38,6 +41,10 @@ TEST(Nodelet, LoadsIsFeltAndUnloadsWithoutForce) {
   ros::param::set("/bad/scene_file", "/nowhere.yaml");
   EXPECT_FALSE(load("/bad")) << "without a scene there is nothing to run";
   ASSERT_TRUE(load("/cloth")) << "the manager must have survived";
+  device.moveTo(above);
+  ASSERT_TRUE(waitFor([&] { return device.arrived(); }));
+  ASSERT_TRUE(waitFor([&] { return diagnostics.value("haptic thread", "status") == "free"; }));
+  device.moveTo(pressed);
   EXPECT_TRUE(waitFor([&] { return reaction.force().z() > 0.1; }));
 }
 
