@@ -59,7 +59,8 @@ ClothWorld::ClothWorld(const Scene& s)
   if (internal.hasMemory()) history_.emplace(grid);
   nodes_.reserve(grid.particles());
   velocities_.reserve(grid.particles());
-  for (Vector* v : {&x_, &start_, &trial_, &motion_, &gradient_}) v->setZero(objective.capacity());
+  for (Vector* v : {&x_, &start_, &moving_[0], &moving_[1], &motion_, &gradient_})
+    v->setZero(objective.capacity());
   minimizer_.reserve(objective.capacity());
   gatherNodes();
   internal.setNormals(nodes_);
@@ -199,18 +200,20 @@ void ClothWorld::chooseStart() {
   energy_before_ = objective.internalEnergy(parts) + objective.couplingEnergy() + objective.lossPotential() -
                    std::max(0.0, created_);
   x_.head(size) = start_.head(size);
-  for (const double fall : {0.0, h}) {
+  for (int k = 0; k < 2; ++k) {
+    const double fall = k * h;
     for (int n = 0; n < mesh.free; ++n) {
       motion_.segment<3>(3 * n) = share * (velocities_[n] + fall * scene.gravity);
     }
     if (probe_step_.present) motion_.segment<3>(3 * mesh.free) = h * probe.velocity;
-    objective.evaluate(start_, gradient_);
     const double step = std::min(1.0, objective.along(motion_).max_step);
-    trial_.head(size) = start_.head(size) + step * motion_.head(size);
-    const double value = objective.evaluate(trial_, gradient_);
+    moving_[k].head(size) = start_.head(size) + step * motion_.head(size);
+  }
+  for (const Vector& candidate : moving_) {
+    const double value = objective.evaluate(candidate, gradient_);
     if (!(value < lowest)) continue;
     lowest = value;
-    x_.head(size) = trial_.head(size);
+    x_.head(size) = candidate.head(size);
   }
 }
 

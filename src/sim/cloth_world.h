@@ -1,6 +1,7 @@
 /// The parts of one simulation and how a step uses them.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -67,7 +68,8 @@ class ClothWorld {
   double created_ = 0.0;        ///< by the mesh change of the step in hand [J]
   double energy_before_ = 0.0;  ///< Φ's energies at the start of the step in hand, with its inputs [J]
   std::vector<Vec3> nodes_, velocities_;
-  Vector x_, start_, trial_, motion_, gradient_;
+  Vector x_, start_, motion_, gradient_;
+  std::array<Vector, 2> moving_;  ///< starts in inertial motion and in free fall
 };
 
 }  // namespace haptic_cloth
