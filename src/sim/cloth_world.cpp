@@ -220,10 +220,10 @@ void ClothWorld::chooseStart() {
 void ClothWorld::accept(StepReport& report) {
   const double h = scene.solver.time_step;
   const std::vector<Vec3>& after = objective.nodes();
-  double gravity_work = 0.0, kinetic_before = 0.0;
+  const double kinetic_before = kineticEnergy();
+  double gravity_work = 0.0;
   for (int n = 0; n < mesh.active(); ++n) {
     gravity_work += mesh.mass[n] * scene.gravity.dot(after[n] - nodes_[n]);
-    kinetic_before += 0.5 * mesh.mass[n] * velocities_[n].squaredNorm();
   }
   for (int n = 0; n < mesh.nodes(); ++n) velocities_[n] = (after[n] - nodes_[n]) / h;
   nodes_ = after;
@@ -254,8 +254,7 @@ void ClothWorld::accept(StepReport& report) {
 /// Passivity: what moves may not hold more kinetic energy than is left [J] of what the step began with, the
 /// work of its inputs included. @return scale of the velocities, 1 where nothing was to do
 double ClothWorld::guardEnergy(double left) {
-  double kinetic = 0.0;
-  for (int n = 0; n < mesh.active(); ++n) kinetic += 0.5 * mesh.mass[n] * velocities_[n].squaredNorm();
+  const double kinetic = kineticEnergy();
   const double allowed = std::max(0.0, left);
   if (kinetic <= allowed || kinetic == 0.0) return 1.0;
   const double scale = std::sqrt(allowed / kinetic);
@@ -293,13 +292,17 @@ void ClothWorld::account(bool failed, double coupling_before) {
   energy.dissipated = failed ? dissipated : dissipated + before - energy.total();
 }
 
+double ClothWorld::kineticEnergy() const {
+  double kinetic = 0.0;
+  for (int n = 0; n < mesh.active(); ++n) kinetic += 0.5 * mesh.mass[n] * velocities_[n].squaredNorm();
+  return kinetic;
+}
+
 /// Kinetic energy and that of gravity.
 EnergyReport ClothWorld::measureMotion() const {
   EnergyReport e;
-  for (int n = 0; n < mesh.active(); ++n) {
-    e.kinetic += 0.5 * mesh.mass[n] * velocities_[n].squaredNorm();
-    e.gravity -= mesh.mass[n] * scene.gravity.dot(nodes_[n]);
-  }
+  e.kinetic = kineticEnergy();
+  for (int n = 0; n < mesh.active(); ++n) e.gravity -= mesh.mass[n] * scene.gravity.dot(nodes_[n]);
   return e;
 }
 

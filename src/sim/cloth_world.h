@@ -57,6 +57,7 @@ class ClothWorld {
   void restore();
   double guardEnergy(double left);
   void account(bool failed, double coupling_before);
+  double kineticEnergy() const;  ///< [J]
   EnergyReport measureMotion() const;
   EnergyReport measureEnergy() const;
 
