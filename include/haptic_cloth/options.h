@@ -3,7 +3,7 @@
 
 namespace haptic_cloth {
 
-enum class Cost { Condensed };
+enum class Cost { Condensed, Joint };
 enum class Preconditioner { None, Jacobi };
 enum class Strategy { Finest, Coarsest, Refine, Coarsen, Amrc };
 

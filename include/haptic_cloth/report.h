@@ -31,8 +31,8 @@ struct EnergyReport {
   double total() const { return kinetic + gravity + stretch + bend + shear + contact + coupling; }
 };
 
-/// How far each law is from being met [J] (DESIGN: E^n, E^s, E^b, E^h). The condensed cost meets all laws
-/// but Newton's exactly, so only `motion` is above zero.
+/// How far each law is from being met [J] (docs/model.md: E^n, E^s, E^b, E^h). The condensed cost meets all
+/// laws but Newton's exactly, so only `motion` is above zero.
 struct CostReport {
   double motion = 0.0, stretch = 0.0, bend = 0.0, shear = 0.0;
   double total() const { return motion + stretch + bend + shear; }

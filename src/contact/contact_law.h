@@ -48,12 +48,14 @@ class ContactLaw {
 struct SmoothSlip {
   double potential;  ///< f0 [m]
   double ratio;      ///< f0'/y [1/m], finite at y = 0
+  double slope;      ///< (f0'/y)'/y [1/m³], finite where the slip is not zero
 };
 
 inline SmoothSlip smoothSlip(double y, double epsilon) {
-  if (y >= epsilon) return {y - epsilon / 3.0, 1.0 / y};
+  if (y >= epsilon) return {y - epsilon / 3.0, 1.0 / y, -1.0 / (y * y * y)};
   const double t = y / epsilon;
-  return {epsilon * t * t * (1.0 - t / 3.0), (2.0 - t) / epsilon};
+  return {epsilon * t * t * (1.0 - t / 3.0), (2.0 - t) / epsilon,
+          y > 0.0 ? -1.0 / (epsilon * epsilon * y) : 0.0};
 }
 
 }  // namespace haptic_cloth

@@ -165,7 +165,8 @@ ContactSet::Energy ContactSet::evaluate(int begin, int end, const std::vector<Ve
     slot.normal = d.normal;
     slot.normal_stiffness = sample.area * contact.stiffness;
     slot.tangent_stiffness = 0.0;
-    slot.gradient = -sample.area * contact.pressure * d.normal;
+    slot.pressing = sample.area * contact.pressure;
+    slot.gradient = -slot.pressing * d.normal;
     energy.contact += sample.area * contact.energy;
     if (sample.friction_force > 0.0) {
       const Vec3 moved = (sample.solid == kProbe ? Vec3(position - proxy) : position) - sample.start;

@@ -68,6 +68,13 @@ class ContactSet {
   void addGradient(int node, Vec3& gradient) const;
   void addDiagonal(int node, Vec3& diagonal) const;
 
+  /// Leaves in the slots how the gradient changes along d from `nodes`, the last evaluated point, exactly:
+  /// the solids' curvature included. addChange() and proxyChange() then give it.
+  void linearise(int begin, int end, const std::vector<Vec3>& nodes, const Vec3& proxy,
+                 const std::vector<Vec3>& d, const Vec3& d_proxy);
+  void addChange(int node, Vec3& change) const;
+  Vec3 proxyChange() const;
+
   /// Gradient and diagonal at the proxy, from all probe samples.
   Vec3 proxyGradient() const;
   Vec3 proxyDiagonal() const;
@@ -88,6 +95,8 @@ class ContactSet {
     Vec3 normal;
     double gap;                                  ///< [m]
     double normal_stiffness, tangent_stiffness;  ///< [N/m]
+    double pressing;                             ///< area times pressure [N]
+    Vec3 change;                                 ///< of the gradient along a direction [N]
   };
 
   struct Entry {

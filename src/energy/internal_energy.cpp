@@ -211,6 +211,25 @@ double InternalEnergy::strain(int edge, const std::vector<Vec3>& x) const {
   return (x[e.b] - x[e.a]).norm() / e.length - 1.0;
 }
 
+double InternalEnergy::deformation(int element, const std::vector<Vec3>& x) const {
+  const auto [kind, k] = this->kind(element);
+  if (kind == Kind::Edge) return strain(k, x);
+  return kind == Kind::Triple ? curvature(k, x) : shearAngle(k, x);
+}
+
+Curve::Point InternalEnergy::law(int element, double deformation) const {
+  const auto [kind, k] = this->kind(element);
+  if (kind == Kind::Edge) return StepLaw(stretch_[mesh_.edges[k].direction], edge_steps_, k)(deformation);
+  if (kind == Kind::Patch) return StepLaw(shear_, patch_steps_, k)(deformation);
+  return StepLaw(bend_[mesh_.triples[k].direction], triple_steps_, k)(deformation);
+}
+
+double InternalEnergy::area(int element) const {
+  const auto [kind, k] = this->kind(element);
+  if (kind == Kind::Edge) return mesh_.edges[k].length * mesh_.edges[k].width;
+  return kind == Kind::Triple ? mesh_.triples[k].area : mesh_.patches[k].area;
+}
+
 double InternalEnergy::maxStrain(const std::vector<Vec3>& x) const {
   double largest = 0.0;
   for (int e = 0; e < edge_count_; ++e) largest = std::max(largest, std::abs(strain(e, x)));

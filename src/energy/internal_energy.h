@@ -1,6 +1,7 @@
 /// Elastic energy of the cloth over the active lists: stretch, bend and shear.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "energy/history.h"
@@ -40,6 +41,27 @@ class InternalEnergy {
 
   /// Number of elements; laws that are zero everywhere count none.
   int size() const { return edge_count_ + triple_count_ + patch_count_; }
+
+  enum class Kind { Edge, Triple, Patch };
+
+  /// What element k of the range is, and its index among its kind.
+  std::pair<Kind, int> kind(int element) const {
+    if (element < edge_count_) return {Kind::Edge, element};
+    element -= edge_count_;
+    if (element < triple_count_) return {Kind::Triple, element};
+    return {Kind::Patch, element - triple_count_};
+  }
+
+  /// Of one element of the range: strain [-], curvature [1/m] or shear angle [rad] at x, its law within the
+  /// step, and the area [m²] it stands for.
+  double deformation(int element, const std::vector<Vec3>& x) const;
+  Curve::Point law(int element, double deformation) const;
+  double area(int element) const;
+
+  /// The step's surface normals at a node and of a patch; twist() [N·m] is zero where there is no such term.
+  const Vec3& normal(int node) const { return node_normals_[node]; }
+  const Vec3& patchNormal(int patch) const { return patch_normals_[patch]; }
+  double twist() const { return twist_rigidity_; }
 
   /// Energy of elements begin..end at `x`; leaves forces and stiffness in their slots.
   Energy evaluate(int begin, int end, const std::vector<Vec3>& x);

@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "haptic_cloth/curve.h"
 #include "haptic_cloth/types.h"
 
 namespace haptic_cloth {
+
+constexpr double kLeastCosine = 1e-3;  // of γ: the slope of a cell folded flat stays bounded
 
 struct ShearResult {
   double energy;         ///< [J]
@@ -36,10 +39,48 @@ inline ShearResult evaluateShear(const std::array<Vec3, 4>& x, double area, cons
   if (!(scale > 0.0)) return {0.0, 0.0, 0.0, Vec3::Zero(), Vec3::Zero()};
   const Vec3 uu = u / nu, vv = v / nv;
   const double sine = std::clamp(uu.dot(vv), -1.0, 1.0);
-  const double cosine = std::max(std::sqrt(1.0 - sine * sine), 1e-3);  // a cell folded flat: bounded
+  const double cosine = std::max(std::sqrt(1.0 - sine * sine), kLeastCosine);
   const Curve::Point law = shear(std::asin(sine));
   const Vec3 du = (vv - sine * uu) / (nu * cosine), dv = (uu - sine * vv) / (nv * cosine);
   return {area * law.potential, area * law.force, area * law.slope, du + dv, du - dv};
+}
+
+/// How the angle changes with the corners.
+struct ShearSlope {
+  Vec3 rising, falling;  ///< dγ/dx of corner 11 (minus that of 00) and of corner 10 (minus that of 01) [1/m]
+};
+
+/// @param x corners 00, 10, 01, 11
+inline ShearSlope shearSlope(const std::array<Vec3, 4>& x) {
+  const auto none = [](double) { return Curve::Point{0.0, 0.0, 0.0}; };
+  const ShearResult result = evaluateShear(x, 1.0, none);
+  return {result.rising, result.falling};
+}
+
+/// Change of the slope at corners x when they move by d, to first order. @param x, d corners 00, 10, 01, 11
+inline ShearSlope shearSlopeChange(const std::array<Vec3, 4>& x, const std::array<Vec3, 4>& d) {
+  const auto sides = [](const std::array<Vec3, 4>& c) {
+    const Vec3 rising = c[3] - c[0], falling = c[1] - c[2];
+    return std::pair<Vec3, Vec3>(rising + falling, rising - falling);
+  };
+  const auto [u, v] = sides(x);
+  const auto [u_rate, v_rate] = sides(d);
+  const double nu = u.norm(), nv = v.norm();
+  if (!(nu * nv > 0.0)) return {Vec3::Zero(), Vec3::Zero()};
+  const Vec3 uu = u / nu, vv = v / nv;
+  const double nu_rate = uu.dot(u_rate), nv_rate = vv.dot(v_rate);
+  const Vec3 uu_rate = (u_rate - nu_rate * uu) / nu, vv_rate = (v_rate - nv_rate * vv) / nv;
+  const double sine = std::clamp(uu.dot(vv), -1.0, 1.0);
+  const double sine_rate = uu_rate.dot(vv) + uu.dot(vv_rate);
+  const double root = std::sqrt(1.0 - sine * sine);
+  const double cosine = std::max(root, kLeastCosine);
+  const double cosine_rate = root > kLeastCosine ? -sine * sine_rate / cosine : 0.0;
+  const Vec3 du = (vv - sine * uu) / (nu * cosine), dv = (uu - sine * vv) / (nv * cosine);
+  const Vec3 du_rate = (vv_rate - sine_rate * uu - sine * uu_rate) / (nu * cosine) -
+                       (nu_rate / nu + cosine_rate / cosine) * du;
+  const Vec3 dv_rate = (uu_rate - sine_rate * vv - sine * vv_rate) / (nv * cosine) -
+                       (nv_rate / nv + cosine_rate / cosine) * dv;
+  return {du_rate + dv_rate, du_rate - dv_rate};
 }
 
 }  // namespace haptic_cloth

@@ -52,7 +52,8 @@ void ClothObjective::begin(const std::vector<Vec3>& positions, const std::vector
   const double proxy_mass = h_ * h_ * coupling_stiffness_ + h_ * coupling_damping_;
   if (mesh_.free == 0) total_mass = proxy_mass;
   const double g = referenceAcceleration(gravity_);
-  const auto weight = [&](double mass) { return 1.0 / (mass * total_mass * g * g); };
+  reference_ = total_mass * g * g;
+  const auto weight = [&](double mass) { return 1.0 / (mass * reference_); };
   for (int n = 0; n < mesh_.free; ++n) {
     residual_weight_.segment<3>(3 * n).setConstant(weight(mesh_.mass[n]));
   }
@@ -64,14 +65,14 @@ void ClothObjective::pack(const std::vector<Vec3>& nodes, const Vec3& proxy, Vec
   if (probe_.present) x.segment<3>(3 * mesh_.free) = proxy;
 }
 
-void ClothObjective::load(const Vector& values, std::vector<Vec3>& nodes, Vec3& proxy) const {
+void ClothObjective::unpack(const Vector& values, std::vector<Vec3>& nodes, Vec3& proxy) const {
   for (int n = 0; n < mesh_.free; ++n) nodes[n] = values.segment<3>(3 * n);
   if (probe_.present) proxy = values.segment<3>(3 * mesh_.free);
   mesh_.interpolateGhosts(nodes);
 }
 
 double ClothObjective::evaluate(const Vector& x, Vector& gradient) {
-  load(x, nodes_, proxy_);
+  unpack(x, nodes_, proxy_);
   energies_ = team_.sum(internal_.size() + contacts_.size(),
                         [this](int begin, int end) { return evaluateElements(begin, end); });
   const Sums motion = team_.sum(mesh_.nodes(), [this](int begin, int end) {
@@ -83,12 +84,16 @@ double ClothObjective::evaluate(const Vector& x, Vector& gradient) {
   for (int n = 0; n < mesh_.free; ++n) gradient.segment<3>(3 * n) = gradient_[n];
   double value = energies_.head<5>().sum() + motion[0];
   if (probe_.present) {
-    const Vec3 stretch = proxy_ - probe_.device, slip = (proxy_ - probe_.proxy) / h_ - probe_.device_velocity;
-    gradient.segment<3>(3 * mesh_.free) =
-        coupling_stiffness_ * stretch + coupling_damping_ * slip + contacts_.proxyGradient();
+    const Vec3 slip = (proxy_ - probe_.proxy) / h_ - probe_.device_velocity;
+    gradient.segment<3>(3 * mesh_.free) = couplingGradient(proxy_) + contacts_.proxyGradient();
     value += couplingEnergy() + 0.5 * coupling_damping_ * h_ * slip.squaredNorm();
   }
   return value;
+}
+
+Vec3 ClothObjective::couplingGradient(const Vec3& proxy) const {
+  const Vec3 stretch = proxy - probe_.device, slip = (proxy - probe_.proxy) / h_ - probe_.device_velocity;
+  return coupling_stiffness_ * stretch + coupling_damping_ * slip;
 }
 
 Sums ClothObjective::evaluateElements(int begin, int end) {
@@ -108,17 +113,12 @@ Sums ClothObjective::evaluateElements(int begin, int end) {
 
 /// Gradient of the nodes begin..end; returns their energy of motion and gravity [J].
 double ClothObjective::gatherNodes(int begin, int end) {
-  const double inertia = (1.0 + air_damping_ * h_) / (h_ * h_);
   double energy = 0.0;
   for (int n = begin; n < end; ++n) {
     const double mass = mesh_.mass[n];  // zero for ghosts
-    const Vec3 ahead = nodes_[n] - inertial_[n];
-    Vec3 gradient = -mass * gravity_;
-    energy += gradient.dot(nodes_[n] - start_[n]);
-    if (n < mesh_.free) {
-      gradient += mass * inertia * ahead;
-      energy += 0.5 * mass * inertia * ahead.squaredNorm();
-    }
+    energy -= mass * gravity_.dot(nodes_[n] - start_[n]);
+    if (n < mesh_.free) energy += 0.5 * mass * inertia() * (nodes_[n] - inertial_[n]).squaredNorm();
+    Vec3 gradient = motionGradient(n, nodes_[n]);
     internal_.addGradient(n, gradient);
     contacts_.addGradient(n, gradient);
     gradient_[n] = gradient;
@@ -127,7 +127,7 @@ double ClothObjective::gatherNodes(int begin, int end) {
 }
 
 Objective::Along ClothObjective::along(const Vector& d) {
-  load(d, motion_, proxy_motion_);
+  unpack(d, motion_, proxy_motion_);
   return {curvature(), probe_.present ? contacts_.maxStep(nodes_, proxy_, motion_, proxy_motion_) : 1e300};
 }
 
@@ -140,22 +140,19 @@ double ClothObjective::curvature() {
                                   motion_, proxy_motion_);
     return sums;
   });
-  const Sums inertia = team_.sum(mesh_.free, [&](int begin, int end) {
+  const Sums moving = team_.sum(mesh_.free, [&](int begin, int end) {
     Sums sums = Sums::Zero();
     for (int n = begin; n < end; ++n) sums[0] += mesh_.mass[n] * motion_[n].squaredNorm();
     return sums;
   });
-  double value = elements[0] + (1.0 + air_damping_ * h_) / (h_ * h_) * inertia[0];
-  if (probe_.present) {
-    value += (coupling_stiffness_ + coupling_damping_ / h_) * proxy_motion_.squaredNorm();
-  }
+  double value = elements[0] + inertia() * moving[0];
+  if (probe_.present) value += couplingStiffness() * proxy_motion_.squaredNorm();
   return value;
 }
 
 void ClothObjective::fitPreconditioner() {
-  const double inertia = (1.0 + air_damping_ * h_) / (h_ * h_);
   std::fill(diagonal_.begin(), diagonal_.end(), Vec3::Zero());
-  Vec3 proxy = Vec3::Constant(coupling_stiffness_ + coupling_damping_ / h_);
+  Vec3 proxy = Vec3::Constant(couplingStiffness());
   if (preconditioner_ == Preconditioner::Jacobi) {
     internal_.addDiagonal(diagonal_);
     for (int n = 0; n < mesh_.nodes(); ++n) contacts_.addDiagonal(n, diagonal_[n]);
@@ -163,7 +160,7 @@ void ClothObjective::fitPreconditioner() {
     proxy += contacts_.proxyDiagonal();
   }
   for (int n = 0; n < mesh_.free; ++n) {
-    inverse_diagonal_.segment<3>(3 * n) = (diagonal_[n].array() + mesh_.mass[n] * inertia).inverse();
+    inverse_diagonal_.segment<3>(3 * n) = (diagonal_[n].array() + mesh_.mass[n] * inertia()).inverse();
   }
   if (probe_.present) inverse_diagonal_.segment<3>(3 * mesh_.free) = proxy.cwiseInverse();
 }

@@ -2,6 +2,7 @@
 /// coupling.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "contact/contact_set.h"
@@ -46,6 +47,27 @@ class ClothObjective : public Objective {
   /// Unknowns from node values and proxy, for begin()'s mesh.
   void pack(const std::vector<Vec3>& nodes, const Vec3& proxy, Vector& x) const;
 
+  /// Node values and proxy from unknowns; ghosts follow their masters.
+  void unpack(const Vector& values, std::vector<Vec3>& nodes, Vec3& proxy) const;
+
+  /// Of the energy of motion, air and gravity by a node at x [N]; per mass it stiffens by inertia() [1/s²].
+  Vec3 motionGradient(int node, const Vec3& x) const {
+    Vec3 gradient = -mesh_.mass[node] * gravity_;
+    if (node < mesh_.free) gradient += mesh_.mass[node] * inertia() * (x - inertial_[node]);
+    return gradient;
+  }
+  double inertia() const { return (1.0 + air_damping_ * h_) / (h_ * h_); }
+
+  /// Of the coupling's energy by the proxy [N], and its stiffness [N/m].
+  Vec3 couplingGradient(const Vec3& proxy) const;
+  double couplingStiffness() const { return coupling_stiffness_ + coupling_damping_ / h_; }
+
+  double timeStep() const { return h_; }
+  Preconditioner preconditioner() const { return preconditioner_; }
+
+  /// residual() of a state whose motionCost() is `cost` [J].
+  double residualOf(double cost) const { return std::sqrt(2.0 * cost / reference_) / h_; }
+
   /// At the last evaluated point:
   const std::vector<Vec3>& nodes() const { return nodes_; }
   const Vec3& proxy() const { return proxy_; }
@@ -61,7 +83,6 @@ class ClothObjective : public Objective {
   Sums evaluateElements(int begin, int end);
   double gatherNodes(int begin, int end);
   double curvature();
-  void load(const Vector& values, std::vector<Vec3>& nodes, Vec3& proxy) const;
 
   const ActiveMesh& mesh_;
   InternalEnergy& internal_;
@@ -70,6 +91,7 @@ class ClothObjective : public Objective {
   Vec3 gravity_;
   Preconditioner preconditioner_;
   double h_, air_damping_, coupling_stiffness_, coupling_damping_;
+  double reference_ = 1.0;  ///< mass times |gravity|², what residuals are measured in [kg m²/s⁴]
 
   ProbeStep probe_;
   std::vector<Vec3> start_, inertial_;  ///< x⁰ and x⁰ + h v⁰/(1 + c h) of the nodes [m]

@@ -61,7 +61,11 @@ ClothWorld::ClothWorld(const Scene& s)
   velocities_.reserve(grid.particles());
   for (Vector* v : {&x_, &start_, &moving_[0], &moving_[1], &motion_, &gradient_})
     v->setZero(objective.capacity());
-  minimizer_.reserve(objective.capacity());
+  if (s.solver.cost == Cost::Joint) {
+    joint_.emplace(objective, mesh, internal, contacts, team);
+    joint_x_.setZero(joint_->capacity());
+  }
+  minimizer_.reserve(joint_ ? joint_->capacity() : objective.capacity());
   gatherNodes();
   internal.setNormals(nodes_);
   findContacts(0.0, 0.0);  // a cloth that starts in contact has energy there
@@ -186,7 +190,20 @@ double ClothWorld::largestMove() const {
 MinimizerReport ClothWorld::minimise() {
   objective.begin(nodes_, velocities_, probe_step_);
   chooseStart();
-  return minimizer_.minimize(objective, x_, team);
+  if (joint_) return minimiseJoint();
+  const MinimizerReport report = minimizer_.minimize(objective, x_, team);
+  cost.motion = objective.motionCost();
+  return report;
+}
+
+/// Positions as the joint cost has them; forces and energies then are those of the laws there, as ever.
+MinimizerReport ClothWorld::minimiseJoint() {
+  joint_->begin(start_, x_, joint_x_);
+  const MinimizerReport report = minimizer_.minimize(*joint_, joint_x_, team);
+  cost = joint_->costs();
+  x_.head(objective.size()) = joint_x_.head(objective.size());
+  objective.evaluate(x_, gradient_);
+  return report;
 }
 
 /// At rest, in inertial motion or in free fall: whichever has the lowest Φ. So Φ never ends above that at

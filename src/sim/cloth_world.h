@@ -12,6 +12,7 @@
 #include "mesh/transfer.h"
 #include "sim/adaptation.h"
 #include "sim/cloth_objective.h"
+#include "sim/joint_objective.h"
 #include "solver/minimizer.h"
 
 namespace haptic_cloth {
@@ -35,6 +36,7 @@ class ClothWorld {
   ContactSet contacts;
   Team team;
   ClothObjective objective;
+  CostReport cost;  ///< of the last solve
   ProbeReport probe;
   EnergyReport energy;
   Vec3 support_force = Vec3::Zero();
@@ -51,6 +53,7 @@ class ClothWorld {
   void solve(StepReport& report);
   void findContacts(double reach, double proxy_reach);
   MinimizerReport minimise();
+  MinimizerReport minimiseJoint();
   void chooseStart();
   double largestMove() const;
   void accept(StepReport& report);
@@ -63,13 +66,14 @@ class ClothWorld {
 
   Adaptation adaptation_;
   std::optional<ForceHistory> history_;  ///< of a fabric with hysteresis
+  std::optional<JointObjective> joint_;  ///< where the scene asks for that cost
   Minimizer minimizer_;
   ProbeStep probe_step_;
   bool probe_entered_ = false;  ///< the probe has been clear of the cloth once; before, it touches nothing
   double created_ = 0.0;        ///< by the mesh change of the step in hand [J]
   double energy_before_ = 0.0;  ///< Φ's energies at the start of the step in hand, with its inputs [J]
   std::vector<Vec3> nodes_, velocities_;
-  Vector x_, start_, motion_, gradient_;
+  Vector x_, start_, motion_, gradient_, joint_x_;
   std::array<Vector, 2> moving_;  ///< starts in inertial motion and in free fall
 };
 

@@ -131,7 +131,7 @@ void readSolver(const YamlValue& value, SolverOptions& solver) {
   const YamlMap map(value, {"time_step", "cost", "preconditioner", "tolerance", "max_iterations",
                             "time_budget", "threads"});
   map.read("time_step", solver.time_step);
-  map.readChoice<Cost>("cost", solver.cost, {{"condensed", Cost::Condensed}});
+  map.readChoice<Cost>("cost", solver.cost, {{"condensed", Cost::Condensed}, {"joint", Cost::Joint}});
   map.readChoice<Preconditioner>("preconditioner", solver.minimizer.preconditioner,
                                  {{"jacobi", Preconditioner::Jacobi}, {"none", Preconditioner::None}});
   map.read("tolerance", solver.minimizer.tolerance);

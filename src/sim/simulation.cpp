@@ -43,11 +43,7 @@ EnergyReport Simulation::energy() const { return implementation_->world.energy; 
 double Simulation::maxSpeed() const { return implementation_->world.maxSpeed(); }
 Vec3 Simulation::supportForce() const { return implementation_->world.support_force; }
 
-CostReport Simulation::cost() const {
-  CostReport cost;
-  cost.motion = implementation_->world.objective.motionCost();
-  return cost;
-}
+CostReport Simulation::cost() const { return implementation_->world.cost; }
 
 double Simulation::maxStrain() const {
   const ClothWorld& world = implementation_->world;

@@ -6,9 +6,8 @@
 #include <cmath>
 
 #include "haptic_cloth/simulation.h"
-#include "sim/cloth_objective.h"
 #include "support/derivatives.h"
-#include "support/scenes.h"
+#include "support/pressed_sheet.h"
 #include "support/tolerance.h"
 
 namespace {
@@ -28,79 +27,6 @@ extern "C" void* malloc(std::size_t size) {
 
 namespace haptic_cloth {
 namespace {
-
-Scene pressedSheet() {
-  LinearFabric linear;
-  linear.rigidity = 1e-5;
-  Fabric fabric = makeFabric(linear);
-  fabric.twist_rigidity = 2e-5;
-  fabric.bending[kWeft] = Loop(-256.0, 256.0, {-2e-3, 5e-4, 3e-3}, {-3e-3, -5e-4, 2e-3}, 20.0);
-  Scene scene = sheetScene(fabric, 17, 17, 0.064, 0.064);
-  scene.adapt.levels = 2;
-  scene.air_damping = 0.5;
-  pin(scene, 0, 0, 0, 3);
-  Obstacle ball;
-  ball.shape = Shape::Sphere;
-  ball.radius = 0.02;
-  ball.pose.position = Vec3(0.01, 0.0, -0.0201);
-  ball.friction = 0.4;
-  scene.obstacles.push_back(ball);
-  scene.probe.radius = 0.008;
-  scene.probe.friction = 0.3;
-  return scene;
-}
-
-class ObjectiveTest : public ::testing::Test {
- protected:
-  ObjectiveTest()
-      : scene_(pressedSheet()),
-        grid_{17, 17, 2, 0.004, 0.004},
-        leaves_(mixed(grid_, scene_)),
-        mesh_(leaves_, scene_.cloth.fabric.areal_density, true),
-        internal_(scene_.cloth.fabric, mesh_),
-        contacts_(grid_, scene_.obstacles, {5e-4, 1e-3, 1e-3, scene_.probe.radius, scene_.probe.friction}),
-        team_(1),
-        objective_(scene_, mesh_, internal_, contacts_, team_) {
-    for (int n = 0; n < mesh_.nodes(); ++n) {
-      const int p = mesh_.particle[n];
-      nodes_.emplace_back((grid_.column(p) - 8) * 0.004, (grid_.row(p) - 8) * 0.004, 0.0);
-    }
-    const Eigen::VectorXd noise = fixedRandom(6 * mesh_.nodes(), 4);
-    for (int n = 0; n < mesh_.nodes(); ++n) {
-      if (n < mesh_.free) nodes_[n] += 1e-4 * noise.segment<3>(6 * n);
-      velocities_.push_back(n < mesh_.free ? Vec3(0.1 * noise.segment<3>(6 * n + 3)) : Vec3::Zero());
-    }
-    mesh_.interpolateGhosts(nodes_);
-    mesh_.interpolateGhosts(velocities_);
-    internal_.setNormals(nodes_);
-    const ProbeStep probe{true, Vec3(-0.01, 0.01, 0.0078), Vec3(0.1, 0, -0.2), Vec3(-0.01, 0.01, 0.0083)};
-    contacts_.collect(mesh_, nodes_, 1e-3, &probe.proxy, 1e-3);
-    objective_.begin(nodes_, velocities_, probe);
-    start_.setZero(objective_.capacity());
-    objective_.pack(nodes_, probe.proxy, start_);
-  }
-
-  static LeafMesh mixed(const Grid& grid, const Scene& scene) {
-    LeafMesh leaves(grid, scene.cloth.pins, 2);
-    std::vector<Cell> done;
-    for (const auto& [i, j] : {std::pair(5, 9), {6, 9}, {6, 10}, {12, 3}}) {
-      leaves.split(leaves.leafAt(i, j), done);
-      leaves.split(leaves.leafAt(i, j), done);
-    }
-    return leaves;
-  }
-
-  Scene scene_;
-  Grid grid_;
-  LeafMesh leaves_;
-  ActiveMesh mesh_;
-  InternalEnergy internal_;
-  ContactSet contacts_;
-  Team team_;
-  ClothObjective objective_;
-  std::vector<Vec3> nodes_, velocities_;
-  Vector start_;
-};
 
 TEST_F(ObjectiveTest, GradientIsTheDerivative) {
   ASSERT_GT(mesh_.ghosts.size(), 10u);
@@ -153,8 +79,11 @@ TEST_F(ObjectiveTest, CurvatureIsPositiveAndBoundsTheStep) {
   EXPECT_LT(step, 0.9 * 0.0006);  // 0.3 mm of gap over flat cloth, up to 0.1 mm of noise
 }
 
-TEST(SimulationTest, StepsWithoutAllocating) {
+class SimulationTest : public ::testing::TestWithParam<Cost> {};
+
+TEST_P(SimulationTest, StepsWithoutAllocating) {
   Scene scene = pressedSheet();
+  scene.solver.cost = GetParam();
   scene.cloth.pose.position.z() = 0.001;
   scene.adapt.strategy = Strategy::Amrc;
   scene.adapt.minimum_age = 3;
@@ -175,6 +104,9 @@ TEST(SimulationTest, StepsWithoutAllocating) {
   EXPECT_EQ(allocations, before);
   EXPECT_GT(changes, 0);
 }
+
+INSTANTIATE_TEST_SUITE_P(Costs, SimulationTest, testing::Values(Cost::Condensed, Cost::Joint),
+                         [](const auto& info) { return info.param == Cost::Joint ? "joint" : "condensed"; });
 
 }  // namespace
 }  // namespace haptic_cloth

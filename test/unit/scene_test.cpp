@@ -235,7 +235,7 @@ TEST(Scene, WrongTypesAreNamed) {
        {ok + "solver: {max_iterations: 0.1}", "scene: solver.max_iterations = 0.1: must be an integer"},
        {ok + "solver: {threads: 99999999999}", "scene: solver.threads = 99999999999: must be an integer"},
        {ok + "solver: {threads: \"2\"}", "scene: solver.threads = \"2\": must be an integer"},
-       {ok + "solver: {cost: joint}", "scene: solver.cost = joint: must be condensed"},
+       {ok + "solver: {cost: split}", "scene: solver.cost = split: must be one of condensed, joint"},
        {ok + "solver: {preconditioner: ilu}",
         "scene: solver.preconditioner = ilu: must be one of jacobi, none"},
        {ok + "adapt: {strategy: fine}",

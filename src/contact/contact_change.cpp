@@ -1,0 +1,54 @@
+// The part of ContactSet that tells how contact forces change along a direction.
+#include "contact/contact_set.h"
+
+namespace haptic_cloth {
+
+void ContactSet::linearise(int begin, int end, const std::vector<Vec3>& nodes, const Vec3& proxy,
+                           const std::vector<Vec3>& d, const Vec3& d_proxy) {
+  // Solids have flat faces, round edges and corners: their normal's change is a central difference, taken
+  // over far less than any of them is round.
+  constexpr double kNudge = 1e-7;  // [m]
+  const double epsilon = options_.slip_speed * options_.time_step;
+  for (int k = begin; k < end; ++k) {
+    const ContactSample& sample = samples_[k];
+    Slot& slot = slots_[k];
+    slot.change.setZero();
+    if (slot.normal_stiffness == 0.0 && slot.tangent_stiffness == 0.0) continue;
+    const Vec3 position = samplePosition(sample, nodes);
+    Vec3 moved = samplePosition(sample, d);
+    if (sample.solid == kProbe) moved -= d_proxy;
+    slot.change = slot.normal_stiffness * slot.normal.dot(moved) * slot.normal;
+    const double length = moved.norm();
+    if (!(length > 0.0)) continue;
+    const Vec3 nudge = kNudge / length * moved;
+    slot.change -= slot.pressing * length / (2.0 * kNudge) *
+                   (distance(sample.solid, position + nudge, proxy).normal -
+                    distance(sample.solid, position - nudge, proxy).normal);
+    if (sample.friction_force > 0.0) {
+      const auto along = [&](const Vec3& v) {
+        return Vec3(v - sample.start_normal.dot(v) * sample.start_normal);
+      };
+      const Vec3 relative = sample.solid == kProbe ? Vec3(position - proxy) : position;
+      const Vec3 slip = along(relative - sample.start), slipping = along(moved);
+      slot.change += slot.tangent_stiffness * slipping + sample.friction_force *
+                                                             smoothSlip(slip.norm(), epsilon).slope *
+                                                             slip.dot(slipping) * slip;
+    }
+  }
+}
+
+void ContactSet::addChange(int node, Vec3& change) const {
+  for (int e = rows_[node]; e < rows_[node + 1]; ++e) {
+    change += entries_[e].weight * slots_[entries_[e].sample].change;
+  }
+}
+
+Vec3 ContactSet::proxyChange() const {
+  Vec3 sum = Vec3::Zero();
+  for (int k = 0; k < size(); ++k) {
+    if (samples_[k].solid == kProbe) sum -= slots_[k].change;
+  }
+  return sum;
+}
+
+}  // namespace haptic_cloth

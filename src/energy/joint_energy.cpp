@@ -1,0 +1,182 @@
+#include "energy/joint_energy.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "energy/shear.h"
+#include "energy/twist.h"
+
+namespace haptic_cloth {
+namespace {
+
+using Kind = InternalEnergy::Kind;
+
+std::array<Vec3, 4> corners(const Patch& patch, const std::vector<Vec3>& x) {
+  const auto& n = patch.nodes;
+  return {x[n[0]], x[n[1]], x[n[2]], x[n[3]]};
+}
+
+}  // namespace
+
+JointEnergy::JointEnergy(const InternalEnergy& laws, const ActiveMesh& mesh) : laws_(laws), mesh_(mesh) {
+  elements_.reserve(mesh.edges.capacity() + mesh.triples.capacity() + mesh.patches.capacity());
+  slots_.reserve(mesh.edges.capacity() + mesh.triples.capacity() +
+                 mesh.slots_per_patch * mesh.patches.capacity());
+}
+
+void JointEnergy::begin(const std::vector<Vec3>& x, double* forces) {
+  constexpr double kLeast = 1e-3;  // of the slope a law has when deformed: a toe may start with none
+  elements_.resize(size());
+  slots_.assign(mesh_.slots(), Vec3::Zero());
+  for (int k = 0; k < size(); ++k) {
+    const Curve::Point law = laws_.law(k, laws_.deformation(k, x));
+    const double floor = kLeast * laws_.law(k, 1e9).slope;
+    const double slope = std::max(law.slope, floor);
+    elements_[k].area = laws_.area(k);
+    elements_[k].scale = elements_[k].area / (slope > 0.0 ? slope : 1.0);  // no law: a force of zero
+    forces[k] = law.force;
+  }
+}
+
+JointEnergy::Slope JointEnergy::slopeAt(int element, const std::vector<Vec3>& x) const {
+  const auto [kind, k] = laws_.kind(element);
+  if (kind == Kind::Edge) {
+    const Edge& edge = mesh_.edges[k];
+    const Vec3 span = x[edge.b] - x[edge.a];
+    const double now = span.norm();
+    return {now > 0.0 ? Vec3(span / (now * edge.length)) : Vec3::Zero(), Vec3::Zero()};
+  }
+  if (kind == Kind::Triple) return {laws_.normal(mesh_.triples[k].c), Vec3::Zero()};
+  const ShearSlope slope = shearSlope(corners(mesh_.patches[k], x));
+  return {slope.rising, slope.falling};
+}
+
+/// Of slopeAt(x) along d; triples bend about normals that are held within a step.
+JointEnergy::Slope JointEnergy::slopeChange(int element, const std::vector<Vec3>& x,
+                                            const std::vector<Vec3>& d) const {
+  const auto [kind, k] = laws_.kind(element);
+  if (kind == Kind::Edge) {
+    const Edge& edge = mesh_.edges[k];
+    const double now = (x[edge.b] - x[edge.a]).norm();
+    if (!(now > 0.0)) return {Vec3::Zero(), Vec3::Zero()};
+    const Vec3 axis = edge.length * elements_[element].slope[0], change = d[edge.b] - d[edge.a];
+    return {(change - axis.dot(change) * axis) / (now * edge.length), Vec3::Zero()};
+  }
+  if (kind == Kind::Triple) return {Vec3::Zero(), Vec3::Zero()};
+  const ShearSlope change = shearSlopeChange(corners(mesh_.patches[k], x), corners(mesh_.patches[k], d));
+  return {change.rising, change.falling};
+}
+
+/// ds along d.
+double JointEnergy::rate(int element, const std::vector<Vec3>& d) const {
+  const auto [kind, k] = laws_.kind(element);
+  const Slope& slope = elements_[element].slope;
+  if (kind == Kind::Edge) return slope[0].dot(d[mesh_.edges[k].b] - d[mesh_.edges[k].a]);
+  if (kind == Kind::Triple) {
+    const Triple& t = mesh_.triples[k];
+    return slope[0].dot(t.left * (d[t.l] - d[t.c]) + t.right * (d[t.r] - d[t.c]));
+  }
+  const auto& n = mesh_.patches[k].nodes;
+  return slope[0].dot(d[n[3]] - d[n[0]]) + slope[1].dot(d[n[1]] - d[n[2]]);
+}
+
+/// Puts an element's vectors into its slots, and the force of the twist that `twisted` means, linear in it.
+void JointEnergy::put(int element, const Slope& value, const std::vector<Vec3>& twisted) {
+  const auto [kind, k] = laws_.kind(element);
+  const int triples = static_cast<int>(mesh_.edges.size());
+  if (kind == Kind::Edge) {
+    slots_[k] = value[0];
+  } else if (kind == Kind::Triple) {
+    slots_[triples + k] = value[0];
+  } else {
+    const int slot = triples + static_cast<int>(mesh_.triples.size()) + mesh_.slots_per_patch * k;
+    slots_[slot] = value[0];
+    slots_[slot + 1] = value[1];
+    if (!(laws_.twist() > 0.0)) return;
+    const Patch& patch = mesh_.patches[k];
+    const Vec3& normal = laws_.patchNormal(k);
+    slots_[slot + 2] =
+        evaluateTwist(corners(patch, twisted), normal, laws_.twist(), patch.area).gradient * normal;
+  }
+}
+
+JointEnergy::Costs JointEnergy::evaluate(int begin, int end, const std::vector<Vec3>& x,
+                                         const double* forces) {
+  Costs costs;
+  for (int k = begin; k < end; ++k) {
+    Element& element = elements_[k];
+    const Curve::Point law = laws_.law(k, laws_.deformation(k, x));
+    element.force = forces[k];
+    element.missing = forces[k] - law.force;
+    element.rise = law.slope;
+    element.slope = slopeAt(k, x);
+    const double load = element.area * element.force;
+    put(k, {load * element.slope[0], load * element.slope[1]}, x);
+    const double cost = 0.5 * element.scale * element.missing * element.missing;
+    const Kind kind = laws_.kind(k).first;
+    (kind == Kind::Edge ? costs.stretch : kind == Kind::Triple ? costs.bend : costs.shear) += cost;
+  }
+  return costs;
+}
+
+double JointEnergy::linearise(int begin, int end, const std::vector<Vec3>& x, const std::vector<Vec3>& d,
+                              const double* d_forces) {
+  double curvature = 0.0;
+  for (int k = begin; k < end; ++k) {
+    const Element& element = elements_[k];
+    const Slope change = slopeChange(k, x, d);
+    const double load = element.area * element.force, more = element.area * d_forces[k];
+    put(k, {load * change[0] + more * element.slope[0], load * change[1] + more * element.slope[1]}, d);
+    const double missing = d_forces[k] - element.rise * rate(k, d);
+    curvature += element.scale * missing * missing;
+  }
+  return curvature;
+}
+
+void JointEnergy::gradient(int begin, int end, const std::vector<Vec3>& x, const std::vector<Vec3>& u,
+                           double* gradient) {
+  for (int k = begin; k < end; ++k) {
+    const Element& element = elements_[k];
+    const Slope change = slopeChange(k, x, u);
+    const double load = element.area * element.force, pull = element.scale * element.missing;
+    const double back = pull * element.rise;
+    put(k, {load * change[0] - back * element.slope[0], load * change[1] - back * element.slope[1]}, u);
+    gradient[k] = element.area * rate(k, u) + pull;
+  }
+}
+
+void JointEnergy::diagonal(const std::vector<double>& weights, std::vector<Vec3>& laws,
+                           std::vector<Vec3>& force_change, double* forces) const {
+  for (int k = 0; k < size(); ++k) {
+    const Element& element = elements_[k];
+    const double stiffness = element.scale * element.rise * element.rise;
+    double weight = 0.0;
+    const auto visit = [&](int node, double coefficient, const Vec3& slope) {
+      laws[node] += coefficient * coefficient * stiffness * slope.cwiseAbs2();
+      weight += weights[node] * coefficient * coefficient * slope.squaredNorm();
+    };
+    const auto [kind, index] = laws_.kind(k);
+    if (kind == Kind::Edge) {
+      const Edge& edge = mesh_.edges[index];
+      const Vec3 axis = edge.length * element.slope[0];
+      const Vec3 across =
+          std::max(element.force, 0.0) * edge.width / edge.length * (Vec3::Ones() - axis.cwiseAbs2());
+      for (const int node : {edge.a, edge.b}) {
+        visit(node, 1.0, element.slope[0]);
+        force_change[node] += across;
+      }
+    } else if (kind == Kind::Triple) {
+      const Triple& t = mesh_.triples[index];
+      visit(t.l, t.left, element.slope[0]);
+      visit(t.c, t.left + t.right, element.slope[0]);
+      visit(t.r, t.right, element.slope[0]);
+    } else {
+      const auto& n = mesh_.patches[index].nodes;
+      for (const int node : {n[0], n[3]}) visit(node, 1.0, element.slope[0]);
+      for (const int node : {n[1], n[2]}) visit(node, 1.0, element.slope[1]);
+    }
+    forces[k] = element.area * element.area * weight + element.scale;
+  }
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,172 @@
+#include "sim/joint_objective.h"
+
+#include <algorithm>
+
+namespace haptic_cloth {
+
+JointObjective::JointObjective(ClothObjective& step, const ActiveMesh& mesh, const InternalEnergy& internal,
+                               ContactSet& contacts, Team& team)
+    : step_(step), mesh_(mesh), contacts_(contacts), team_(team), elements_(internal, mesh) {
+  for (auto* list : {&nodes_, &motion_, &residual_, &gradient_, &diagonal_, &stiffness_}) {
+    list->reserve(mesh.grid.particles());
+  }
+  weight_.reserve(mesh.grid.particles());
+  inverse_diagonal_.setZero(capacity());
+}
+
+void JointObjective::begin(const Vector& start, const Vector& positions, Vector& unknowns) {
+  const double h = step_.timeStep();
+  nodes_ = step_.nodes();  // for those that do not move
+  motion_.assign(mesh_.nodes(), Vec3::Zero());
+  for (auto* list : {&residual_, &gradient_, &diagonal_, &stiffness_}) list->resize(mesh_.nodes());
+  weight_.assign(mesh_.nodes(), 0.0);
+  for (int n = 0; n < mesh_.free; ++n) weight_[n] = h * h / mesh_.mass[n];
+  step_.unpack(start, nodes_, proxy_);
+  elements_.begin(nodes_, unknowns.data() + step_.size());
+  unknowns.head(step_.size()) = positions.head(step_.size());
+}
+
+double JointObjective::evaluate(const Vector& x, Vector& gradient) {
+  step_.unpack(x, nodes_, proxy_);
+  evaluateElements(x.data() + step_.size());
+  costs_.motion = residualForces();
+  const int elements = elements_.size();
+  double* by_force = gradient.data() + step_.size();
+  team_.forRange(elements + contacts_.size(), [&](int begin, int end) {
+    elements_.gradient(std::min(begin, elements), std::min(end, elements), nodes_, residual_, by_force);
+    contacts_.linearise(std::max(begin, elements) - elements, std::max(end, elements) - elements, nodes_,
+                        proxy_, residual_, proxy_residual_);
+  });
+  gatherGradient(gradient);
+  return costs_.total();
+}
+
+void JointObjective::evaluateElements(const double* forces) {
+  const int elements = elements_.size();
+  const Sums costs = team_.sum(elements + contacts_.size(), [&](int begin, int end) {
+    const JointEnergy::Costs c =
+        elements_.evaluate(std::min(begin, elements), std::min(end, elements), nodes_, forces);
+    contacts_.evaluate(std::max(begin, elements) - elements, std::max(end, elements) - elements, nodes_,
+                       proxy_);
+    Sums sums = Sums::Zero();
+    sums[0] = c.stretch;
+    sums[1] = c.bend;
+    sums[2] = c.shear;
+    return sums;
+  });
+  costs_.stretch = costs[0];
+  costs_.bend = costs[1];
+  costs_.shear = costs[2];
+}
+
+/// Leaves h²/m times the residual force in residual_, that of the proxy in proxy_residual_; returns E^n.
+double JointObjective::residualForces() {
+  team_.forRange(mesh_.nodes(), [&](int begin, int end) {
+    for (int n = begin; n < end; ++n) {
+      residual_[n] = step_.motionGradient(n, nodes_[n]);
+      elements_.gather(n, residual_[n]);
+      contacts_.addGradient(n, residual_[n]);
+    }
+  });
+  mesh_.handOverGhosts(residual_);
+  double cost = team_.sum(mesh_.nodes(), [&](int begin, int end) {
+    Sums sums = Sums::Zero();
+    for (int n = begin; n < end; ++n) {
+      sums[0] += 0.5 * weight_[n] * residual_[n].squaredNorm();
+      residual_[n] *= weight_[n];
+    }
+    return sums;
+  })[0];
+  mesh_.interpolateGhosts(residual_);
+  proxy_residual_.setZero();
+  if (step_.probeStep().present) {  // no mass: it answers over a step as h² times its coupling would
+    const Vec3 force = step_.couplingGradient(proxy_) + contacts_.proxyGradient();
+    proxy_residual_ = force / step_.couplingStiffness();
+    cost += 0.5 * force.dot(proxy_residual_);
+  }
+  return cost;
+}
+
+/// By positions: what the residual's change along itself, in the slots, adds up to.
+void JointObjective::gatherGradient(Vector& gradient) {
+  team_.forRange(mesh_.nodes(), [&](int begin, int end) {
+    for (int n = begin; n < end; ++n) {
+      gradient_[n] = mesh_.mass[n] * step_.inertia() * residual_[n];
+      elements_.gather(n, gradient_[n]);
+      contacts_.addChange(n, gradient_[n]);
+    }
+  });
+  mesh_.handOverGhosts(gradient_);
+  for (int n = 0; n < mesh_.free; ++n) gradient.segment<3>(3 * n) = gradient_[n];
+  if (!step_.probeStep().present) return;
+  gradient.segment<3>(3 * mesh_.free) = step_.couplingStiffness() * proxy_residual_ + contacts_.proxyChange();
+}
+
+Objective::Along JointObjective::along(const Vector& d) {
+  step_.unpack(d, motion_, proxy_motion_);
+  const bool probe = step_.probeStep().present;
+  return {changeOfForces(d.data() + step_.size()),
+          probe ? contacts_.maxStep(nodes_, proxy_, motion_, proxy_motion_) : 1e300};
+}
+
+/// Curvature along (motion_, proxy_motion_, d_forces), to Gauss and Newton.
+double JointObjective::changeOfForces(const double* d_forces) {
+  const int elements = elements_.size();
+  const Sums laws = team_.sum(elements + contacts_.size(), [&](int begin, int end) {
+    Sums sums = Sums::Zero();
+    sums[0] =
+        elements_.linearise(std::min(begin, elements), std::min(end, elements), nodes_, motion_, d_forces);
+    contacts_.linearise(std::max(begin, elements) - elements, std::max(end, elements) - elements, nodes_,
+                        proxy_, motion_, proxy_motion_);
+    return sums;
+  });
+  team_.forRange(mesh_.nodes(), [&](int begin, int end) {
+    for (int n = begin; n < end; ++n) {
+      gradient_[n] = n < mesh_.free ? Vec3(mesh_.mass[n] * step_.inertia() * motion_[n]) : Vec3::Zero();
+      elements_.gather(n, gradient_[n]);
+      contacts_.addChange(n, gradient_[n]);
+    }
+  });
+  mesh_.handOverGhosts(gradient_);
+  double curvature = laws[0] + team_.sum(mesh_.free, [&](int begin, int end) {
+    Sums sums = Sums::Zero();
+    for (int n = begin; n < end; ++n) sums[0] += weight_[n] * gradient_[n].squaredNorm();
+    return sums;
+  })[0];
+  if (step_.probeStep().present) {
+    const Vec3 change = step_.couplingStiffness() * proxy_motion_ + contacts_.proxyChange();
+    curvature += change.squaredNorm() / step_.couplingStiffness();
+  }
+  return curvature;
+}
+
+void JointObjective::fitPreconditioner() {
+  auto by_force = inverse_diagonal_.segment(step_.size(), elements_.size());
+  std::fill(diagonal_.begin(), diagonal_.end(), Vec3::Zero());
+  std::fill(stiffness_.begin(), stiffness_.end(), Vec3::Zero());
+  elements_.diagonal(weight_, diagonal_, stiffness_, by_force.data());
+  by_force = by_force.cwiseInverse();
+  if (step_.preconditioner() == Preconditioner::Jacobi) {
+    for (int n = 0; n < mesh_.nodes(); ++n) contacts_.addDiagonal(n, stiffness_[n]);
+  } else {  // forces keep theirs: they have a unit of their own
+    std::fill(diagonal_.begin(), diagonal_.end(), Vec3::Zero());
+    std::fill(stiffness_.begin(), stiffness_.end(), Vec3::Zero());
+  }
+  mesh_.handOverGhosts(diagonal_, 0.25);
+  mesh_.handOverGhosts(stiffness_, 0.25);
+  for (int n = 0; n < mesh_.free; ++n) {
+    const Vec3 force = stiffness_[n].array() + mesh_.mass[n] * step_.inertia();
+    inverse_diagonal_.segment<3>(3 * n) = (diagonal_[n] + weight_[n] * force.cwiseAbs2()).cwiseInverse();
+  }
+  if (!step_.probeStep().present) return;
+  const Vec3 force = contacts_.proxyDiagonal().array() + step_.couplingStiffness();
+  inverse_diagonal_.segment<3>(3 * mesh_.free) = step_.couplingStiffness() * force.cwiseAbs2().cwiseInverse();
+}
+
+void JointObjective::precondition(const Vector& gradient, Vector& z) const {
+  z.head(size()) = inverse_diagonal_.head(size()).cwiseProduct(gradient.head(size()));
+}
+
+double JointObjective::residual(const Vector&) const { return step_.residualOf(costs_.total()); }
+
+}  // namespace haptic_cloth

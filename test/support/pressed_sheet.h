@@ -1,0 +1,90 @@
+/// A sheet that touches everything the potential has: for tests of objectives.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <utility>
+#include <vector>
+
+#include "sim/cloth_objective.h"
+#include "support/derivatives.h"
+#include "support/scenes.h"
+
+namespace haptic_cloth {
+
+/// 17 x 17 particles, a pinned edge, a ball below, a probe above, twist, a hysteretic weft.
+inline Scene pressedSheet() {
+  LinearFabric linear;
+  linear.rigidity = 1e-5;
+  Fabric fabric = makeFabric(linear);
+  fabric.twist_rigidity = 2e-5;
+  fabric.bending[kWeft] = Loop(-256.0, 256.0, {-2e-3, 5e-4, 3e-3}, {-3e-3, -5e-4, 2e-3}, 20.0);
+  Scene scene = sheetScene(fabric, 17, 17, 0.064, 0.064);
+  scene.adapt.levels = 2;
+  scene.air_damping = 0.5;
+  pin(scene, 0, 0, 0, 3);
+  Obstacle ball;
+  ball.shape = Shape::Sphere;
+  ball.radius = 0.02;
+  ball.pose.position = Vec3(0.01, 0.0, -0.0201);
+  ball.friction = 0.4;
+  scene.obstacles.push_back(ball);
+  scene.probe.radius = 0.008;
+  scene.probe.friction = 0.3;
+  return scene;
+}
+
+/// The sheet on a mesh of mixed levels with ghosts, noise on all positions, in the middle of a step.
+class ObjectiveTest : public ::testing::Test {
+ protected:
+  ObjectiveTest()
+      : scene_(pressedSheet()),
+        grid_{17, 17, 2, 0.004, 0.004},
+        leaves_(mixed(grid_, scene_)),
+        mesh_(leaves_, scene_.cloth.fabric.areal_density, true),
+        internal_(scene_.cloth.fabric, mesh_),
+        contacts_(grid_, scene_.obstacles, {5e-4, 1e-3, 1e-3, scene_.probe.radius, scene_.probe.friction}),
+        team_(1),
+        objective_(scene_, mesh_, internal_, contacts_, team_) {
+    for (int n = 0; n < mesh_.nodes(); ++n) {
+      const int p = mesh_.particle[n];
+      nodes_.emplace_back((grid_.column(p) - 8) * 0.004, (grid_.row(p) - 8) * 0.004, 0.0);
+    }
+    const Eigen::VectorXd noise = fixedRandom(6 * mesh_.nodes(), 4);
+    for (int n = 0; n < mesh_.nodes(); ++n) {
+      if (n < mesh_.free) nodes_[n] += 1e-4 * noise.segment<3>(6 * n);
+      velocities_.push_back(n < mesh_.free ? Vec3(0.1 * noise.segment<3>(6 * n + 3)) : Vec3::Zero());
+    }
+    mesh_.interpolateGhosts(nodes_);
+    mesh_.interpolateGhosts(velocities_);
+    internal_.setNormals(nodes_);
+    const ProbeStep probe{true, Vec3(-0.01, 0.01, 0.0078), Vec3(0.1, 0, -0.2), Vec3(-0.01, 0.01, 0.0083)};
+    contacts_.collect(mesh_, nodes_, 1e-3, &probe.proxy, 1e-3);
+    objective_.begin(nodes_, velocities_, probe);
+    start_.setZero(objective_.capacity());
+    objective_.pack(nodes_, probe.proxy, start_);
+  }
+
+  static LeafMesh mixed(const Grid& grid, const Scene& scene) {
+    LeafMesh leaves(grid, scene.cloth.pins, 2);
+    std::vector<Cell> done;
+    for (const auto& [i, j] : {std::pair(5, 9), {6, 9}, {6, 10}, {12, 3}}) {
+      leaves.split(leaves.leafAt(i, j), done);
+      leaves.split(leaves.leafAt(i, j), done);
+    }
+    return leaves;
+  }
+
+  Scene scene_;
+  Grid grid_;
+  LeafMesh leaves_;
+  ActiveMesh mesh_;
+  InternalEnergy internal_;
+  ContactSet contacts_;
+  Team team_;
+  ClothObjective objective_;
+  std::vector<Vec3> nodes_, velocities_;
+  Vector start_;
+};
+
+}  // namespace haptic_cloth
