@@ -36,13 +36,18 @@ class Curve {
             interval.force + ds * interval.slope, interval.slope};
   }
 
+  /// f on [begin, next begin): the first one also before, the last one also after.
+  struct Interval {
+    double begin, potential, force, slope;
+  };
+  const std::vector<Interval>& intervals() const { return intervals_; }
+  double begin() const { return begin_; }
+  double inverseStep() const { return inverse_step_; }
+
   /// True where f vanishes everywhere, so that the term can be left out of a model.
   bool isZero() const;
 
  private:
-  struct Interval {
-    double begin, potential, force, slope;
-  };
   double begin_;
   double inverse_step_;
   std::vector<Interval> intervals_;

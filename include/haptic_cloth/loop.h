@@ -48,6 +48,9 @@ class Loop {
   /// The falling branch.
   const Curve& lower() const { return memory_ ? lower_ : upper_; }
 
+  /// R. @pre hasMemory()
+  const Curve& path() const { return path_; }
+
   /// Play of an element that was never deformed.
   double initialPlay() const { return memory_ ? clampPlay(0.0, 0.0) : 0.0; }
 

@@ -3,8 +3,8 @@
 
 namespace haptic_cloth {
 
-void ContactSet::linearise(int begin, int end, const std::vector<Vec3>& nodes, const Vec3& proxy,
-                           const std::vector<Vec3>& d, const Vec3& d_proxy) {
+void ContactSet::linearise(int begin, int end, const Field& nodes, const Vec3& proxy, const Field& d,
+                           const Vec3& d_proxy) {
   // Solids have flat faces, round edges and corners: their normal's change is a central difference, taken
   // over far less than any of them is round.
   constexpr double kNudge = 1e-7;  // [m]
@@ -37,9 +37,11 @@ void ContactSet::linearise(int begin, int end, const std::vector<Vec3>& nodes, c
   }
 }
 
-void ContactSet::addChange(int node, Vec3& change) const {
-  for (int e = rows_[node]; e < rows_[node + 1]; ++e) {
-    change += entries_[e].weight * slots_[entries_[e].sample].change;
+void ContactSet::addChange(int begin, int end, Field& change) const {
+  for (int n = begin; n < end; ++n) {
+    for (int e = rows_[n]; e < rows_[n + 1]; ++e) {
+      change.add(n, entries_[e].weight * slots_[entries_[e].sample].change);
+    }
   }
 }
 

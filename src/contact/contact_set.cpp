@@ -15,7 +15,7 @@ ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
   rows_.reserve(grid.particles() + 1);
 }
 
-Vec3 ContactSet::samplePosition(const ContactSample& sample, const std::vector<Vec3>& values) const {
+Vec3 ContactSet::samplePosition(const ContactSample& sample, const Field& values) const {
   return sample.weights[0] * values[sample.nodes[0]] + sample.weights[1] * values[sample.nodes[1]] +
          sample.weights[2] * values[sample.nodes[2]] + sample.weights[3] * values[sample.nodes[3]];
 }
@@ -27,8 +27,8 @@ Distance ContactSet::distance(int solid, const Vec3& point, const Vec3& proxy) c
   return {d - options_.probe_radius, d > 0.0 ? Vec3(offset / d) : Vec3::UnitZ()};
 }
 
-void ContactSet::collect(const ActiveMesh& mesh, const std::vector<Vec3>& nodes, double reach,
-                         const Vec3* proxy, double proxy_reach) {
+void ContactSet::collect(const ActiveMesh& mesh, const Field& nodes, double reach, const Vec3* proxy,
+                         double proxy_reach) {
   samples_.clear();
   sampleObstacles(mesh, nodes, law_.range() + reach);
   if (proxy) sampleProbe(mesh, nodes, law_.range() + reach + proxy_reach, *proxy);
@@ -39,7 +39,7 @@ void ContactSet::collect(const ActiveMesh& mesh, const std::vector<Vec3>& nodes,
 namespace {
 
 /// Centre and radius of a sphere around a cell's surface.
-std::pair<Vec3, double> boundingSphere(const Patch& patch, const std::vector<Vec3>& nodes) {
+std::pair<Vec3, double> boundingSphere(const Patch& patch, const Field& nodes) {
   const auto& n = patch.nodes;
   const Vec3 centre = 0.25 * (nodes[n[0]] + nodes[n[1]] + nodes[n[2]] + nodes[n[3]]);
   double radius = 0.0;
@@ -64,7 +64,7 @@ struct Window {
 
 }  // namespace
 
-void ContactSet::sampleObstacles(const ActiveMesh& mesh, const std::vector<Vec3>& nodes, double margin) {
+void ContactSet::sampleObstacles(const ActiveMesh& mesh, const Field& nodes, double margin) {
   if (obstacles_.empty()) return;
   for (const Patch& patch : mesh.patches) {
     const auto [centre, radius] = boundingSphere(patch, nodes);
@@ -87,8 +87,7 @@ void ContactSet::sampleObstacles(const ActiveMesh& mesh, const std::vector<Vec3>
   }
 }
 
-void ContactSet::sampleProbe(const ActiveMesh& mesh, const std::vector<Vec3>& nodes, double margin,
-                             const Vec3& proxy) {
+void ContactSet::sampleProbe(const ActiveMesh& mesh, const Field& nodes, double margin, const Vec3& proxy) {
   const double spacing = options_.probe_radius / 3.0, reach = options_.probe_radius + margin;
   for (const Patch& patch : mesh.patches) {
     const auto [centre, radius] = boundingSphere(patch, nodes);
@@ -108,7 +107,7 @@ void ContactSet::sampleProbe(const ActiveMesh& mesh, const std::vector<Vec3>& no
   }
 }
 
-bool ContactSet::isClear(const ActiveMesh& mesh, const std::vector<Vec3>& nodes, const Vec3& proxy) {
+bool ContactSet::isClear(const ActiveMesh& mesh, const Field& nodes, const Vec3& proxy) {
   samples_.clear();
   sampleProbe(mesh, nodes, law_.range(), proxy);
   const bool clear = samples_.empty();
@@ -116,8 +115,8 @@ bool ContactSet::isClear(const ActiveMesh& mesh, const std::vector<Vec3>& nodes,
   return clear;
 }
 
-void ContactSet::addSample(const Patch& patch, double u, double v, double area, int solid,
-                           const std::vector<Vec3>& nodes, double margin, const Vec3& proxy) {
+void ContactSet::addSample(const Patch& patch, double u, double v, double area, int solid, const Field& nodes,
+                           double margin, const Vec3& proxy) {
   ContactSample sample{};
   sample.nodes = patch.nodes;
   sample.weights = {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v};
@@ -151,8 +150,7 @@ void ContactSet::buildRows(int nodes) {
   rows_[0] = 0;
 }
 
-ContactSet::Energy ContactSet::evaluate(int begin, int end, const std::vector<Vec3>& nodes,
-                                        const Vec3& proxy) {
+ContactSet::Energy ContactSet::evaluate(int begin, int end, const Field& nodes, const Vec3& proxy) {
   const double epsilon = options_.slip_speed * options_.time_step;
   Energy energy;
   for (int k = begin; k < end; ++k) {
@@ -180,7 +178,7 @@ ContactSet::Energy ContactSet::evaluate(int begin, int end, const std::vector<Ve
   return energy;
 }
 
-double ContactSet::curvature(int begin, int end, const std::vector<Vec3>& d, const Vec3& d_proxy) const {
+double ContactSet::curvature(int begin, int end, const Field& d, const Vec3& d_proxy) const {
   double sum = 0.0;
   for (int k = begin; k < end; ++k) {
     const ContactSample& sample = samples_[k];
@@ -195,9 +193,11 @@ double ContactSet::curvature(int begin, int end, const std::vector<Vec3>& d, con
   return sum;
 }
 
-void ContactSet::addGradient(int node, Vec3& gradient) const {
-  for (int e = rows_[node]; e < rows_[node + 1]; ++e) {
-    gradient += entries_[e].weight * slots_[entries_[e].sample].gradient;
+void ContactSet::addGradient(int begin, int end, Field& gradient) const {
+  for (int n = begin; n < end; ++n) {
+    for (int e = rows_[n]; e < rows_[n + 1]; ++e) {
+      gradient.add(n, entries_[e].weight * slots_[entries_[e].sample].gradient);
+    }
   }
 }
 
@@ -211,12 +211,14 @@ Vec3 diagonalOf(const Vec3& normal, const Vec3& start_normal, double normal_stif
 
 }  // namespace
 
-void ContactSet::addDiagonal(int node, Vec3& diagonal) const {
-  for (int e = rows_[node]; e < rows_[node + 1]; ++e) {
-    const Slot& slot = slots_[entries_[e].sample];
-    diagonal += entries_[e].weight * entries_[e].weight *
-                diagonalOf(slot.normal, samples_[entries_[e].sample].start_normal, slot.normal_stiffness,
-                           slot.tangent_stiffness);
+void ContactSet::addDiagonal(Field& diagonal) const {
+  for (int n = 0; n < diagonal.size(); ++n) {
+    for (int e = rows_[n]; e < rows_[n + 1]; ++e) {
+      const Slot& slot = slots_[entries_[e].sample];
+      diagonal.add(n, entries_[e].weight * entries_[e].weight *
+                          diagonalOf(slot.normal, samples_[entries_[e].sample].start_normal,
+                                     slot.normal_stiffness, slot.tangent_stiffness));
+    }
   }
 }
 
@@ -246,8 +248,7 @@ Vec3 ContactSet::obstacleForce() const {
   return sum;
 }
 
-double ContactSet::maxStep(const std::vector<Vec3>& nodes, const Vec3& proxy, const std::vector<Vec3>& d,
-                           const Vec3& d_proxy) const {
+double ContactSet::maxStep(const Field& nodes, const Vec3& proxy, const Field& d, const Vec3& d_proxy) const {
   constexpr double kShareOfGap = 0.9;
   double step = 1e300;
   for (int k = 0; k < size(); ++k) {
@@ -267,10 +268,10 @@ double ContactSet::deepest() const {
   return deepest;
 }
 
-void ContactSet::calm(std::vector<Vec3>& velocities) const {
+void ContactSet::calm(Field& velocities) const {
   for (const ContactSample& sample : samples_) {
     if (sample.raised == 0.0) continue;
-    for (const int node : sample.nodes) velocities[node].setZero();
+    for (const int node : sample.nodes) velocities.set(node, Vec3::Zero());
   }
 }
 

@@ -7,6 +7,7 @@
 #include "contact/contact_law.h"
 #include "contact/shape.h"
 #include "mesh/active_mesh.h"
+#include "mesh/field.h"
 
 namespace haptic_cloth {
 
@@ -42,16 +43,16 @@ class ContactSet {
   /// Finds samples that may touch within a step and freezes their friction.
   /// @param nodes positions of all nodes [m]  @param speed of the fastest node [m/s]  @param proxy null: no
   /// probe
-  void collect(const ActiveMesh& mesh, const std::vector<Vec3>& nodes, double speed, const Vec3* proxy,
+  void collect(const ActiveMesh& mesh, const Field& nodes, double speed, const Vec3* proxy,
                double probe_reach);
 
   /// True where a probe at `proxy` would not touch the cloth.
-  bool isClear(const ActiveMesh& mesh, const std::vector<Vec3>& nodes, const Vec3& proxy);
+  bool isClear(const ActiveMesh& mesh, const Field& nodes, const Vec3& proxy);
 
   int size() const { return static_cast<int>(samples_.size()); }
 
   /// Stops the nodes of samples that began the step inside a solid: they are let out, not thrown.
-  void calm(std::vector<Vec3>& velocities) const;
+  void calm(Field& velocities) const;
 
   struct Energy {
     double contact = 0.0;   ///< stored [J]
@@ -59,20 +60,20 @@ class ContactSet {
   };
 
   /// Energy of samples begin..end; leaves force and stiffness in the samples' slots.
-  Energy evaluate(int begin, int end, const std::vector<Vec3>& nodes, const Vec3& proxy);
+  Energy evaluate(int begin, int end, const Field& nodes, const Vec3& proxy);
 
   /// d · H⁺ d of samples begin..end at the last evaluation.
-  double curvature(int begin, int end, const std::vector<Vec3>& d, const Vec3& d_proxy) const;
+  double curvature(int begin, int end, const Field& d, const Vec3& d_proxy) const;
 
-  /// Adds the energy gradient [N] at a node, and the diagonal of H⁺ [N/m].
-  void addGradient(int node, Vec3& gradient) const;
-  void addDiagonal(int node, Vec3& diagonal) const;
+  /// Adds the energy gradient [N] at nodes begin..end, and the diagonal of H⁺ [N/m] at all nodes.
+  void addGradient(int begin, int end, Field& gradient) const;
+  void addDiagonal(Field& diagonal) const;
 
   /// Leaves in the slots how the gradient changes along d from `nodes`, the last evaluated point, exactly:
   /// the solids' curvature included. addChange() and proxyChange() then give it.
-  void linearise(int begin, int end, const std::vector<Vec3>& nodes, const Vec3& proxy,
-                 const std::vector<Vec3>& d, const Vec3& d_proxy);
-  void addChange(int node, Vec3& change) const;
+  void linearise(int begin, int end, const Field& nodes, const Vec3& proxy, const Field& d,
+                 const Vec3& d_proxy);
+  void addChange(int begin, int end, Field& change) const;
   Vec3 proxyChange() const;
 
   /// Gradient and diagonal at the proxy, from all probe samples.
@@ -83,8 +84,7 @@ class ContactSet {
   Vec3 obstacleForce() const;
 
   /// Largest factor of the step d that lets no probe sample come nearer than a tenth of its gap.
-  double maxStep(const std::vector<Vec3>& nodes, const Vec3& proxy, const std::vector<Vec3>& d,
-                 const Vec3& d_proxy) const;
+  double maxStep(const Field& nodes, const Vec3& proxy, const Field& d, const Vec3& d_proxy) const;
 
   bool probeTouched() const;  ///< some probe sample carries force
   double deepest() const;     ///< deepest penetration at the last evaluation [m]
@@ -104,12 +104,12 @@ class ContactSet {
     double weight;
   };
 
-  Vec3 samplePosition(const ContactSample& sample, const std::vector<Vec3>& values) const;
+  Vec3 samplePosition(const ContactSample& sample, const Field& values) const;
   Distance distance(int solid, const Vec3& point, const Vec3& proxy) const;
-  void sampleObstacles(const ActiveMesh& mesh, const std::vector<Vec3>& nodes, double margin);
-  void sampleProbe(const ActiveMesh& mesh, const std::vector<Vec3>& nodes, double margin, const Vec3& proxy);
-  void addSample(const Patch& patch, double u, double v, double area, int solid,
-                 const std::vector<Vec3>& nodes, double margin, const Vec3& proxy);
+  void sampleObstacles(const ActiveMesh& mesh, const Field& nodes, double margin);
+  void sampleProbe(const ActiveMesh& mesh, const Field& nodes, double margin, const Vec3& proxy);
+  void addSample(const Patch& patch, double u, double v, double area, int solid, const Field& nodes,
+                 double margin, const Vec3& proxy);
   void buildRows(int nodes);
 
   Options options_;

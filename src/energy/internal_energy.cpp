@@ -3,25 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "energy/edge.h"
 #include "energy/shear.h"
-#include "energy/triple.h"
 #include "energy/twist.h"
 
 namespace haptic_cloth {
 namespace {
 
-/// A law within a step; `steps` is empty where no law of the kind has memory.
-struct StepLaw {
-  StepLaw(const Loop& l, const std::vector<Loop::Step>& steps, int element)
-      : law(l), step(steps.empty() ? kNoMemory : steps[element]) {}
-
-  Curve::Point operator()(double s) const { return law(step, s); }
-
-  static constexpr Loop::Step kNoMemory{};
-  const Loop& law;
-  const Loop::Step& step;
-};
+std::array<LawTable, 2> tables(const std::array<Loop, 2>& laws) {
+  return {LawTable(laws[kWarp]), LawTable(laws[kWeft])};
+}
 
 }  // namespace
 
@@ -30,224 +20,210 @@ InternalEnergy::InternalEnergy(const Fabric& fabric, const ActiveMesh& mesh)
       stretch_(fabric.tensile),
       bend_(fabric.bending),
       shear_(fabric.shear),
+      stretch_tables_(tables(stretch_)),
+      bend_tables_(tables(bend_)),
+      shear_table_(shear_),
       twist_rigidity_(fabric.twist_rigidity),
       bends_(!bend_[kWarp].isZero() || !bend_[kWeft].isZero()),
-      shears_(!shear_.isZero() || twist_rigidity_ > 0.0) {
+      shears_(!shear_.isZero() || twist_rigidity_ > 0.0),
+      gather_(mesh, {bends_, !shear_.isZero(), twist_rigidity_ > 0.0}) {
+  const int edges = static_cast<int>(mesh.edges.capacity()),
+            triples = static_cast<int>(mesh.triples.capacity()),
+            patches = static_cast<int>(mesh.patches.capacity());
   node_normals_.reserve(mesh.grid.particles());
-  slots_.reserve(mesh.edges.capacity() + mesh.triples.capacity() +
-                 mesh.slots_per_patch * mesh.patches.capacity());
-  if (twist_rigidity_ > 0.0) patch_normals_.reserve(mesh.patches.capacity());
-  edge_tangents_.reserve(mesh.edges.capacity());
-  triple_stiffness_.reserve(mesh.triples.capacity());
-  patch_tangents_.reserve(mesh.patches.capacity());
-  if (hasMemory(stretch_)) edge_steps_.reserve(mesh.edges.capacity());
-  if (hasMemory(bend_)) triple_steps_.reserve(mesh.triples.capacity());
-  if (shear_.hasMemory()) patch_steps_.reserve(mesh.patches.capacity());
+  slots_.reserve(NodeGather::capacity(mesh));
+  if (twist_rigidity_ > 0.0) patch_normals_.reserve(patches);
+  edge_packs_.reserve(edges / kLanes + 2);
+  triple_packs_.reserve(triples / kLanes + 2);
+  patch_packs_.reserve(patches / kLanes + 1);
+  if (hasMemory(stretch_)) {
+    edge_steps_.reserve(edges);
+    edge_loads_.reserve(edges);
+  }
+  if (hasMemory(bend_)) triple_steps_.reserve(triples);
+  if (shear_.hasMemory()) patch_steps_.reserve(patches);
   resize();
-  for (int e = 0; e < static_cast<int>(edge_steps_.size()); ++e) {
-    const Loop& law = stretch_[mesh_.edges[e].direction];
-    edge_steps_[e] = law.begin(law.initialPlay());
-  }
-  for (int t = 0; t < static_cast<int>(triple_steps_.size()); ++t) {
-    const Loop& law = bend_[mesh_.triples[t].direction];
-    triple_steps_[t] = law.begin(law.initialPlay());
-  }
-  std::fill(patch_steps_.begin(), patch_steps_.end(), shear_.begin(shear_.initialPlay()));
+  forgetAll();
 }
 
 void InternalEnergy::resize() {
+  gather_.rebuild(mesh_);
   edge_count_ = static_cast<int>(mesh_.edges.size());
   triple_count_ = bends_ ? static_cast<int>(mesh_.triples.size()) : 0;
   patch_count_ = shears_ ? static_cast<int>(mesh_.patches.size()) : 0;
-  slots_.assign(mesh_.slots(), Vec3::Zero());
-  if (hasMemory(stretch_)) edge_steps_.resize(edge_count_);
-  if (hasMemory(bend_)) triple_steps_.resize(triple_count_);
-  if (shear_.hasMemory()) patch_steps_.resize(patch_count_);
-  edge_tangents_.resize(edge_count_);
-  triple_stiffness_.resize(triple_count_);
-  patch_tangents_.resize(patch_count_);
+  slots_.clear(gather_.slots());
+  if (hasMemory(stretch_)) edge_steps_.resize(gather_.edges().size());
+  if (hasMemory(bend_)) triple_steps_.resize(gather_.triples().size());
+  if (shear_.hasMemory()) patch_steps_.resize(gather_.patches().size());
+  packEdges();
+  packTriples();
+  packPatches();
 }
 
-void InternalEnergy::setNormals(const std::vector<Vec3>& positions) {
-  node_normals_.assign(mesh_.nodes(), Vec3::Zero());
-  patch_normals_.clear();
-  for (const Patch& patch : mesh_.patches) {
-    const auto& n = patch.nodes;
+void InternalEnergy::packEdges() {
+  edge_packs_.assign(gather_.edges().size() / kLanes, EdgePack{});
+  for (int e = 0; e < edge_count_; ++e) {
+    const Edge& edge = mesh_.edges[e];
+    const int place = gather_.edges().place(e), l = place % kLanes;
+    EdgePack& pack = edge_packs_[place / kLanes];
+    pack.a.index[l] = edge.a;
+    pack.b.index[l] = edge.b;
+    pack.inverse_length[l] = 1.0 / edge.length;
+    pack.area[l] = edge.length * edge.width;
+  }
+  for (EdgePack& pack : edge_packs_) {
+    for (NodeLanes* nodes : {&pack.a, &pack.b}) nodes->finish();
+  }
+}
+
+void InternalEnergy::packTriples() {
+  triple_packs_.assign(gather_.triples().size() / kLanes, TriplePack{});
+  for (int t = 0; t < triple_count_; ++t) {
+    const Triple& triple = mesh_.triples[t];
+    const int place = gather_.triples().place(t), l = place % kLanes;
+    TriplePack& pack = triple_packs_[place / kLanes];
+    pack.l.index[l] = triple.l;
+    pack.c.index[l] = triple.c;
+    pack.r.index[l] = triple.r;
+    pack.left[l] = triple.left;
+    pack.right[l] = triple.right;
+    pack.area[l] = triple.area;
+  }
+  for (TriplePack& pack : triple_packs_) {
+    for (NodeLanes* nodes : {&pack.l, &pack.c, &pack.r}) nodes->finish();
+  }
+}
+
+void InternalEnergy::packPatches() {
+  patch_packs_.assign(gather_.patches().size() / kLanes, PatchPack{});
+  for (int k = 0; k < patch_count_; ++k) {
+    PatchPack& pack = patch_packs_[k / kLanes];
+    for (int c = 0; c < 4; ++c) pack.corners[c].index[k % kLanes] = mesh_.patches[k].nodes[c];
+    pack.area[k % kLanes] = mesh_.patches[k].area;
+  }
+  for (PatchPack& pack : patch_packs_) {
+    for (NodeLanes& nodes : pack.corners) nodes.finish();
+  }
+}
+
+void InternalEnergy::setNormals(const Field& positions) {
+  node_normals_.clear(mesh_.nodes());
+  if (twist_rigidity_ > 0.0) patch_normals_.clear(static_cast<int>(mesh_.patches.size()));
+  for (int k = 0; k < static_cast<int>(mesh_.patches.size()); ++k) {
+    const auto& n = mesh_.patches[k].nodes;
     const Vec3 normal =
         (positions[n[3]] - positions[n[0]]).cross(positions[n[2]] - positions[n[1]]);  // weighted by area
-    for (const int corner : n) node_normals_[corner] += normal;
-    if (twist_rigidity_ > 0.0) patch_normals_.push_back(normal.stableNormalized());
+    for (const int corner : n) node_normals_.add(corner, normal);
+    if (twist_rigidity_ > 0.0) patch_normals_.set(k, normal.stableNormalized());
   }
-  for (Vec3& normal : node_normals_) {
+  for (int n = 0; n < mesh_.nodes(); ++n) {
+    const Vec3 normal = node_normals_[n];
     const double length = normal.norm();
-    if (length > 0.0) normal /= length;
+    if (length > 0.0) node_normals_.set(n, normal / length);
   }
 }
 
-InternalEnergy::Energy InternalEnergy::evaluate(int begin, int end, const std::vector<Vec3>& x) {
-  const int triples = edge_count_, patches = triples + triple_count_;
-  const auto part = [&](int from, int to) {
-    return std::pair(std::clamp(begin, from, to) - from, std::clamp(end, from, to) - from);
+InternalEnergy::Parts InternalEnergy::split(int begin, int end) const {
+  int first = 0;
+  const auto next = [&](int places) {
+    const std::pair<int, int> part{(std::clamp(begin - first, 0, places)) / kLanes,
+                                   (std::clamp(end - first, 0, places)) / kLanes};
+    first += places;
+    return part;
   };
-  const auto [e0, e1] = part(0, triples);
-  const auto [t0, t1] = part(triples, patches);
-  const auto [p0, p1] = part(patches, size());
-  return {evaluateEdges(e0, e1, x), evaluateTriples(t0, t1, x) + evaluateTwists(p0, p1, x),
-          evaluatePatches(p0, p1, x)};
+  const auto both = [&](const PackedRange& range) {
+    const auto warp = next(range.warpEnd());
+    return std::array<std::pair<int, int>, 2>{warp, next(range.size() - range.warpEnd())};
+  };
+  const auto edges = both(gather_.edges());
+  const auto triples = both(gather_.triples());
+  return {edges, triples, next(gather_.patches().size())};
 }
 
-double InternalEnergy::evaluateEdges(int begin, int end, const std::vector<Vec3>& x) {
-  double energy = 0.0;
-  for (int e = begin; e < end; ++e) {
-    const Edge& edge = mesh_.edges[e];
-    const EdgeResult r = evaluateEdge(x[edge.a], x[edge.b], edge.length, edge.width,
-                                      StepLaw(stretch_[edge.direction], edge_steps_, e));
-    energy += r.energy;
-    slots_[e] = r.gradient;
-    edge_tangents_[e] = {r.axis, r.along, r.across};
+InternalEnergy::Energy InternalEnergy::evaluate(int begin, int end, const Field& x) {
+  const Parts parts = split(begin, end);
+  const ConstArrays at = x.arrays(), normals = node_normals_.arrays();
+  const MutableArrays slots = slots_.arrays();
+  const auto from = [](const Steps& steps, int pack) {
+    return steps.packs() ? steps.packs() + pack : nullptr;
+  };
+  Energy energy;
+  for (const int direction : {kWarp, kWeft}) {
+    const int edges = direction * gather_.edges().warpEnd() / kLanes;
+    const auto [e0, e1] = parts.edges[direction];
+    if (e0 < e1) {
+      energy.stretch += evaluateEdges(edge_packs_.data() + edges, e0, e1, stretch_tables_[direction],
+                                      from(edge_steps_, edges), at, slots, kLanes * (edges + e0));
+    }
+    const int triples = direction * gather_.triples().warpEnd() / kLanes;
+    const auto [t0, t1] = parts.triples[direction];
+    if (t0 < t1) {
+      energy.bend += evaluateTriples(triple_packs_.data() + triples, t0, t1, bend_tables_[direction],
+                                     from(triple_steps_, triples), at, normals, slots,
+                                     gather_.firstTriple() + kLanes * (triples + t0));
+    }
+  }
+  const auto [p0, p1] = parts.patches;
+  if (p0 < p1 && !shear_.isZero()) {
+    energy.shear = evaluateShears(patch_packs_.data(), p0, p1, shear_table_, patch_steps_.packs(), at, slots,
+                                  gather_.firstPatch() + kLanes * p0, gather_.patches().size());
+  }
+  if (p0 < p1 && twist_rigidity_ > 0.0) {  // counts as bending
+    energy.bend += evaluateTwists(patch_packs_.data(), p0, p1, twist_rigidity_, at, patch_normals_.arrays(),
+                                  slots, gather_.firstTwist() + kLanes * p0);
   }
   return energy;
 }
 
-double InternalEnergy::evaluateTriples(int begin, int end, const std::vector<Vec3>& x) {
-  double energy = 0.0;
-  Vec3* slots = slots_.data() + mesh_.edges.size();
-  for (int t = begin; t < end; ++t) {
-    const Triple& triple = mesh_.triples[t];
-    const Vec3& normal = node_normals_[triple.c];
-    const TripleResult r =
-        evaluateTriple(x[triple.l], x[triple.c], x[triple.r], normal, triple.left, triple.right, triple.area,
-                       StepLaw(bend_[triple.direction], triple_steps_, t));
-    energy += r.energy;
-    slots[t] = r.moment * normal;
-    triple_stiffness_[t] = r.stiffness;
-  }
-  return energy;
-}
-
-double InternalEnergy::evaluatePatches(int begin, int end, const std::vector<Vec3>& x) {
-  double energy = 0.0;
-  const int per_patch = mesh_.slots_per_patch;
-  Vec3* slots = slots_.data() + mesh_.edges.size() + mesh_.triples.size();
-  for (int k = begin; k < end; ++k) {
-    const ShearResult r =
-        evaluateShear(corners(k, x), mesh_.patches[k].area, StepLaw(shear_, patch_steps_, k));
-    energy += r.energy;
-    slots[per_patch * k] = r.force * r.rising;
-    slots[per_patch * k + 1] = r.force * r.falling;
-    patch_tangents_[k] = {r.rising, r.falling, r.stiffness};
-  }
-  return energy;
-}
-
-/// Twist counts as bending.
-double InternalEnergy::evaluateTwists(int begin, int end, const std::vector<Vec3>& x) {
-  if (patch_normals_.empty()) return 0.0;
-  double energy = 0.0;
-  Vec3* slots = slots_.data() + mesh_.edges.size() + mesh_.triples.size();
-  for (int k = begin; k < end; ++k) {
-    const TwistResult r =
-        evaluateTwist(corners(k, x), patch_normals_[k], twist_rigidity_, mesh_.patches[k].area);
-    energy += r.energy;
-    slots[3 * k + 2] = r.gradient * patch_normals_[k];
-  }
-  return energy;
-}
-
-double InternalEnergy::curvature(int begin, int end, const std::vector<Vec3>& d) const {
+double InternalEnergy::curvature(int begin, int end, const Field& d) const {
+  const Parts parts = split(begin, end);
+  const ConstArrays along = d.arrays(), normals = node_normals_.arrays();
   double sum = 0.0;
-  for (int e = begin; e < std::min(end, edge_count_); ++e) {
-    const EdgeTangent& tangent = edge_tangents_[e];
-    sum +=
-        edgeCurvature(tangent.axis, tangent.along, tangent.across, d[mesh_.edges[e].b] - d[mesh_.edges[e].a]);
+  for (const int direction : {kWarp, kWeft}) {
+    const auto [e0, e1] = parts.edges[direction];
+    const int edges = direction * gather_.edges().warpEnd() / kLanes;
+    sum += edgeCurvature(edge_packs_.data() + edges, e0, e1, along);
+    const auto [t0, t1] = parts.triples[direction];
+    const int triples = direction * gather_.triples().warpEnd() / kLanes;
+    sum += tripleCurvature(triple_packs_.data() + triples, t0, t1, along, normals);
   }
-  const int patches = edge_count_ + triple_count_;
-  for (int k = std::max(begin, edge_count_); k < std::min(end, patches); ++k) {
-    const Triple& triple = mesh_.triples[k - edge_count_];
-    const Vec3& centre = d[triple.c];
-    const double change = node_normals_[triple.c].dot(triple.left * (d[triple.l] - centre) +
-                                                      triple.right * (d[triple.r] - centre));
-    sum += triple_stiffness_[k - edge_count_] * change * change;
-  }
-  for (int k = std::max(begin, patches); k < end; ++k) {
-    const PatchTangent& tangent = patch_tangents_[k - patches];
-    const auto& n = mesh_.patches[k - patches].nodes;
-    const double change = tangent.rising.dot(d[n[3]] - d[n[0]]) + tangent.falling.dot(d[n[1]] - d[n[2]]);
-    sum += tangent.stiffness * change * change;
-    if (patch_normals_.empty()) continue;
-    const double height = patch_normals_[k - patches].dot(saddle(corners(k - patches, d)));
-    sum += twistStiffness(twist_rigidity_, mesh_.patches[k - patches].area) * height * height;
+  const auto [p0, p1] = parts.patches;
+  if (!shear_.isZero()) sum += shearCurvature(patch_packs_.data(), p0, p1, along);
+  if (twist_rigidity_ > 0.0) {
+    sum += twistCurvature(patch_packs_.data(), p0, p1, twist_rigidity_, along, patch_normals_.arrays());
   }
   return sum;
 }
 
-void InternalEnergy::addDiagonal(std::vector<Vec3>& diagonal) const {
+void InternalEnergy::addDiagonal(Field& diagonal) const {
   for (int e = 0; e < edge_count_; ++e) {
-    const EdgeTangent& t = edge_tangents_[e];
-    const Vec3 value = t.along * t.axis.cwiseAbs2() + t.across * (Vec3::Ones() - t.axis.cwiseAbs2());
-    diagonal[mesh_.edges[e].a] += value;
-    diagonal[mesh_.edges[e].b] += value;
+    const int place = gather_.edges().place(e), l = place % kLanes;
+    const EdgePack& pack = edge_packs_[place / kLanes];
+    const Vec3 axis = Vec3(pack.axis_x[l], pack.axis_y[l], pack.axis_z[l]).cwiseAbs2();
+    const Vec3 value = pack.along[l] * axis + pack.across[l] * (Vec3::Ones() - axis);
+    diagonal.add(mesh_.edges[e].a, value);
+    diagonal.add(mesh_.edges[e].b, value);
   }
   for (int k = 0; k < triple_count_; ++k) {
     const Triple& t = mesh_.triples[k];
-    const Vec3 value = triple_stiffness_[k] * node_normals_[t.c].cwiseAbs2();
-    diagonal[t.l] += t.left * t.left * value;
-    diagonal[t.r] += t.right * t.right * value;
-    diagonal[t.c] += (t.left + t.right) * (t.left + t.right) * value;
+    const int place = gather_.triples().place(k);
+    const Vec3 value = triple_packs_[place / kLanes].stiffness[place % kLanes] * normal(t.c).cwiseAbs2();
+    diagonal.add(t.l, t.left * t.left * value);
+    diagonal.add(t.r, t.right * t.right * value);
+    diagonal.add(t.c, (t.left + t.right) * (t.left + t.right) * value);
   }
   for (int k = 0; k < patch_count_; ++k) {
-    const PatchTangent& t = patch_tangents_[k];
+    const PatchPack& pack = patch_packs_[k / kLanes];
+    const int l = k % kLanes;
     const auto& n = mesh_.patches[k].nodes;
-    for (const int node : {n[0], n[3]}) diagonal[node] += t.stiffness * t.rising.cwiseAbs2();
-    for (const int node : {n[1], n[2]}) diagonal[node] += t.stiffness * t.falling.cwiseAbs2();
-    if (patch_normals_.empty()) continue;
+    const Vec3 rising = Vec3(pack.rising_x[l], pack.rising_y[l], pack.rising_z[l]).cwiseAbs2();
+    const Vec3 falling = Vec3(pack.falling_x[l], pack.falling_y[l], pack.falling_z[l]).cwiseAbs2();
+    for (const int node : {n[0], n[3]}) diagonal.add(node, pack.stiffness[l] * rising);
+    for (const int node : {n[1], n[2]}) diagonal.add(node, pack.stiffness[l] * falling);
+    if (!(twist_rigidity_ > 0.0)) continue;
     const double twist = twistStiffness(twist_rigidity_, mesh_.patches[k].area);
-    for (const int node : n) diagonal[node] += twist * patch_normals_[k].cwiseAbs2();
+    for (const int node : n) diagonal.add(node, twist * patchNormal(k).cwiseAbs2());
   }
-}
-
-double InternalEnergy::strain(int edge, const std::vector<Vec3>& x) const {
-  const Edge& e = mesh_.edges[edge];
-  return (x[e.b] - x[e.a]).norm() / e.length - 1.0;
-}
-
-double InternalEnergy::deformation(int element, const std::vector<Vec3>& x) const {
-  const auto [kind, k] = this->kind(element);
-  if (kind == Kind::Edge) return strain(k, x);
-  return kind == Kind::Triple ? curvature(k, x) : shearAngle(k, x);
-}
-
-Curve::Point InternalEnergy::law(int element, double deformation) const {
-  const auto [kind, k] = this->kind(element);
-  if (kind == Kind::Edge) return StepLaw(stretch_[mesh_.edges[k].direction], edge_steps_, k)(deformation);
-  if (kind == Kind::Patch) return StepLaw(shear_, patch_steps_, k)(deformation);
-  return StepLaw(bend_[mesh_.triples[k].direction], triple_steps_, k)(deformation);
-}
-
-double InternalEnergy::area(int element) const {
-  const auto [kind, k] = this->kind(element);
-  if (kind == Kind::Edge) return mesh_.edges[k].length * mesh_.edges[k].width;
-  return kind == Kind::Triple ? mesh_.triples[k].area : mesh_.patches[k].area;
-}
-
-double InternalEnergy::maxStrain(const std::vector<Vec3>& x) const {
-  double largest = 0.0;
-  for (int e = 0; e < edge_count_; ++e) largest = std::max(largest, std::abs(strain(e, x)));
-  return largest;
-}
-
-double InternalEnergy::tension(int edge, const std::vector<Vec3>& x) const {
-  return StepLaw(stretch_[mesh_.edges[edge].direction], edge_steps_, edge)(strain(edge, x)).force;
-}
-
-double InternalEnergy::curvature(int triple, const std::vector<Vec3>& x) const {
-  const Triple& t = mesh_.triples[triple];
-  return node_normals_[t.c].dot(t.left * (x[t.l] - x[t.c]) + t.right * (x[t.r] - x[t.c]));
-}
-
-double InternalEnergy::bendingDensity(int triple, const std::vector<Vec3>& x) const {
-  const Loop& law = bend_[mesh_.triples[triple].direction];
-  return law.stored(triple_steps_.empty() ? 0.0 : triple_steps_[triple].play, curvature(triple, x));
 }
 
 }  // namespace haptic_cloth

@@ -5,20 +5,23 @@
 #include <vector>
 
 #include "energy/history.h"
+#include "energy/packs.h"
 #include "haptic_cloth/fabric.h"
 #include "mesh/active_mesh.h"
+#include "mesh/node_gather.h"
 
 namespace haptic_cloth {
 
-/// Elements are numbered in one range: edges, triples, patches. Each leaves its force in slots of its own,
-/// which the nodes then gather in a fixed order, so any split of the range over threads gives the same bits.
+/// Elements are numbered in one range: edges, triples, patches. Loops over them run in packs of eight
+/// (packs.h); each leaves its force in slots of its own, which the nodes then gather in a fixed order
+/// (node_gather.h), so any split of the work over threads gives the same bits.
 class InternalEnergy {
  public:
   struct Energy {
     double stretch = 0.0, bend = 0.0, shear = 0.0;  ///< [J]
   };
 
-  explicit InternalEnergy(const Fabric& fabric, const ActiveMesh& mesh);
+  InternalEnergy(const Fabric& fabric, const ActiveMesh& mesh);
 
   /// Adjusts to a rebuilt mesh; laws with memory wait for recall().
   void resize();
@@ -27,20 +30,23 @@ class InternalEnergy {
   bool hasMemory() const { return hasMemory(stretch_) || hasMemory(bend_) || shear_.hasMemory(); }
 
   /// Makes the end of an accepted step, elements begin..end, part of the fabric's history.
-  void commit(int begin, int end, const std::vector<Vec3>& x);
+  void commit(int begin, int end, const Field& x);
 
   /// Writes forces down before a change of the mesh, and reads them after resize() and setNormals().
-  void remember(const std::vector<Vec3>& x, ForceHistory& history) const;
-  void recall(const std::vector<Vec3>& x, ForceHistory& history);
+  void remember(const Field& x, ForceHistory& history) const;
+  void recall(const Field& x, ForceHistory& history);
 
   /// Energy the elements could give back. Without memory the same as evaluate()'s sum.
-  Energy stored(const std::vector<Vec3>& x) const;
+  Energy stored(const Field& x) const;
 
   /// Takes the surface normals for a step; triples bend about them until the next call.
-  void setNormals(const std::vector<Vec3>& positions);
+  void setNormals(const Field& positions);
 
   /// Number of elements; laws that are zero everywhere count none.
-  int size() const { return edge_count_ + triple_count_ + patch_count_; }
+  int elements() const { return edge_count_ + triple_count_ + patch_count_; }
+
+  /// Length of the range that evaluate() and curvature() share out, in steps of kLanes: elements in packs.
+  int size() const { return gather_.firstPatch() + gather_.patches().size(); }
 
   enum class Kind { Edge, Triple, Patch };
 
@@ -54,58 +60,69 @@ class InternalEnergy {
 
   /// Of one element of the range: strain [-], curvature [1/m] or shear angle [rad] at x, its law within the
   /// step, and the area [m²] it stands for.
-  double deformation(int element, const std::vector<Vec3>& x) const;
+  double deformation(int element, const Field& x) const;
   Curve::Point law(int element, double deformation) const;
   double area(int element) const;
 
   /// The step's surface normals at a node and of a patch; twist() [N·m] is zero where there is no such term.
-  const Vec3& normal(int node) const { return node_normals_[node]; }
-  const Vec3& patchNormal(int patch) const { return patch_normals_[patch]; }
+  Vec3 normal(int node) const { return node_normals_[node]; }
+  Vec3 patchNormal(int patch) const { return patch_normals_[patch]; }
   double twist() const { return twist_rigidity_; }
 
-  /// Energy of elements begin..end at `x`; leaves forces and stiffness in their slots.
-  Energy evaluate(int begin, int end, const std::vector<Vec3>& x);
+  /// Energy of part begin..end of the range at `x`; leaves forces and stiffness behind.
+  Energy evaluate(int begin, int end, const Field& x);
 
-  /// d · H⁺ d of elements begin..end at the last evaluation.
-  double curvature(int begin, int end, const std::vector<Vec3>& d) const;
+  /// d · H⁺ d of that part at the last evaluation.
+  double curvature(int begin, int end, const Field& d) const;
 
-  /// Adds the energy gradient [N] at a node.
-  void addGradient(int node, Vec3& gradient) const {
-    for (int e = mesh_.rows[node]; e < mesh_.rows[node + 1]; ++e) {
-      gradient += mesh_.incidences[e].coefficient * slots_[mesh_.incidences[e].slot];
-    }
-  }
+  /// Adds the energy gradient [N] at nodes begin..end. @pre begin is a multiple of kLanes
+  void addGradient(int begin, int end, Field& gradient) const { gather_.add(begin, end, slots_, gradient); }
+  const NodeGather& gather() const { return gather_; }
 
   /// Diagonal of H⁺ [N/m] at all nodes, added to `diagonal`, from the last evaluation.
-  void addDiagonal(std::vector<Vec3>& diagonal) const;
+  void addDiagonal(Field& diagonal) const;
 
   /// For display, at positions `x`: largest |ε| of the edges, and values of one element.
-  double maxStrain(const std::vector<Vec3>& x) const;
-  double tension(int edge, const std::vector<Vec3>& x) const;           ///< [N/m]
-  double curvature(int triple, const std::vector<Vec3>& x) const;       ///< of one triple [1/m]
-  double bendingDensity(int triple, const std::vector<Vec3>& x) const;  ///< ψ_b of one triple [J/m²]
+  double maxStrain(const Field& x) const;
+  double tension(int edge, const Field& x) const;           ///< [N/m]
+  double curvature(int triple, const Field& x) const;       ///< of one triple [1/m]
+  double bendingDensity(int triple, const Field& x) const;  ///< ψ_b of one triple [J/m²]
 
  private:
-  struct EdgeTangent {
-    Vec3 axis;
-    double along, across;
-  };
-  struct PatchTangent {
-    Vec3 rising, falling;
-    double stiffness;
+  /// Memory of the elements of one kind, by their place in the packs.
+  class Steps {
+   public:
+    void reserve(int places) { packs_.reserve(places / kLanes + 2); }
+    void resize(int places) { packs_.resize(places / kLanes); }
+    Loop::Step get(int place) const { return packs_[place / kLanes].get(place % kLanes); }
+    void set(int place, const Loop::Step& step) { packs_[place / kLanes].set(place % kLanes, step); }
+    const StepLanes* packs() const { return packs_.empty() ? nullptr : packs_.data(); }
+
+   private:
+    std::vector<StepLanes> packs_;
   };
 
-  double evaluateEdges(int begin, int end, const std::vector<Vec3>& x);
-  double evaluateTriples(int begin, int end, const std::vector<Vec3>& x);
-  double evaluatePatches(int begin, int end, const std::vector<Vec3>& x);
-  double evaluateTwists(int begin, int end, const std::vector<Vec3>& x);
-  std::array<Vec3, 4> corners(int patch, const std::vector<Vec3>& x) const {
+  /// Parts of begin..end that are edges of both directions, triples of both, patches, as packs.
+  struct Parts {
+    std::array<std::pair<int, int>, 2> edges, triples;
+    std::pair<int, int> patches;
+  };
+  Parts split(int begin, int end) const;
+
+  void packEdges();
+  void packTriples();
+  void packPatches();
+  void forgetAll();
+  Loop::Step edgeStep(int edge) const;
+  Loop::Step tripleStep(int triple) const;
+  Loop::Step patchStep(int patch) const;
+  std::array<Vec3, 4> corners(int patch, const Field& x) const {
     const auto& n = mesh_.patches[patch].nodes;
     return {x[n[0]], x[n[1]], x[n[2]], x[n[3]]};
   }
-  double strain(int edge, const std::vector<Vec3>& x) const;
-  void recallEdges(const std::vector<Vec3>& x, ForceHistory& history);
-  double shearAngle(int patch, const std::vector<Vec3>& x) const;
+  double strain(int edge, const Field& x) const;
+  void recallEdges(const Field& x, ForceHistory& history);
+  double shearAngle(int patch, const Field& x) const;
   static bool hasMemory(const std::array<Loop, 2>& laws) {
     return laws[kWarp].hasMemory() || laws[kWeft].hasMemory();
   }
@@ -117,16 +134,20 @@ class InternalEnergy {
   const ActiveMesh& mesh_;
   std::array<Loop, 2> stretch_, bend_;
   Loop shear_;
+  std::array<LawTable, 2> stretch_tables_, bend_tables_;
+  LawTable shear_table_;
   double twist_rigidity_;  ///< [N·m]
-  bool bends_, shears_;
+  bool bends_, shears_;    ///< shears_: patches do something, be it twist alone
+  NodeGather gather_;
   int edge_count_ = 0, triple_count_ = 0, patch_count_ = 0;
-  std::vector<Vec3> node_normals_;
-  std::vector<Vec3> patch_normals_;  ///< empty without a twist term
-  std::vector<Vec3> slots_;          ///< see ActiveMesh::slots(); [N], of triples [N·m²]
-  std::vector<EdgeTangent> edge_tangents_;
-  std::vector<double> triple_stiffness_;
-  std::vector<PatchTangent> patch_tangents_;
-  std::vector<Loop::Step> edge_steps_, triple_steps_, patch_steps_;  ///< empty where no law has memory
+  Field node_normals_;
+  Field patch_normals_;  ///< empty without a twist term
+  Field slots_;          ///< see NodeGather; [N], of triples [N·m²]
+  std::vector<EdgePack> edge_packs_;
+  std::vector<TriplePack> triple_packs_;
+  std::vector<PatchPack> patch_packs_;
+  std::vector<double> edge_loads_;                 ///< scratch of recallEdges() [N]
+  Steps edge_steps_, triple_steps_, patch_steps_;  ///< without packs where no law has memory
 };
 
 }  // namespace haptic_cloth

@@ -11,7 +11,7 @@ namespace {
 
 using Kind = InternalEnergy::Kind;
 
-std::array<Vec3, 4> corners(const Patch& patch, const std::vector<Vec3>& x) {
+std::array<Vec3, 4> corners(const Patch& patch, const Field& x) {
   const auto& n = patch.nodes;
   return {x[n[0]], x[n[1]], x[n[2]], x[n[3]]};
 }
@@ -20,14 +20,13 @@ std::array<Vec3, 4> corners(const Patch& patch, const std::vector<Vec3>& x) {
 
 JointEnergy::JointEnergy(const InternalEnergy& laws, const ActiveMesh& mesh) : laws_(laws), mesh_(mesh) {
   elements_.reserve(mesh.edges.capacity() + mesh.triples.capacity() + mesh.patches.capacity());
-  slots_.reserve(mesh.edges.capacity() + mesh.triples.capacity() +
-                 mesh.slots_per_patch * mesh.patches.capacity());
+  slots_.reserve(NodeGather::capacity(mesh));
 }
 
-void JointEnergy::begin(const std::vector<Vec3>& x, double* forces) {
+void JointEnergy::begin(const Field& x, double* forces) {
   constexpr double kLeast = 1e-3;  // of the slope a law has when deformed: a toe may start with none
   elements_.resize(size());
-  slots_.assign(mesh_.slots(), Vec3::Zero());
+  slots_.clear(laws_.gather().slots());
   for (int k = 0; k < size(); ++k) {
     const Curve::Point law = laws_.law(k, laws_.deformation(k, x));
     const double floor = kLeast * laws_.law(k, 1e9).slope;
@@ -38,7 +37,7 @@ void JointEnergy::begin(const std::vector<Vec3>& x, double* forces) {
   }
 }
 
-JointEnergy::Slope JointEnergy::slopeAt(int element, const std::vector<Vec3>& x) const {
+JointEnergy::Slope JointEnergy::slopeAt(int element, const Field& x) const {
   const auto [kind, k] = laws_.kind(element);
   if (kind == Kind::Edge) {
     const Edge& edge = mesh_.edges[k];
@@ -52,8 +51,7 @@ JointEnergy::Slope JointEnergy::slopeAt(int element, const std::vector<Vec3>& x)
 }
 
 /// Of slopeAt(x) along d; triples bend about normals that are held within a step.
-JointEnergy::Slope JointEnergy::slopeChange(int element, const std::vector<Vec3>& x,
-                                            const std::vector<Vec3>& d) const {
+JointEnergy::Slope JointEnergy::slopeChange(int element, const Field& x, const Field& d) const {
   const auto [kind, k] = laws_.kind(element);
   if (kind == Kind::Edge) {
     const Edge& edge = mesh_.edges[k];
@@ -68,7 +66,7 @@ JointEnergy::Slope JointEnergy::slopeChange(int element, const std::vector<Vec3>
 }
 
 /// ds along d.
-double JointEnergy::rate(int element, const std::vector<Vec3>& d) const {
+double JointEnergy::rate(int element, const Field& d) const {
   const auto [kind, k] = laws_.kind(element);
   const Slope& slope = elements_[element].slope;
   if (kind == Kind::Edge) return slope[0].dot(d[mesh_.edges[k].b] - d[mesh_.edges[k].a]);
@@ -81,27 +79,25 @@ double JointEnergy::rate(int element, const std::vector<Vec3>& d) const {
 }
 
 /// Puts an element's vectors into its slots, and the force of the twist that `twisted` means, linear in it.
-void JointEnergy::put(int element, const Slope& value, const std::vector<Vec3>& twisted) {
+void JointEnergy::put(int element, const Slope& value, const Field& twisted) {
   const auto [kind, k] = laws_.kind(element);
-  const int triples = static_cast<int>(mesh_.edges.size());
+  const NodeGather& gather = laws_.gather();
   if (kind == Kind::Edge) {
-    slots_[k] = value[0];
+    slots_.set(gather.edges().place(k), value[0]);
   } else if (kind == Kind::Triple) {
-    slots_[triples + k] = value[0];
+    slots_.set(gather.firstTriple() + gather.triples().place(k), value[0]);
   } else {
-    const int slot = triples + static_cast<int>(mesh_.triples.size()) + mesh_.slots_per_patch * k;
-    slots_[slot] = value[0];
-    slots_[slot + 1] = value[1];
+    slots_.set(gather.firstPatch() + k, value[0]);
+    slots_.set(gather.firstPatch() + gather.patches().size() + k, value[1]);
     if (!(laws_.twist() > 0.0)) return;
-    const Patch& patch = mesh_.patches[k];
-    const Vec3& normal = laws_.patchNormal(k);
-    slots_[slot + 2] =
-        evaluateTwist(corners(patch, twisted), normal, laws_.twist(), patch.area).gradient * normal;
+    const Vec3 normal = laws_.patchNormal(k);
+    const TwistResult twist =
+        evaluateTwist(corners(mesh_.patches[k], twisted), normal, laws_.twist(), mesh_.patches[k].area);
+    slots_.set(gather.firstTwist() + k, twist.gradient * normal);
   }
 }
 
-JointEnergy::Costs JointEnergy::evaluate(int begin, int end, const std::vector<Vec3>& x,
-                                         const double* forces) {
+JointEnergy::Costs JointEnergy::evaluate(int begin, int end, const Field& x, const double* forces) {
   Costs costs;
   for (int k = begin; k < end; ++k) {
     Element& element = elements_[k];
@@ -119,8 +115,7 @@ JointEnergy::Costs JointEnergy::evaluate(int begin, int end, const std::vector<V
   return costs;
 }
 
-double JointEnergy::linearise(int begin, int end, const std::vector<Vec3>& x, const std::vector<Vec3>& d,
-                              const double* d_forces) {
+double JointEnergy::linearise(int begin, int end, const Field& x, const Field& d, const double* d_forces) {
   double curvature = 0.0;
   for (int k = begin; k < end; ++k) {
     const Element& element = elements_[k];
@@ -133,8 +128,7 @@ double JointEnergy::linearise(int begin, int end, const std::vector<Vec3>& x, co
   return curvature;
 }
 
-void JointEnergy::gradient(int begin, int end, const std::vector<Vec3>& x, const std::vector<Vec3>& u,
-                           double* gradient) {
+void JointEnergy::gradient(int begin, int end, const Field& x, const Field& u, double* gradient) {
   for (int k = begin; k < end; ++k) {
     const Element& element = elements_[k];
     const Slope change = slopeChange(k, x, u);
@@ -145,14 +139,14 @@ void JointEnergy::gradient(int begin, int end, const std::vector<Vec3>& x, const
   }
 }
 
-void JointEnergy::diagonal(const std::vector<double>& weights, std::vector<Vec3>& laws,
-                           std::vector<Vec3>& force_change, double* forces) const {
+void JointEnergy::diagonal(const std::vector<double>& weights, Field& laws, Field& force_change,
+                           double* forces) const {
   for (int k = 0; k < size(); ++k) {
     const Element& element = elements_[k];
     const double stiffness = element.scale * element.rise * element.rise;
     double weight = 0.0;
     const auto visit = [&](int node, double coefficient, const Vec3& slope) {
-      laws[node] += coefficient * coefficient * stiffness * slope.cwiseAbs2();
+      laws.add(node, coefficient * coefficient * stiffness * slope.cwiseAbs2());
       weight += weights[node] * coefficient * coefficient * slope.squaredNorm();
     };
     const auto [kind, index] = laws_.kind(k);
@@ -163,7 +157,7 @@ void JointEnergy::diagonal(const std::vector<double>& weights, std::vector<Vec3>
           std::max(element.force, 0.0) * edge.width / edge.length * (Vec3::Ones() - axis.cwiseAbs2());
       for (const int node : {edge.a, edge.b}) {
         visit(node, 1.0, element.slope[0]);
-        force_change[node] += across;
+        force_change.add(node, across);
       }
     } else if (kind == Kind::Triple) {
       const Triple& t = mesh_.triples[index];

@@ -22,38 +22,32 @@ class JointEnergy {
 
   /// Most elements a mesh can have.
   int capacity() const { return static_cast<int>(elements_.capacity()); }
-  int size() const { return laws_.size(); }
+  int size() const { return laws_.elements(); }
 
   /// Starts a step at node positions x: scales the costs, writes the forces of the laws there.
-  void begin(const std::vector<Vec3>& x, double* forces);
+  void begin(const Field& x, double* forces);
 
   /// Costs of elements begin..end; leaves their forces on the nodes in slots.
-  Costs evaluate(int begin, int end, const std::vector<Vec3>& x, const double* forces);
+  Costs evaluate(int begin, int end, const Field& x, const double* forces);
 
   /// Leaves in the slots how the forces on the nodes change along (d, d_forces) from the last evaluated
   /// point.
   /// @return curvature of the elements' costs along it, to Gauss and Newton [J]
-  double linearise(int begin, int end, const std::vector<Vec3>& x, const std::vector<Vec3>& d,
-                   const double* d_forces);
+  double linearise(int begin, int end, const Field& x, const Field& d, const double* d_forces);
 
   /// Gradient of the whole cost: by positions into the slots, by forces into `gradient`.
   /// @param u h²/m times the residual force, of each node [m]
-  void gradient(int begin, int end, const std::vector<Vec3>& x, const std::vector<Vec3>& u, double* gradient);
+  void gradient(int begin, int end, const Field& x, const Field& u, double* gradient);
 
-  /// Adds what the slots hold for a node.
-  void gather(int node, Vec3& sum) const {
-    for (int e = mesh_.rows[node]; e < mesh_.rows[node + 1]; ++e) {
-      sum += mesh_.incidences[e].coefficient * slots_[mesh_.incidences[e].slot];
-    }
-  }
+  /// Adds to nodes begin..end what the slots hold. @pre begin is a multiple of kLanes
+  void gather(int begin, int end, Field& sum) const { laws_.gather().add(begin, end, slots_, sum); }
 
   /// Diagonal of the cost's Hessian (Gauss-Newton) at the last evaluated point, by parts.
   /// @param weights h²/m of the nodes [m/N]
   /// @param laws by positions, that of the laws' costs [N/m], added to
   /// @param force_change by positions, of the nodes' forces: taut edges, across [N/m], added to
   /// @param forces by forces [J/(N/m)²], written
-  void diagonal(const std::vector<double>& weights, std::vector<Vec3>& laws, std::vector<Vec3>& force_change,
-                double* forces) const;
+  void diagonal(const std::vector<double>& weights, Field& laws, Field& force_change, double* forces) const;
 
  private:
   /// ∇s as the element's slots take it: edges and triples have one, patches two.
@@ -65,15 +59,15 @@ class JointEnergy {
     Slope slope;
   };
 
-  Slope slopeAt(int element, const std::vector<Vec3>& x) const;
-  Slope slopeChange(int element, const std::vector<Vec3>& x, const std::vector<Vec3>& d) const;
-  double rate(int element, const std::vector<Vec3>& d) const;
-  void put(int element, const Slope& value, const std::vector<Vec3>& twisted);
+  Slope slopeAt(int element, const Field& x) const;
+  Slope slopeChange(int element, const Field& x, const Field& d) const;
+  double rate(int element, const Field& d) const;
+  void put(int element, const Slope& value, const Field& twisted);
 
   const InternalEnergy& laws_;
   const ActiveMesh& mesh_;
   std::vector<Element> elements_;
-  std::vector<Vec3> slots_;
+  Field slots_;
 };
 
 }  // namespace haptic_cloth

@@ -9,16 +9,17 @@ enum Role : char { kInactive, kCorner, kGhost };
 
 }  // namespace
 
-ActiveMesh::ActiveMesh(const LeafMesh& leaves, double areal_density, bool twist)
-    : grid(leaves.grid()), slots_per_patch(twist ? 3 : 2), areal_density_(areal_density) {
+ActiveMesh::ActiveMesh(const LeafMesh& leaves, double areal_density)
+    : grid(leaves.grid()), areal_density_(areal_density) {
   const std::size_t n = grid.particles();
   int slots = 0;
   for (int level = 0; level <= grid.levels; ++level) {
     level_offset_.push_back(slots);
     slots += (((grid.columns - 1) >> level) + 1) * (((grid.rows - 1) >> level) + 1);
   }
-  for (auto& map : edge_of_slot_) map.resize(slots);
-  for (auto* list : {&particle, &rows}) list->reserve(n + 1);
+  for (auto& widths : side_width_) widths.resize(slots);
+  for (auto& edges_of_sides : side_edge_) edges_of_sides.resize(slots);
+  particle.reserve(n);
   mass.reserve(n);
   node.resize(n);
   role_.resize(n);
@@ -27,8 +28,6 @@ ActiveMesh::ActiveMesh(const LeafMesh& leaves, double areal_density, bool twist)
   triples.reserve(2 * n);
   patches.reserve(grid.cells());
   cells_.reserve(grid.cells());
-  incidences.reserve(2 * edges.capacity() + 3 * triples.capacity() +
-                     4 * (slots_per_patch - 1) * patches.capacity());
   rebuild(leaves);
 }
 
@@ -46,7 +45,6 @@ void ActiveMesh::rebuild(const LeafMesh& leaves) {
   lumpMass();
   buildEdges();
   buildTriples(leaves);
-  buildIncidences();
 }
 
 void ActiveMesh::numberNodes(const LeafMesh& leaves) {
@@ -103,39 +101,56 @@ void ActiveMesh::lumpMass() {
   std::fill(mass.begin() + active(), mass.end(), 0.0);
 }
 
+/// Every cell gives half of its width to each of its sides; sides of equal cells on both sides are one edge.
 void ActiveMesh::buildEdges() {
-  edges.clear();
-  for (auto& map : edge_of_slot_) std::fill(map.begin(), map.end(), -1);
-  for (Patch& patch : patches) {
-    const Cell& cell = patch.cell;
+  for (auto& widths : side_width_) std::fill(widths.begin(), widths.end(), 0.0);
+  const auto forSides = [&](const Cell& cell, const auto& visit) {
     const int s = cell.span();
-    patch.sides = {addSide(cell, cell.i, cell.j, kWarp), addSide(cell, cell.i, cell.j + s, kWarp),
-                   addSide(cell, cell.i, cell.j, kWeft), addSide(cell, cell.i + s, cell.j, kWeft)};
+    visit(0, kWarp, sideSlot(cell.level, cell.i, cell.j));
+    visit(1, kWarp, sideSlot(cell.level, cell.i, cell.j + s));
+    visit(2, kWeft, sideSlot(cell.level, cell.i, cell.j));
+    visit(3, kWeft, sideSlot(cell.level, cell.i + s, cell.j));
+  };
+  for (const Cell& cell : cells_) {
+    forSides(cell, [&](int, int direction, int slot) { side_width_[direction][slot] += 0.5 * cell.span(); });
+  }
+  edges.clear();
+  numberEdges(kWarp);
+  numberEdges(kWeft);
+  for (Patch& patch : patches) {
+    forSides(patch.cell,
+             [&](int side, int direction, int slot) { patch.sides[side] = side_edge_[direction][slot]; });
   }
 }
 
-/// Gives half of a cell's width to one of its sides. @return the edge there
-int ActiveMesh::addSide(const Cell& cell, int i, int j, int direction) {
-  const int s = cell.span();
+int ActiveMesh::sideSlot(int level, int i, int j) const {
+  const int columns = ((grid.columns - 1) >> level) + 1;
+  return level_offset_[level] + (j >> level) * columns + (i >> level);
+}
+
+/// Edges in the order of their first nodes, so that neighbours in a row follow one another.
+void ActiveMesh::numberEdges(int direction) {
   const double along = direction == kWarp ? grid.dx : grid.dy,
                across = direction == kWarp ? grid.dy : grid.dx;
-  const int columns = ((grid.columns - 1) >> cell.level) + 1;
-  int& edge =
-      edge_of_slot_[direction][level_offset_[cell.level] + (j >> cell.level) * columns + (i >> cell.level)];
-  if (edge < 0) {
-    edge = static_cast<int>(edges.size());
-    const int a = grid.particle(i, j);
-    const int b = direction == kWarp ? grid.particle(i + s, j) : grid.particle(i, j + s);
-    edges.push_back({node[a], node[b], direction, s * along, 0.0});
+  for (int n = 0; n < nodes(); ++n) {
+    const int i = grid.column(particle[n]), j = grid.row(particle[n]);
+    for (int level = 0; level <= grid.levels; ++level) {
+      const int s = 1 << level;
+      if (i % s != 0 || j % s != 0) break;
+      const int slot = sideSlot(level, i, j);
+      const double width = side_width_[direction][slot];
+      if (width == 0.0) continue;
+      side_edge_[direction][slot] = static_cast<int>(edges.size());
+      const int b = direction == kWarp ? grid.particle(i + s, j) : grid.particle(i, j + s);
+      edges.push_back({n, node[b], direction, s * along, width * across});
+    }
   }
-  edges[edge].width += 0.5 * s * across;
-  return edge;
 }
 
 void ActiveMesh::buildTriples(const LeafMesh& leaves) {
   triples.clear();
-  for (int n = 0; n < active(); ++n) {
-    for (const int direction : {kWarp, kWeft}) addTriple(leaves, n, direction);
+  for (const int direction : {kWarp, kWeft}) {
+    for (int n = 0; n < active(); ++n) addTriple(leaves, n, direction);
   }
 }
 
@@ -169,41 +184,6 @@ void ActiveMesh::addTriple(const LeafMesh& leaves, int centre, int direction) {
   const double bent = 0.5 * ((left_rigid ? 0.0 : l1) + (right_rigid ? 0.0 : l2));
   triples.push_back(
       {l, centre, r, direction, 1.0 / (bent * l1), 1.0 / (bent * l2), std::max(width[0], width[1]) * bent});
-}
-
-void ActiveMesh::buildIncidences() {
-  rows.assign(nodes() + 1, 0);
-  const int first_triple = static_cast<int>(edges.size());
-  const int first_patch = first_triple + static_cast<int>(triples.size());
-  const auto visit = [&](const auto& put) {
-    for (int e = 0; e < first_triple; ++e) {
-      put(edges[e].a, e, -1.0);
-      put(edges[e].b, e, 1.0);
-    }
-    for (int t = first_triple; t < first_patch; ++t) {
-      const Triple& triple = triples[t - first_triple];
-      put(triple.l, t, triple.left);
-      put(triple.c, t, -(triple.left + triple.right));
-      put(triple.r, t, triple.right);
-    }
-    for (int k = 0; k < static_cast<int>(patches.size()); ++k) {
-      const auto& n = patches[k].nodes;
-      const int slot = first_patch + slots_per_patch * k;
-      put(n[0], slot, -1.0);
-      put(n[3], slot, 1.0);
-      put(n[1], slot + 1, 1.0);
-      put(n[2], slot + 1, -1.0);
-      if (slots_per_patch < 3) continue;
-      for (const int corner : {0, 3}) put(n[corner], slot + 2, 1.0);
-      for (const int corner : {1, 2}) put(n[corner], slot + 2, -1.0);
-    }
-  };
-  visit([&](int n, int, double) { ++rows[n + 1]; });
-  for (int n = 0; n < nodes(); ++n) rows[n + 1] += rows[n];
-  incidences.resize(rows[nodes()]);
-  visit([&](int n, int slot, double coefficient) { incidences[rows[n]++] = {slot, coefficient}; });
-  for (int n = nodes(); n > 0; --n) rows[n] = rows[n - 1];
-  rows[0] = 0;
 }
 
 }  // namespace haptic_cloth

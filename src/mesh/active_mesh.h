@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "haptic_cloth/types.h"
+#include "mesh/field.h"
 #include "mesh/leaf_mesh.h"
 
 namespace haptic_cloth {
@@ -40,18 +41,12 @@ struct Ghost {
   int node, a, b;
 };
 
-/// Row of a node in a gather list: rows[n] .. rows[n+1].
-struct Incidence {
-  int slot;            ///< where an element put its vector
-  double coefficient;  ///< by which the node takes it
-};
-
 /// Lists over nodes in the order free, pinned, ghost. Rebuilt as a whole after a change of the leaves;
 /// vectors keep the capacity of the finest mesh, so that nothing is allocated in a run.
 class ActiveMesh {
  public:
-  /// @param areal_density [kg/m²]  @param twist whether patches have a slot for a twist term
-  ActiveMesh(const LeafMesh& leaves, double areal_density, bool twist = false);
+  /// @param areal_density [kg/m²]
+  ActiveMesh(const LeafMesh& leaves, double areal_density);
 
   void rebuild(const LeafMesh& leaves);
 
@@ -59,38 +54,33 @@ class ActiveMesh {
   int active() const { return free + pinned; }
 
   Grid grid;
-  int free = 0;               ///< nodes 0 .. free-1 are the unknowns
-  int pinned = 0;             ///< nodes free .. free+pinned-1 are held
-  std::vector<int> particle;  ///< finest-grid index of a node
-  std::vector<int> node;      ///< node of a finest-grid particle, -1: not in the mesh
-  std::vector<double> mass;   ///< of a node, ghosts' handed to their masters [kg]
-  std::vector<Ghost> ghosts;  ///< coarse sides first: masters come before their ghosts
-  std::vector<Edge> edges;
-  std::vector<Triple> triples;
+  int free = 0;                 ///< nodes 0 .. free-1 are the unknowns
+  int pinned = 0;               ///< nodes free .. free+pinned-1 are held
+  std::vector<int> particle;    ///< finest-grid index of a node
+  std::vector<int> node;        ///< node of a finest-grid particle, -1: not in the mesh
+  std::vector<double> mass;     ///< of a node, ghosts' handed to their masters [kg]
+  std::vector<Ghost> ghosts;    ///< coarse sides first: masters come before their ghosts
+  std::vector<Edge> edges;      ///< warp first, each direction in the order of its nodes a
+  std::vector<Triple> triples;  ///< warp first, each direction in the order of its centres
   std::vector<Patch> patches;
 
-  /// Gather lists: which element slots act on a node. Slots are numbered edges, triples, then two
-  /// (with a twist term three) a patch.
-  std::vector<int> rows;
-  std::vector<Incidence> incidences;
-  int slots_per_patch;
-  int slots() const {
-    return static_cast<int>(edges.size() + triples.size() + slots_per_patch * patches.size());
-  }
-
   /// Replaces each ghost's entry by the mean of its masters'.
-  template <class Values>
-  void interpolateGhosts(Values& values) const {
-    for (const Ghost& g : ghosts) values[g.node] = 0.5 * (values[g.a] + values[g.b]);
+  void interpolateGhosts(Field& values) const {
+    for (int c = 0; c < 3; ++c) {
+      std::vector<double>& v = values.coordinate(c);
+      for (const Ghost& g : ghosts) v[g.node] = 0.5 * (v[g.a] + v[g.b]);
+    }
   }
 
   /// Transpose of interpolateGhosts: adds share times each ghost's entry to both masters.
-  template <class Values>
-  void handOverGhosts(Values& values, double share = 0.5) const {
+  void handOverGhosts(std::vector<double>& values, double share = 0.5) const {
     for (auto g = ghosts.rbegin(); g != ghosts.rend(); ++g) {
       values[g->a] += share * values[g->node];
       values[g->b] += share * values[g->node];
     }
+  }
+  void handOverGhosts(Field& values, double share = 0.5) const {
+    for (int c = 0; c < 3; ++c) handOverGhosts(values.coordinate(c), share);
   }
 
  private:
@@ -98,16 +88,17 @@ class ActiveMesh {
   void findGhosts();
   void lumpMass();
   void buildEdges();
-  int addSide(const Cell& cell, int i, int j, int direction);
+  void numberEdges(int direction);
+  int sideSlot(int level, int i, int j) const;
   void buildTriples(const LeafMesh& leaves);
   void addTriple(const LeafMesh& leaves, int centre, int direction);
-  void buildIncidences();
 
   double areal_density_;
   std::vector<Cell> cells_;
-  std::vector<char> role_;                        ///< of a particle: not in the mesh, corner, ghost
-  std::array<std::vector<int>, 2> edge_of_slot_;  ///< by direction; slots of all levels
-  std::vector<int> level_offset_;                 ///< first edge slot of a level
+  std::vector<char> role_;                         ///< of a particle: not in the mesh, corner, ghost
+  std::array<std::vector<double>, 2> side_width_;  ///< by direction; slots of all levels [finest spacings]
+  std::array<std::vector<int>, 2> side_edge_;
+  std::vector<int> level_offset_;  ///< first side slot of a level
 };
 
 }  // namespace haptic_cloth

@@ -29,8 +29,8 @@ bool Adaptation::coarsens() const {
 
 bool Adaptation::isDue(long step) const { return (refines() || coarsens()) && step % options_.interval == 0; }
 
-bool Adaptation::update(long step, const std::vector<Vec3>& nodes, const InternalEnergy& internal,
-                        const FineRegion* fine, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state) {
+bool Adaptation::update(long step, const Field& nodes, const InternalEnergy& internal, const FineRegion* fine,
+                        LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state) {
   merged_.clear();
   split_.clear();
   if (!isDue(step)) return false;
@@ -58,8 +58,7 @@ bool Adaptation::touches(const FineRegion* fine, const Cell& cell, const std::ve
   return (centre - fine->centre).norm() < fine->radius + 0.71 * length(cell);
 }
 
-void Adaptation::measure(const std::vector<Vec3>& nodes, const InternalEnergy& internal,
-                         const ActiveMesh& mesh) {
+void Adaptation::measure(const Field& nodes, const InternalEnergy& internal, const ActiveMesh& mesh) {
   std::fill(curvature_.begin(), curvature_.end(), 0.0);
   for (int t = 0; t < static_cast<int>(mesh.triples.size()); ++t) {
     double& largest = curvature_[mesh.particle[mesh.triples[t].c]];

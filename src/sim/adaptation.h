@@ -36,11 +36,11 @@ class Adaptation {
   /// Looks at the mesh every `interval` steps; on a change, rebuilds `mesh` and hands the state over.
   /// @return whether it changed
   /// @param nodes positions of the nodes [m]  @param fine null: none
-  bool update(long step, const std::vector<Vec3>& nodes, const InternalEnergy& internal,
-              const FineRegion* fine, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
+  bool update(long step, const Field& nodes, const InternalEnergy& internal, const FineRegion* fine,
+              LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
 
  private:
-  void measure(const std::vector<Vec3>& nodes, const InternalEnergy& internal, const ActiveMesh& mesh);
+  void measure(const Field& nodes, const InternalEnergy& internal, const ActiveMesh& mesh);
   void mergeCells(long step, const FineRegion* fine, LeafMesh& leaves, ActiveMesh& mesh,
                   ParticleState& state);
   void splitCells(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);

@@ -30,21 +30,25 @@ ClothObjective::ClothObjective(const Scene& scene, const ActiveMesh& mesh, Inter
   for (auto* list : {&start_, &inertial_, &nodes_, &motion_, &gradient_, &diagonal_}) {
     list->reserve(mesh.grid.particles());
   }
+  for (auto* list : {&mass_, &moving_mass_}) list->reserve(padded(mesh.grid.particles()));
   inverse_diagonal_.setZero(capacity());
   residual_weight_.setZero(capacity());
 }
 
-void ClothObjective::begin(const std::vector<Vec3>& positions, const std::vector<Vec3>& velocities,
-                           const ProbeStep& probe) {
+void ClothObjective::begin(const Field& positions, const Field& velocities, const ProbeStep& probe) {
   probe_ = probe;
   start_ = positions;
-  inertial_.resize(mesh_.nodes());
-  for (auto* list : {&motion_, &gradient_, &diagonal_}) list->assign(mesh_.nodes(), Vec3::Zero());
+  inertial_.clear(mesh_.nodes());
+  for (auto* list : {&motion_, &gradient_, &diagonal_}) list->clear(mesh_.nodes());
   const double share = h_ / (1.0 + air_damping_ * h_);
-  for (int n = 0; n < mesh_.nodes(); ++n) inertial_[n] = positions[n] + share * velocities[n];
+  for (int n = 0; n < mesh_.nodes(); ++n) inertial_.set(n, positions[n] + share * velocities[n]);
   nodes_ = positions;
   proxy_ = probe.proxy;
   proxy_motion_ = Vec3::Zero();
+  mass_.assign(padded(mesh_.nodes()), 0.0);
+  moving_mass_ = mass_;
+  std::copy(mesh_.mass.begin(), mesh_.mass.end(), mass_.begin());
+  std::copy_n(mesh_.mass.begin(), mesh_.free, moving_mass_.begin());
 
   double total_mass = 0.0;
   for (int n = 0; n < mesh_.free; ++n) total_mass += mesh_.mass[n];
@@ -54,21 +58,32 @@ void ClothObjective::begin(const std::vector<Vec3>& positions, const std::vector
   const double g = referenceAcceleration(gravity_);
   reference_ = total_mass * g * g;
   const auto weight = [&](double mass) { return 1.0 / (mass * reference_); };
-  for (int n = 0; n < mesh_.free; ++n) {
-    residual_weight_.segment<3>(3 * n).setConstant(weight(mesh_.mass[n]));
-  }
+  for (int k = 0; k < 3 * mesh_.free; ++k) residual_weight_[k] = weight(mesh_.mass[k % mesh_.free]);
   if (probe.present) residual_weight_.segment<3>(3 * mesh_.free).setConstant(weight(proxy_mass));
 }
 
-void ClothObjective::pack(const std::vector<Vec3>& nodes, const Vec3& proxy, Vector& x) const {
-  for (int n = 0; n < mesh_.free; ++n) x.segment<3>(3 * n) = nodes[n];
+void ClothObjective::pack(const Field& nodes, const Vec3& proxy, Vector& x) const {
+  packFree(nodes, x);
   if (probe_.present) x.segment<3>(3 * mesh_.free) = proxy;
 }
 
-void ClothObjective::unpack(const Vector& values, std::vector<Vec3>& nodes, Vec3& proxy) const {
-  for (int n = 0; n < mesh_.free; ++n) nodes[n] = values.segment<3>(3 * n);
+void ClothObjective::packFree(const Field& nodes, Vector& x) const {
+  for (int c = 0; c < 3; ++c) {
+    std::copy_n(nodes.coordinate(c).begin(), mesh_.free, x.data() + c * mesh_.free);
+  }
+}
+
+void ClothObjective::unpack(const Vector& values, Field& nodes, Vec3& proxy) const {
+  for (int c = 0; c < 3; ++c) {
+    std::copy_n(values.data() + c * mesh_.free, mesh_.free, nodes.coordinate(c).begin());
+  }
   if (probe_.present) proxy = values.segment<3>(3 * mesh_.free);
   mesh_.interpolateGhosts(nodes);
+}
+
+Motion ClothObjective::motion() const {
+  return {mass_.data(), moving_mass_.data(), {gravity_.x(), gravity_.y(), gravity_.z()},
+          inertia(),    start_.arrays(),     inertial_.arrays()};
 }
 
 double ClothObjective::evaluate(const Vector& x, Vector& gradient) {
@@ -81,7 +96,7 @@ double ClothObjective::evaluate(const Vector& x, Vector& gradient) {
     return sums;
   });
   mesh_.handOverGhosts(gradient_);
-  for (int n = 0; n < mesh_.free; ++n) gradient.segment<3>(3 * n) = gradient_[n];
+  packFree(gradient_, gradient);
   double value = energies_.head<5>().sum() + motion[0];
   if (probe_.present) {
     const Vec3 slip = (proxy_ - probe_.proxy) / h_ - probe_.device_velocity;
@@ -113,16 +128,9 @@ Sums ClothObjective::evaluateElements(int begin, int end) {
 
 /// Gradient of the nodes begin..end; returns their energy of motion and gravity [J].
 double ClothObjective::gatherNodes(int begin, int end) {
-  double energy = 0.0;
-  for (int n = begin; n < end; ++n) {
-    const double mass = mesh_.mass[n];  // zero for ghosts
-    energy -= mass * gravity_.dot(nodes_[n] - start_[n]);
-    if (n < mesh_.free) energy += 0.5 * mass * inertia() * (nodes_[n] - inertial_[n]).squaredNorm();
-    Vec3 gradient = motionGradient(n, nodes_[n]);
-    internal_.addGradient(n, gradient);
-    contacts_.addGradient(n, gradient);
-    gradient_[n] = gradient;
-  }
+  const double energy = evaluateMotion(motion(), begin, end, nodes_.arrays(), gradient_.arrays());
+  internal_.addGradient(begin, end, gradient_);
+  contacts_.addGradient(begin, end, gradient_);
   return energy;
 }
 
@@ -142,26 +150,27 @@ double ClothObjective::curvature() {
   });
   const Sums moving = team_.sum(mesh_.free, [&](int begin, int end) {
     Sums sums = Sums::Zero();
-    for (int n = begin; n < end; ++n) sums[0] += mesh_.mass[n] * motion_[n].squaredNorm();
+    sums[0] = motionCurvature(motion(), begin, end, motion_.arrays());
     return sums;
   });
-  double value = elements[0] + inertia() * moving[0];
+  double value = elements[0] + moving[0];
   if (probe_.present) value += couplingStiffness() * proxy_motion_.squaredNorm();
   return value;
 }
 
 void ClothObjective::fitPreconditioner() {
-  std::fill(diagonal_.begin(), diagonal_.end(), Vec3::Zero());
+  diagonal_.fill(0.0);
   Vec3 proxy = Vec3::Constant(couplingStiffness());
   if (preconditioner_ == Preconditioner::Jacobi) {
     internal_.addDiagonal(diagonal_);
-    for (int n = 0; n < mesh_.nodes(); ++n) contacts_.addDiagonal(n, diagonal_[n]);
+    contacts_.addDiagonal(diagonal_);
     mesh_.handOverGhosts(diagonal_, 0.25);
     proxy += contacts_.proxyDiagonal();
   }
   for (int n = 0; n < mesh_.free; ++n) {
-    inverse_diagonal_.segment<3>(3 * n) = (diagonal_[n].array() + mesh_.mass[n] * inertia()).inverse();
+    diagonal_.set(n, (diagonal_[n].array() + mesh_.mass[n] * inertia()).inverse());
   }
+  packFree(diagonal_, inverse_diagonal_);
   if (probe_.present) inverse_diagonal_.segment<3>(3 * mesh_.free) = proxy.cwiseInverse();
 }
 

@@ -10,6 +10,7 @@
 #include "haptic_cloth/scene.h"
 #include "mesh/active_mesh.h"
 #include "parallel/parallel_for.h"
+#include "sim/motion.h"
 #include "solver/objective.h"
 
 namespace haptic_cloth {
@@ -35,7 +36,7 @@ class ClothObjective : public Objective {
   int capacity() const { return 3 * (mesh_.grid.particles() + 1); }
 
   /// Starts a step from node positions and velocities (ghosts included).
-  void begin(const std::vector<Vec3>& positions, const std::vector<Vec3>& velocities, const ProbeStep& probe);
+  void begin(const Field& positions, const Field& velocities, const ProbeStep& probe);
 
   int size() const override { return 3 * (mesh_.free + (probe_.present ? 1 : 0)); }
   double evaluate(const Vector& x, Vector& gradient) override;
@@ -45,10 +46,13 @@ class ClothObjective : public Objective {
   double residual(const Vector& gradient) const override;
 
   /// Unknowns from node values and proxy, for begin()'s mesh.
-  void pack(const std::vector<Vec3>& nodes, const Vec3& proxy, Vector& x) const;
+  void pack(const Field& nodes, const Vec3& proxy, Vector& x) const;
+
+  /// The free nodes' vectors, as a solver's Vector has them: all x, all y, all z.
+  void packFree(const Field& nodes, Vector& x) const;
 
   /// Node values and proxy from unknowns; ghosts follow their masters.
-  void unpack(const Vector& values, std::vector<Vec3>& nodes, Vec3& proxy) const;
+  void unpack(const Vector& values, Field& nodes, Vec3& proxy) const;
 
   /// Of the energy of motion, air and gravity by a node at x [N]; per mass it stiffens by inertia() [1/s²].
   Vec3 motionGradient(int node, const Vec3& x) const {
@@ -69,7 +73,7 @@ class ClothObjective : public Objective {
   double residualOf(double cost) const { return std::sqrt(2.0 * cost / reference_) / h_; }
 
   /// At the last evaluated point:
-  const std::vector<Vec3>& nodes() const { return nodes_; }
+  const Field& nodes() const { return nodes_; }
   const Vec3& proxy() const { return proxy_; }
   const ProbeStep& probeStep() const { return probe_; }  ///< as begin() was given it
   double internalEnergy(
@@ -83,6 +87,7 @@ class ClothObjective : public Objective {
   Sums evaluateElements(int begin, int end);
   double gatherNodes(int begin, int end);
   double curvature();
+  Motion motion() const;
 
   const ActiveMesh& mesh_;
   InternalEnergy& internal_;
@@ -94,8 +99,9 @@ class ClothObjective : public Objective {
   double reference_ = 1.0;  ///< mass times |gravity|², what residuals are measured in [kg m²/s⁴]
 
   ProbeStep probe_;
-  std::vector<Vec3> start_, inertial_;  ///< x⁰ and x⁰ + h v⁰/(1 + c h) of the nodes [m]
-  std::vector<Vec3> nodes_, motion_, gradient_, diagonal_;
+  Field start_, inertial_;                  ///< x⁰ and x⁰ + h v⁰/(1 + c h) of the nodes [m]
+  std::vector<double> mass_, moving_mass_;  ///< of all nodes; of the free ones, zero for others; padded [kg]
+  Field nodes_, motion_, gradient_, diagonal_;
   Vec3 proxy_ = Vec3::Zero(), proxy_motion_ = Vec3::Zero();
   Sums energies_ = Sums::Zero();
   Vector inverse_diagonal_, residual_weight_;

@@ -48,7 +48,7 @@ ClothWorld::ClothWorld(const Scene& s)
     : scene(s),
       grid(makeGrid(s)),
       leaves(grid, s.cloth.pins, Adaptation::startLevel(s.adapt)),
-      mesh(leaves, s.cloth.fabric.areal_density, s.cloth.fabric.twist_rigidity > 0.0),
+      mesh(leaves, s.cloth.fabric.areal_density),
       state(flatState(s, grid)),
       internal(s.cloth.fabric, mesh),
       contacts(grid, s.obstacles, contactOptions(s)),
@@ -118,8 +118,8 @@ void ClothWorld::gatherNodes() {
   nodes_.resize(mesh.nodes());
   velocities_.resize(mesh.nodes());
   for (int n = 0; n < mesh.nodes(); ++n) {
-    nodes_[n] = state.position[mesh.particle[n]];
-    velocities_[n] = state.velocity[mesh.particle[n]];
+    nodes_.set(n, state.position[mesh.particle[n]]);
+    velocities_.set(n, state.velocity[mesh.particle[n]]);
   }
   mesh.interpolateGhosts(nodes_);
   mesh.interpolateGhosts(velocities_);
@@ -219,8 +219,10 @@ void ClothWorld::chooseStart() {
   x_.head(size) = start_.head(size);
   for (int k = 0; k < 2; ++k) {
     const double fall = k * h;
-    for (int n = 0; n < mesh.free; ++n) {
-      motion_.segment<3>(3 * n) = share * (velocities_[n] + fall * scene.gravity);
+    for (int c = 0; c < 3; ++c) {
+      for (int n = 0; n < mesh.free; ++n) {
+        motion_[c * mesh.free + n] = share * (velocities_.coordinate(c)[n] + fall * scene.gravity[c]);
+      }
     }
     if (probe_step_.present) motion_.segment<3>(3 * mesh.free) = h * probe.velocity;
     const double step = std::min(1.0, objective.along(motion_).max_step);
@@ -236,13 +238,13 @@ void ClothWorld::chooseStart() {
 
 void ClothWorld::accept(StepReport& report) {
   const double h = scene.solver.time_step;
-  const std::vector<Vec3>& after = objective.nodes();
+  const Field& after = objective.nodes();
   const double kinetic_before = kineticEnergy();
   double gravity_work = 0.0;
   for (int n = 0; n < mesh.active(); ++n) {
     gravity_work += mesh.mass[n] * scene.gravity.dot(after[n] - nodes_[n]);
   }
-  for (int n = 0; n < mesh.nodes(); ++n) velocities_[n] = (after[n] - nodes_[n]) / h;
+  for (int n = 0; n < mesh.nodes(); ++n) velocities_.set(n, (after[n] - nodes_[n]) / h);
   nodes_ = after;
   contacts.calm(velocities_);
 
@@ -262,7 +264,7 @@ void ClothWorld::accept(StepReport& report) {
     probe_step_.proxy = probe.proxy;
   }
   if (history_) {
-    team.forRange(internal.size(), [this](int begin, int end) { internal.commit(begin, end, nodes_); });
+    team.forRange(internal.elements(), [this](int begin, int end) { internal.commit(begin, end, nodes_); });
   }
   support_force = contacts.obstacleForce() + objective.pinForce();
   report.max_penetration = contacts.deepest();
@@ -275,13 +277,13 @@ double ClothWorld::guardEnergy(double left) {
   const double allowed = std::max(0.0, left);
   if (kinetic <= allowed || kinetic == 0.0) return 1.0;
   const double scale = std::sqrt(allowed / kinetic);
-  for (Vec3& velocity : velocities_) velocity *= scale;
+  for (int n = 0; n < mesh.nodes(); ++n) velocities_.set(n, scale * velocities_[n]);
   return scale;
 }
 
 /// Back to the start of the step, at rest: the one state known to be good.
 void ClothWorld::restore() {
-  std::fill(velocities_.begin(), velocities_.end(), Vec3::Zero());
+  velocities_.fill(0.0);
   for (int n = 0; n < mesh.nodes(); ++n) state.velocity[mesh.particle[n]] = Vec3::Zero();
   objective.pack(nodes_, probe_step_.proxy, start_);
   objective.evaluate(start_, gradient_);

@@ -45,7 +45,7 @@ class ClothWorld {
   double time() const { return steps * scene.solver.time_step; }
   double mass() const;
   double maxSpeed() const;
-  const std::vector<Vec3>& nodes() const { return nodes_; }
+  const Field& nodes() const { return nodes_; }
 
  private:
   void gatherNodes();
@@ -72,7 +72,7 @@ class ClothWorld {
   bool probe_entered_ = false;  ///< the probe has been clear of the cloth once; before, it touches nothing
   double created_ = 0.0;        ///< by the mesh change of the step in hand [J]
   double energy_before_ = 0.0;  ///< Φ's energies at the start of the step in hand, with its inputs [J]
-  std::vector<Vec3> nodes_, velocities_;
+  Field nodes_, velocities_;
   Vector x_, start_, motion_, gradient_, joint_x_;
   std::array<Vector, 2> moving_;  ///< starts in inertial motion and in free fall
 };

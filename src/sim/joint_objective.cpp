@@ -17,8 +17,8 @@ JointObjective::JointObjective(ClothObjective& step, const ActiveMesh& mesh, con
 void JointObjective::begin(const Vector& start, const Vector& positions, Vector& unknowns) {
   const double h = step_.timeStep();
   nodes_ = step_.nodes();  // for those that do not move
-  motion_.assign(mesh_.nodes(), Vec3::Zero());
-  for (auto* list : {&residual_, &gradient_, &diagonal_, &stiffness_}) list->resize(mesh_.nodes());
+  motion_.clear(mesh_.nodes());
+  for (auto* list : {&residual_, &gradient_, &diagonal_, &stiffness_}) list->clear(mesh_.nodes());
   weight_.assign(mesh_.nodes(), 0.0);
   for (int n = 0; n < mesh_.free; ++n) weight_[n] = h * h / mesh_.mass[n];
   step_.unpack(start, nodes_, proxy_);
@@ -62,18 +62,16 @@ void JointObjective::evaluateElements(const double* forces) {
 /// Leaves h²/m times the residual force in residual_, that of the proxy in proxy_residual_; returns E^n.
 double JointObjective::residualForces() {
   team_.forRange(mesh_.nodes(), [&](int begin, int end) {
-    for (int n = begin; n < end; ++n) {
-      residual_[n] = step_.motionGradient(n, nodes_[n]);
-      elements_.gather(n, residual_[n]);
-      contacts_.addGradient(n, residual_[n]);
-    }
+    for (int n = begin; n < end; ++n) residual_.set(n, step_.motionGradient(n, nodes_[n]));
+    elements_.gather(begin, end, residual_);
+    contacts_.addGradient(begin, end, residual_);
   });
   mesh_.handOverGhosts(residual_);
   double cost = team_.sum(mesh_.nodes(), [&](int begin, int end) {
     Sums sums = Sums::Zero();
     for (int n = begin; n < end; ++n) {
       sums[0] += 0.5 * weight_[n] * residual_[n].squaredNorm();
-      residual_[n] *= weight_[n];
+      residual_.set(n, weight_[n] * residual_[n]);
     }
     return sums;
   })[0];
@@ -90,14 +88,12 @@ double JointObjective::residualForces() {
 /// By positions: what the residual's change along itself, in the slots, adds up to.
 void JointObjective::gatherGradient(Vector& gradient) {
   team_.forRange(mesh_.nodes(), [&](int begin, int end) {
-    for (int n = begin; n < end; ++n) {
-      gradient_[n] = mesh_.mass[n] * step_.inertia() * residual_[n];
-      elements_.gather(n, gradient_[n]);
-      contacts_.addChange(n, gradient_[n]);
-    }
+    for (int n = begin; n < end; ++n) gradient_.set(n, mesh_.mass[n] * step_.inertia() * residual_[n]);
+    elements_.gather(begin, end, gradient_);
+    contacts_.addChange(begin, end, gradient_);
   });
   mesh_.handOverGhosts(gradient_);
-  for (int n = 0; n < mesh_.free; ++n) gradient.segment<3>(3 * n) = gradient_[n];
+  step_.packFree(gradient_, gradient);
   if (!step_.probeStep().present) return;
   gradient.segment<3>(3 * mesh_.free) = step_.couplingStiffness() * proxy_residual_ + contacts_.proxyChange();
 }
@@ -121,11 +117,9 @@ double JointObjective::changeOfForces(const double* d_forces) {
     return sums;
   });
   team_.forRange(mesh_.nodes(), [&](int begin, int end) {
-    for (int n = begin; n < end; ++n) {
-      gradient_[n] = n < mesh_.free ? Vec3(mesh_.mass[n] * step_.inertia() * motion_[n]) : Vec3::Zero();
-      elements_.gather(n, gradient_[n]);
-      contacts_.addChange(n, gradient_[n]);
-    }
+    for (int n = begin; n < end; ++n) gradient_.set(n, mesh_.mass[n] * step_.inertia() * motion_[n]);
+    elements_.gather(begin, end, gradient_);
+    contacts_.addChange(begin, end, gradient_);
   });
   mesh_.handOverGhosts(gradient_);
   double curvature = laws[0] + team_.sum(mesh_.free, [&](int begin, int end) {
@@ -142,22 +136,23 @@ double JointObjective::changeOfForces(const double* d_forces) {
 
 void JointObjective::fitPreconditioner() {
   auto by_force = inverse_diagonal_.segment(step_.size(), elements_.size());
-  std::fill(diagonal_.begin(), diagonal_.end(), Vec3::Zero());
-  std::fill(stiffness_.begin(), stiffness_.end(), Vec3::Zero());
+  diagonal_.fill(0.0);
+  stiffness_.fill(0.0);
   elements_.diagonal(weight_, diagonal_, stiffness_, by_force.data());
   by_force = by_force.cwiseInverse();
   if (step_.preconditioner() == Preconditioner::Jacobi) {
-    for (int n = 0; n < mesh_.nodes(); ++n) contacts_.addDiagonal(n, stiffness_[n]);
+    contacts_.addDiagonal(stiffness_);
   } else {  // forces keep theirs: they have a unit of their own
-    std::fill(diagonal_.begin(), diagonal_.end(), Vec3::Zero());
-    std::fill(stiffness_.begin(), stiffness_.end(), Vec3::Zero());
+    diagonal_.fill(0.0);
+    stiffness_.fill(0.0);
   }
   mesh_.handOverGhosts(diagonal_, 0.25);
   mesh_.handOverGhosts(stiffness_, 0.25);
   for (int n = 0; n < mesh_.free; ++n) {
     const Vec3 force = stiffness_[n].array() + mesh_.mass[n] * step_.inertia();
-    inverse_diagonal_.segment<3>(3 * n) = (diagonal_[n] + weight_[n] * force.cwiseAbs2()).cwiseInverse();
+    diagonal_.set(n, (diagonal_[n] + weight_[n] * force.cwiseAbs2()).cwiseInverse());
   }
+  step_.packFree(diagonal_, inverse_diagonal_);
   if (!step_.probeStep().present) return;
   const Vec3 force = contacts_.proxyDiagonal().array() + step_.couplingStiffness();
   inverse_diagonal_.segment<3>(3 * mesh_.free) = step_.couplingStiffness() * force.cwiseAbs2().cwiseInverse();

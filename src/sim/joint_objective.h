@@ -48,7 +48,7 @@ class JointObjective : public Objective {
   Team& team_;
   JointEnergy elements_;
   CostReport costs_;
-  std::vector<Vec3> nodes_, motion_, residual_, gradient_, diagonal_, stiffness_;
+  Field nodes_, motion_, residual_, gradient_, diagonal_, stiffness_;
   std::vector<double> weight_;  ///< h²/m of the nodes, zero for those without a law of motion [m/N]
   Vec3 proxy_ = Vec3::Zero(), proxy_motion_ = Vec3::Zero(), proxy_residual_ = Vec3::Zero();
   Vector inverse_diagonal_;

@@ -41,7 +41,7 @@ Specimen::Specimen(const Fabric& fabric, KesTest test, Direction direction, Spec
       direction_(direction),
       grid_(specimenGrid(test, direction)),
       leaves_(specimenLeaves(grid_, mesh)),
-      mesh_(leaves_, fabric.areal_density, fabric.twist_rigidity > 0.0),
+      mesh_(leaves_, fabric.areal_density),
       internal_(fabric, mesh_),
       area_(0.0) {
   if (test == KesTest::Bending) {
@@ -75,26 +75,27 @@ Vec3 Specimen::position(int i, int j, double deformation) const {
   return place(middle * h + radius * std::sin(steps * turn), v, radius * (1.0 - std::cos(steps * turn)));
 }
 
-void Specimen::place(double deformation, std::vector<Vec3>& x) const {
+void Specimen::place(double deformation, Field& x) const {
   x.resize(mesh_.nodes());
   for (int n = 0; n < mesh_.nodes(); ++n) {
-    x[n] = position(grid_.column(mesh_.particle[n]), grid_.row(mesh_.particle[n]), deformation);
+    x.set(n, position(grid_.column(mesh_.particle[n]), grid_.row(mesh_.particle[n]), deformation));
   }
   mesh_.interpolateGhosts(x);
 }
 
 double Specimen::deform(double deformation) {
   const double step = test_ == KesTest::Bending ? 1e-3 : 1e-7;
-  std::vector<Vec3> x, ahead, behind, gradient(mesh_.nodes(), Vec3::Zero());
+  Field x, ahead, behind, gradient;
+  gradient.clear(mesh_.nodes());
   place(deformation, x);
   place(deformation + step, ahead);
   place(deformation - step, behind);
   internal_.setNormals(x);
   internal_.evaluate(0, internal_.size(), x);
-  for (int n = 0; n < mesh_.nodes(); ++n) internal_.addGradient(n, gradient[n]);
+  internal_.addGradient(0, mesh_.nodes(), gradient);
   double work = 0.0;
   for (int n = 0; n < mesh_.nodes(); ++n) work += gradient[n].dot(ahead[n] - behind[n]);
-  internal_.commit(0, internal_.size(), x);
+  internal_.commit(0, internal_.elements(), x);
   return work / (2.0 * step * area_);
 }
 

@@ -24,7 +24,7 @@ class Specimen {
   double deform(double deformation);
 
  private:
-  void place(double deformation, std::vector<Vec3>& x) const;
+  void place(double deformation, Field& x) const;
   Vec3 position(int i, int j, double deformation) const;
 
   KesTest test_;

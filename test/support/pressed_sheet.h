@@ -41,19 +41,20 @@ class ObjectiveTest : public ::testing::Test {
       : scene_(pressedSheet()),
         grid_{17, 17, 2, 0.004, 0.004},
         leaves_(mixed(grid_, scene_)),
-        mesh_(leaves_, scene_.cloth.fabric.areal_density, true),
+        mesh_(leaves_, scene_.cloth.fabric.areal_density),
         internal_(scene_.cloth.fabric, mesh_),
         contacts_(grid_, scene_.obstacles, {5e-4, 1e-3, 1e-3, scene_.probe.radius, scene_.probe.friction}),
         team_(1),
         objective_(scene_, mesh_, internal_, contacts_, team_) {
+    for (Field* field : {&nodes_, &velocities_}) field->clear(mesh_.nodes());
     for (int n = 0; n < mesh_.nodes(); ++n) {
       const int p = mesh_.particle[n];
-      nodes_.emplace_back((grid_.column(p) - 8) * 0.004, (grid_.row(p) - 8) * 0.004, 0.0);
+      nodes_.set(n, Vec3((grid_.column(p) - 8) * 0.004, (grid_.row(p) - 8) * 0.004, 0.0));
     }
     const Eigen::VectorXd noise = fixedRandom(6 * mesh_.nodes(), 4);
-    for (int n = 0; n < mesh_.nodes(); ++n) {
-      if (n < mesh_.free) nodes_[n] += 1e-4 * noise.segment<3>(6 * n);
-      velocities_.push_back(n < mesh_.free ? Vec3(0.1 * noise.segment<3>(6 * n + 3)) : Vec3::Zero());
+    for (int n = 0; n < mesh_.free; ++n) {
+      nodes_.add(n, 1e-4 * noise.segment<3>(6 * n));
+      velocities_.set(n, 0.1 * noise.segment<3>(6 * n + 3));
     }
     mesh_.interpolateGhosts(nodes_);
     mesh_.interpolateGhosts(velocities_);
@@ -83,7 +84,7 @@ class ObjectiveTest : public ::testing::Test {
   ContactSet contacts_;
   Team team_;
   ClothObjective objective_;
-  std::vector<Vec3> nodes_, velocities_;
+  Field nodes_, velocities_;
   Vector start_;
 };
 

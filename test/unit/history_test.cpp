@@ -73,26 +73,29 @@ TEST(ForceHistory, ElementsRecallWhatTheyRemembered) {
   InternalEnergy internal(fabric, mesh);
   ForceHistory history(kGrid);
   ASSERT_TRUE(internal.hasMemory());
-  std::vector<Vec3> flat, x;
-  for (const int p : mesh.particle) flat.emplace_back(kGrid.column(p) * 0.01, kGrid.row(p) * 0.01, 0.0);
+  std::vector<Vec3> positions;
+  for (const int p : mesh.particle) positions.emplace_back(kGrid.column(p) * 0.01, kGrid.row(p) * 0.01, 0.0);
+  const Field flat(positions);
+  Field x;
   const auto gradient = [&] {
     internal.evaluate(0, internal.size(), x);
-    std::vector<Vec3> g(mesh.nodes(), Vec3::Zero());
-    for (int n = 0; n < mesh.nodes(); ++n) internal.addGradient(n, g[n]);
+    Field g;
+    g.clear(mesh.nodes());
+    internal.addGradient(0, mesh.nodes(), g);
     return g;
   };
   internal.setNormals(flat);
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const Eigen::VectorXd noise = 5e-4 * fixedRandom(3 * mesh.nodes(), seed);
     x = flat;
-    for (int n = 0; n < mesh.nodes(); ++n) x[n] += noise.segment<3>(3 * n);
-    internal.commit(0, internal.size(), x);
+    for (int n = 0; n < mesh.nodes(); ++n) x.add(n, noise.segment<3>(3 * n));
+    internal.commit(0, internal.elements(), x);
   }
-  const std::vector<Vec3> before = gradient();
+  const Field before = gradient();
   internal.remember(x, history);
   internal.resize();
   internal.recall(x, history);
-  const std::vector<Vec3> after = gradient();
+  const Field after = gradient();
   double scale = 0.0, worst = 0.0;
   for (int n = 0; n < mesh.nodes(); ++n) {
     scale = std::max(scale, before[n].norm());

@@ -86,19 +86,20 @@ TEST(BiasBending, TwistTermMakesItUp) {
   fabric.twist_rigidity = twist;
   const Grid grid{65, 65, 2, 0.001, 0.001};
   const LeafMesh leaves(grid, {}, 0);
-  const ActiveMesh mesh(leaves, 0.15, true);
+  const ActiveMesh mesh(leaves, 0.15);
   InternalEnergy internal(fabric, mesh);
   double warp_area = 0.0, weft_area = 0.0, area = 0.0;
   for (const Triple& t : mesh.triples) (t.direction == kWarp ? warp_area : weft_area) += t.area;
   for (const Patch& p : mesh.patches) area += p.area;
   for (const double degrees : {0.0, 30.0, 45.0, 90.0}) {
     const double c = std::cos(degrees * M_PI / 180), s = std::sin(degrees * M_PI / 180);
-    std::vector<Vec3> x;
+    std::vector<Vec3> positions;
     for (int n = 0; n < mesh.nodes(); ++n) {
       const double u = (grid.column(mesh.particle[n]) - 32) * grid.dx,
                    v = (grid.row(mesh.particle[n]) - 32) * grid.dy;
-      x.emplace_back(u, v, 0.5 * kappa * std::pow(c * u + s * v, 2));
+      positions.emplace_back(u, v, 0.5 * kappa * std::pow(c * u + s * v, 2));
     }
+    const Field x(positions);
     internal.setNormals(x);
     const double bend = internal.evaluate(0, internal.size(), x).bend;
     const double expected = 0.5 * kappa * kappa *

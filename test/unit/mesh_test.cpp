@@ -118,14 +118,15 @@ Response homogeneous(const LeafMesh& leaves, const Eigen::Matrix3d& deformation)
   linear.rigidity = 1e-5;
   ActiveMesh mesh(leaves, 0.15);
   InternalEnergy internal(makeFabric(linear), mesh);
-  std::vector<Vec3> x(mesh.nodes()), gradient(mesh.nodes(), Vec3::Zero());
+  Field x, gradient;
+  for (Field* field : {&x, &gradient}) field->clear(mesh.nodes());
   for (int n = 0; n < mesh.nodes(); ++n) {
     const int p = mesh.particle[n];
-    x[n] = deformation * Vec3(kGrid.column(p) * kGrid.dx, kGrid.row(p) * kGrid.dy, 0.0);
+    x.set(n, deformation * Vec3(kGrid.column(p) * kGrid.dx, kGrid.row(p) * kGrid.dy, 0.0));
   }
   internal.setNormals(x);
   const InternalEnergy::Energy e = internal.evaluate(0, internal.size(), x);
-  for (int n = 0; n < mesh.nodes(); ++n) internal.addGradient(n, gradient[n]);
+  internal.addGradient(0, mesh.nodes(), gradient);
   mesh.handOverGhosts(gradient);
   Response r{e.stretch + e.bend + e.shear, {}, 0.0};
   for (int n = 0; n < mesh.active(); ++n) {

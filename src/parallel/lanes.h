@@ -1,0 +1,69 @@
+/// Eight numbers at a time: the compiler's vector extension, and functions compiled for several instruction
+/// sets of which the machine's best is taken when the program is loaded.
+#pragma once
+
+#include <cmath>
+#include <cstring>
+
+/// On a function with loops over Lanes. Everything it calls must be HAPTIC_CLOTH_INLINE.
+#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__) && \
+    __GNUC__ >= 12
+#define HAPTIC_CLOTH_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define HAPTIC_CLOTH_CLONES
+#endif
+#define HAPTIC_CLOTH_INLINE inline __attribute__((always_inline))
+
+namespace haptic_cloth {
+
+constexpr int kLanes = 8;
+
+/// Smallest multiple of kLanes that holds n.
+constexpr int padded(int n) { return (n + kLanes - 1) / kLanes * kLanes; }
+
+using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
+using Mask = long long __attribute__((vector_size(kLanes * sizeof(long long))));  ///< -1 where true
+
+static HAPTIC_CLOTH_INLINE Lanes load(const double* p) {
+  Lanes v;
+  std::memcpy(&v, p, sizeof(v));
+  return v;
+}
+
+static HAPTIC_CLOTH_INLINE void store(double* p, const Lanes& v) { std::memcpy(p, &v, sizeof(v)); }
+
+static HAPTIC_CLOTH_INLINE Lanes all(double value) { return Lanes{} + value; }
+
+static HAPTIC_CLOTH_INLINE Lanes squareRoot(const Lanes& v) {
+  Lanes r;
+  for (int l = 0; l < kLanes; ++l) r[l] = std::sqrt(v[l]);
+  return r;
+}
+
+static HAPTIC_CLOTH_INLINE Lanes larger(const Lanes& a, const Lanes& b) { return a > b ? a : b; }
+static HAPTIC_CLOTH_INLINE Lanes smaller(const Lanes& a, const Lanes& b) { return a < b ? a : b; }
+
+/// Sum of the lanes, in a fixed order.
+static HAPTIC_CLOTH_INLINE double total(const Lanes& v) {
+  return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
+}
+
+/// Three lanes make eight points or vectors.
+struct Lanes3 {
+  Lanes x, y, z;
+};
+
+static HAPTIC_CLOTH_INLINE Lanes3 operator-(const Lanes3& a, const Lanes3& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+static HAPTIC_CLOTH_INLINE Lanes3 operator+(const Lanes3& a, const Lanes3& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+static HAPTIC_CLOTH_INLINE Lanes3 operator*(const Lanes& s, const Lanes3& a) {
+  return {s * a.x, s * a.y, s * a.z};
+}
+static HAPTIC_CLOTH_INLINE Lanes dot(const Lanes3& a, const Lanes3& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+}  // namespace haptic_cloth
