@@ -68,7 +68,10 @@ class Loop {
   }
 
   /// The law for a given play.
-  Step begin(double play) const;
+  Step begin(double play) const { return begin(play, 0.0, 0.0); }
+
+  /// The law after a step that ends at deformation s.
+  Step next(const Step& step, double s) const;
 
   /// ψ (up to a constant), f and f' at s within a step; ψ is C1 and f its derivative.
   Point operator()(const Step& step, double s) const {
@@ -91,7 +94,8 @@ class Loop {
     const double path = path_(s).force;
     return std::clamp(play, std::min(lower_(s).force, upper_(s).force) - path, upper_(s).force - path);
   }
-  double joins(const Curve& branch, double play) const;
+  Step begin(double play, double near_low, double near_high) const;
+  double joins(const Curve& branch, double play, double near) const;
 
   bool memory_ = false;
   double begin_ = 0.0, step_ = 1.0;

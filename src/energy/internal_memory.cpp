@@ -33,10 +33,9 @@ void InternalEnergy::forgetAll() {
 }
 
 void InternalEnergy::commit(int begin, int end, const Field& x) {
-  // Only a step that reached a branch changes the play.
   const auto commit = [](const Loop& law, double s, Steps& steps, int place) {
     const Loop::Step step = steps.get(place);
-    if (s > step.high || s < step.low) steps.set(place, law.begin(law.commit(step.play, s)));
+    if (s > step.high || s < step.low) steps.set(place, law.next(step, s));
   };
   forEach(
       begin, end,

@@ -36,14 +36,25 @@ Loop::Loop(double begin, double step, std::vector<double> upper, std::vector<dou
   path_ = Curve(begin_, step, path);
 }
 
-/// The deformation at which branch - R, which falls everywhere, equals the play: a search among the nodes,
-/// then the root of a line. Past the ends the last intervals' lines go on.
-double Loop::joins(const Curve& branch, double play) const {
+/// The deformation at which branch - R, which falls everywhere, equals the play: a walk among the nodes from one
+/// where it is likely, in strides that double, a search between the last two, then the root of a line. Past the
+/// ends the last intervals' lines go on.
+double Loop::joins(const Curve& branch, double play, double near) const {
   const auto above = [&](int node) {
     const double s = begin_ + node * step_;
     return branch(s).force - path_(s).force - play;
   };
-  int low = 0, high = nodes_ - 1;
+  const int last = nodes_ - 1;
+  int low = static_cast<int>(std::clamp((near - begin_) / step_, 0.0, last - 1.0));
+  int high = low + 1;
+  for (int stride = 1; low > 0 && !(above(low) > 0.0); stride *= 2) {
+    high = low;
+    low = std::max(0, low - stride);
+  }
+  for (int stride = 1; high < last && above(high) > 0.0; stride *= 2) {
+    low = high;
+    high = std::min(last, high + stride);
+  }
   while (high - low > 1) {
     const int middle = (low + high) / 2;
     (above(middle) > 0.0 ? low : high) = middle;
@@ -52,13 +63,18 @@ double Loop::joins(const Curve& branch, double play) const {
   return begin_ + (low + a / (a - b) * (high - low)) * step_;
 }
 
-Loop::Step Loop::begin(double play) const {
+Loop::Step Loop::begin(double play, double near_low, double near_high) const {
   if (!memory_) return {};
-  Step step{play, joins(lower_, play), joins(upper_, play), 0.0, 0.0};
+  Step step{play, joins(lower_, play, near_low), joins(upper_, play, near_high), 0.0, 0.0};
   const auto onPath = [&](double s) { return path_(s).potential + play * s; };
   step.on_lower = onPath(step.low) - lower_(step.low).potential;
   step.on_upper = onPath(step.high) - upper_(step.high).potential;
   return step;
+}
+
+Loop::Step Loop::next(const Step& step, double s) const {
+  if (!memory_ || (s >= step.low && s <= step.high)) return step;
+  return begin(commit(step.play, s), step.low, step.high);
 }
 
 double Loop::stored(double play, double s) const {
