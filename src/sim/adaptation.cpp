@@ -27,13 +27,9 @@ bool Adaptation::coarsens() const {
   return options_.strategy == Strategy::Amrc || options_.strategy == Strategy::Coarsen;
 }
 
-bool Adaptation::isDue(long step) const { return (refines() || coarsens()) && step % options_.interval == 0; }
-
-bool Adaptation::update(long step, const Field& nodes, const InternalEnergy& internal, const FineRegion* fine,
-                        LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state) {
-  merged_.clear();
-  split_.clear();
-  if (!isDue(step)) return false;
+bool Adaptation::plan(long step, const Field& nodes, const InternalEnergy& internal, const FineRegion* fine,
+                      const LeafMesh& leaves, const ActiveMesh& mesh, const ParticleState& state) {
+  if ((!refines() && !coarsens()) || step % options_.interval != 0) return false;
   measure(nodes, internal, mesh);
   leaves.leaves(leaves_);
   marked_.clear();
@@ -44,9 +40,18 @@ bool Adaptation::update(long step, const Field& nodes, const InternalEnergy& int
     const bool turns = largest * length(cell) > options_.refine_above;
     if (turns || touches(fine, cell, state.position)) marked_.push_back(cell);
   }
+  if (!marked_.empty()) return true;
+  return coarsens() && std::any_of(leaves_.begin(), leaves_.end(), [&](const Cell& cell) {
+           return parentToMerge(cell, step, fine, leaves, state).level > 0;
+         });
+}
+
+void Adaptation::apply(long step, const FineRegion* fine, LeafMesh& leaves, ActiveMesh& mesh,
+                       ParticleState& state) {
+  merged_.clear();
+  split_.clear();
   if (coarsens()) mergeCells(step, fine, leaves, mesh, state);
   if (!marked_.empty()) splitCells(step, leaves, mesh, state);
-  return !merged_.empty() || !split_.empty();
 }
 
 double Adaptation::length(const Cell& cell) const { return cell.span() * std::max(grid_.dx, grid_.dy); }
@@ -66,14 +71,22 @@ void Adaptation::measure(const Field& nodes, const InternalEnergy& internal, con
   }
 }
 
+/// Parent that may take the place of `cell` and its three siblings, of level 0 where there is none; seen from
+/// its lower left child only.
+Cell Adaptation::parentToMerge(const Cell& cell, long step, const FineRegion* fine, const LeafMesh& leaves,
+                               const ParticleState& state) const {
+  const Cell parent{cell.i, cell.j, cell.level + 1};
+  const int mask = parent.span() - 1;
+  const bool aligned = (cell.i & mask) == 0 && (cell.j & mask) == 0;
+  const bool may = cell.level < grid_.levels && aligned && mayMerge(parent, step, fine, leaves, state);
+  return may ? parent : Cell{cell.i, cell.j, 0};
+}
+
 void Adaptation::mergeCells(long step, const FineRegion* fine, LeafMesh& leaves, ActiveMesh& mesh,
                             ParticleState& state) {
   for (const Cell& cell : leaves_) {
-    if (cell.level == grid_.levels) continue;
-    const Cell parent{cell.i, cell.j, cell.level + 1};
-    const int mask = parent.span() - 1;
-    if ((cell.i & mask) != 0 || (cell.j & mask) != 0) continue;  // seen once, from its lower left child
-    if (!mayMerge(parent, step, fine, leaves, state)) continue;
+    const Cell parent = parentToMerge(cell, step, fine, leaves, state);
+    if (parent.level == 0) continue;
     if (merged_.empty()) merge_transfer_.capture(mesh, state);
     leaves.merge(parent);
     merged_.push_back(parent);

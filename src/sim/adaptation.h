@@ -23,27 +23,28 @@ class Adaptation {
  public:
   Adaptation(const AdaptOptions& options, const Grid& grid);
 
-  /// True where update() will look at the mesh.
-  bool isDue(long step) const;
-
-  /// What the last update() changed: parents merged, then cells split, in order.
+  /// What the last apply() changed: parents merged, then cells split, in order.
   const std::vector<Cell>& merged() const { return merged_; }
   const std::vector<Cell>& split() const { return split_; }
 
   /// Level all leaves start at.
   static int startLevel(const AdaptOptions& options);
 
-  /// Looks at the mesh every `interval` steps; on a change, rebuilds `mesh` and hands the state over.
-  /// @return whether it changed
+  /// Looks at the mesh every `interval` steps. @return whether apply() has something to do
   /// @param nodes positions of the nodes [m]  @param fine null: none
-  bool update(long step, const Field& nodes, const InternalEnergy& internal, const FineRegion* fine,
-              LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
+  bool plan(long step, const Field& nodes, const InternalEnergy& internal, const FineRegion* fine,
+            const LeafMesh& leaves, const ActiveMesh& mesh, const ParticleState& state);
+
+  /// Does what was planned: rebuilds `mesh` and hands the state over.
+  void apply(long step, const FineRegion* fine, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
 
  private:
   void measure(const Field& nodes, const InternalEnergy& internal, const ActiveMesh& mesh);
   void mergeCells(long step, const FineRegion* fine, LeafMesh& leaves, ActiveMesh& mesh,
                   ParticleState& state);
   void splitCells(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
+  Cell parentToMerge(const Cell& cell, long step, const FineRegion* fine, const LeafMesh& leaves,
+                     const ParticleState& state) const;
   bool refines() const;
   bool coarsens() const;
   bool mayMerge(const Cell& parent, long step, const FineRegion* fine, const LeafMesh& leaves,

@@ -59,7 +59,7 @@ ClothWorld::ClothWorld(const Scene& s)
   if (internal.hasMemory()) history_.emplace(grid);
   nodes_.reserve(grid.particles());
   velocities_.reserve(grid.particles());
-  for (Vector* v : {&x_, &start_, &moving_[0], &moving_[1], &motion_, &gradient_})
+  for (Vector* v : {&x_, &start_, &ways_[0], &ways_[1], &motion_, &gradient_})
     v->setZero(objective.capacity());
   if (s.solver.cost == Cost::Joint) {
     joint_.emplace(objective, mesh, internal, contacts, team);
@@ -72,7 +72,7 @@ ClothWorld::ClothWorld(const Scene& s)
   objective.begin(nodes_, velocities_, probe_step_);
   objective.pack(nodes_, probe_step_.proxy, start_);
   objective.evaluate(start_, gradient_);
-  energy = measureEnergy();
+  supplied_ = energy().total();
 }
 
 void ClothWorld::setDevice(const Vec3& position, const Vec3& velocity) {
@@ -97,7 +97,6 @@ void ClothWorld::removeDevice() {
 
 StepReport ClothWorld::step() {
   StepReport report;
-  const double coupling_before = energy.coupling;
   adapt(report);
   solve(report);
   if (report.minimizer.why == Termination::NotFinite) {
@@ -106,7 +105,7 @@ StepReport ClothWorld::step() {
   } else {
     accept(report);
   }
-  account(report.failed, coupling_before);
+  account();
   ++steps;
   report.time = time();
   report.active_particles = mesh.active();
@@ -129,27 +128,26 @@ void ClothWorld::adapt(StepReport& report) {
   const double spacing = std::max(grid.dx, grid.dy);
   const double ahead = std::min((probe_step_.device - probe_step_.proxy).norm(), kFineReach * spacing);
   const FineRegion fine{probe_step_.proxy, scene.probe.radius + kFineReach * spacing + ahead};
-  const double before = energy.total() - energy.contact - energy.coupling;
+  const FineRegion* near = probe_step_.present ? &fine : nullptr;
   created_ = 0.0;
-  if (history_ && adaptation_.isDue(steps)) internal.remember(nodes_, *history_);
-  const bool changed =
-      adaptation_.update(steps, nodes_, internal, probe_step_.present ? &fine : nullptr, leaves, mesh, state);
+  if (!adaptation_.plan(steps, nodes_, internal, near, leaves, mesh, state)) {
+    internal.setNormals(nodes_);
+    return;
+  }
+  const double before = cohesion();
+  if (history_) internal.remember(nodes_, *history_);
+  adaptation_.apply(steps, near, leaves, mesh, state);
   report.refined = static_cast<int>(adaptation_.split().size());
   report.coarsened = static_cast<int>(adaptation_.merged().size());
-  if (changed) {
-    internal.resize();
-    gatherNodes();
-  }
+  internal.resize();
+  gatherNodes();
   internal.setNormals(nodes_);
-  if (!changed) return;
   if (history_) {
     for (const Cell& parent : adaptation_.merged()) history_->merge(parent);
     for (const Cell& parent : adaptation_.split()) history_->split(parent);
     internal.recall(nodes_, *history_);
   }
-  const InternalEnergy::Energy stored = internal.stored(nodes_);
-  const EnergyReport motion = measureMotion();
-  created_ = motion.kinetic + motion.gravity + stored.stretch + stored.bend + stored.shear - before;
+  created_ = cohesion() - before;
 }
 
 /// Contacts are sought as far as the cloth is expected to move. Where it moved farther, something may have
@@ -189,9 +187,9 @@ double ClothWorld::largestMove() const {
 
 MinimizerReport ClothWorld::minimise() {
   objective.begin(nodes_, velocities_, probe_step_);
-  chooseStart();
+  const double start = chooseStart();
   if (joint_) return minimiseJoint();
-  const MinimizerReport report = minimizer_.minimize(objective, x_, team);
+  const MinimizerReport report = minimizer_.minimize(objective, x_, start, gradient_, team);
   cost.motion = objective.motionCost();
   return report;
 }
@@ -206,34 +204,51 @@ MinimizerReport ClothWorld::minimiseJoint() {
   return report;
 }
 
-/// At rest, in inertial motion or in free fall: whichever has the lowest Φ. So Φ never ends above that at
-/// rest, and each of the three is exact where it is what happens.
-void ClothWorld::chooseStart() {
-  const double h = scene.solver.time_step, share = h / (1.0 + scene.air_damping * h);
+/// Where the solve starts: the lowest point of Φ's second-order model at rest along two ways, inertial motion
+/// and what gravity adds to it, or rest itself where Φ is lower. So Φ never ends above that at rest, and
+/// motion without new forces, free fall among it, is exact at any tolerance.
+/// @return Φ there; gradient_ is its gradient
+double ClothWorld::chooseStart() {
   const int size = objective.size();
   objective.pack(nodes_, probe_step_.proxy, start_);
-  double lowest = objective.evaluate(start_, gradient_);
+  const double at_rest = objective.evaluate(start_, gradient_);
   Sums parts;
   energy_before_ = objective.internalEnergy(parts) + objective.couplingEnergy() + objective.lossPotential() -
                    std::max(0.0, created_);
+  const std::array<double, 2> steps = stepsAlongWays();
+  motion_.head(size) = steps[0] * ways_[0].head(size) + steps[1] * ways_[1].head(size);
+  const double reach = std::min(1.0, objective.along(motion_).max_step);
+  x_.head(size) = start_.head(size) + reach * motion_.head(size);
+  const double moving = objective.evaluate(x_, gradient_);
+  if (moving <= at_rest) return moving;
   x_.head(size) = start_.head(size);
-  for (int k = 0; k < 2; ++k) {
-    const double fall = k * h;
-    for (int c = 0; c < 3; ++c) {
-      for (int n = 0; n < mesh.free; ++n) {
-        motion_[c * mesh.free + n] = share * (velocities_.coordinate(c)[n] + fall * scene.gravity[c]);
-      }
-    }
-    if (probe_step_.present) motion_.segment<3>(3 * mesh.free) = h * probe.velocity;
-    const double step = std::min(1.0, objective.along(motion_).max_step);
-    moving_[k].head(size) = start_.head(size) + step * motion_.head(size);
+  return objective.evaluate(x_, gradient_);
+}
+
+/// Minimum of Φ's model on the plane of the two ways; on their sum where they are one line.
+std::array<double, 2> ClothWorld::stepsAlongWays() {
+  const double h = scene.solver.time_step, share = h / (1.0 + scene.air_damping * h);
+  const int size = objective.size();
+  for (int c = 0; c < 3; ++c) {
+    ways_[0].segment(c * mesh.free, mesh.free) =
+        share * Eigen::Map<const Vector>(velocities_.coordinate(c).data(), mesh.free);
+    ways_[1].segment(c * mesh.free, mesh.free).setConstant(share * h * scene.gravity[c]);
   }
-  for (const Vector& candidate : moving_) {
-    const double value = objective.evaluate(candidate, gradient_);
-    if (!(value < lowest)) continue;
-    lowest = value;
-    x_.head(size) = candidate.head(size);
+  if (probe_step_.present) {
+    ways_[0].segment<3>(3 * mesh.free) = h * probe.velocity;
+    ways_[1].segment<3>(3 * mesh.free).setZero();
   }
+  motion_.head(size) = ways_[0].head(size) + ways_[1].head(size);
+  const double a = objective.along(ways_[0]).curvature, b = objective.along(ways_[1]).curvature,
+               both = objective.along(motion_).curvature, mixed = 0.5 * (both - a - b);
+  const double p = -gradient_.head(size).dot(ways_[0].head(size)),
+               q = -gradient_.head(size).dot(ways_[1].head(size));
+  const double determinant = a * b - mixed * mixed;
+  if (determinant > 1e-9 * a * b) {
+    return {(b * p - mixed * q) / determinant, (a * q - mixed * p) / determinant};
+  }
+  const double sum = both > 0.0 ? (p + q) / both : 0.0;
+  return {sum, sum};
 }
 
 void ClothWorld::accept(StepReport& report) {
@@ -292,23 +307,20 @@ void ClothWorld::restore() {
   probe.contact = false;
 }
 
-/// Energy balance: the device works on spring and damper of the coupling; what is missing at the end of a
-/// step was dissipated. A failed step went nowhere and is left out.
-void ClothWorld::account(bool failed, double coupling_before) {
-  double before = energy.total();
-  const double dissipated = energy.dissipated;
+/// What the device does: it works on spring and damper of the coupling; taking it away takes the spring's
+/// energy with it. What is missing in the balance at the end of a step was dissipated, in a failed step too.
+void ClothWorld::account() {
   if (probe_step_.present) {
     const ProbeStep& made = objective.probeStep();
     const double spring =
-        0.5 * scene.probe.coupling_stiffness * (made.device - made.proxy).squaredNorm() - coupling_before;
+        0.5 * scene.probe.coupling_stiffness * (made.device - made.proxy).squaredNorm() - coupling_;
     const double damper = scene.probe.coupling_damping * scene.solver.time_step *
                           (made.device_velocity - probe.velocity).dot(made.device_velocity);
-    before += spring + damper;
+    supplied_ += spring + damper;
   } else {
-    before -= coupling_before;
+    supplied_ -= coupling_;
   }
-  energy = measureEnergy();
-  energy.dissipated = failed ? dissipated : dissipated + before - energy.total();
+  coupling_ = objective.couplingEnergy();
 }
 
 double ClothWorld::kineticEnergy() const {
@@ -325,7 +337,14 @@ EnergyReport ClothWorld::measureMotion() const {
   return e;
 }
 
-EnergyReport ClothWorld::measureEnergy() const {
+/// Kinetic energy, that of gravity and what the fabric stores [J].
+double ClothWorld::cohesion() const {
+  const EnergyReport motion = measureMotion();
+  const InternalEnergy::Energy stored = internal.stored(nodes_);
+  return motion.kinetic + motion.gravity + stored.stretch + stored.bend + stored.shear;
+}
+
+EnergyReport ClothWorld::energy() const {
   EnergyReport e = measureMotion();
   Sums parts;
   objective.internalEnergy(parts);
@@ -336,6 +355,7 @@ EnergyReport ClothWorld::measureEnergy() const {
   e.shear = stored.shear;
   e.contact = parts[3];
   e.coupling = objective.couplingEnergy();
+  e.dissipated = supplied_ - e.total();
   return e;
 }
 

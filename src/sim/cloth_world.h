@@ -38,12 +38,12 @@ class ClothWorld {
   ClothObjective objective;
   CostReport cost;  ///< of the last solve
   ProbeReport probe;
-  EnergyReport energy;
   Vec3 support_force = Vec3::Zero();
   long steps = 0;
 
   double time() const { return steps * scene.solver.time_step; }
   double mass() const;
+  EnergyReport energy() const;
   double maxSpeed() const;
   const Field& nodes() const { return nodes_; }
 
@@ -54,15 +54,16 @@ class ClothWorld {
   void findContacts(double reach, double proxy_reach);
   MinimizerReport minimise();
   MinimizerReport minimiseJoint();
-  void chooseStart();
+  double chooseStart();
+  std::array<double, 2> stepsAlongWays();
   double largestMove() const;
   void accept(StepReport& report);
   void restore();
   double guardEnergy(double left);
-  void account(bool failed, double coupling_before);
+  void account();
   double kineticEnergy() const;  ///< [J]
   EnergyReport measureMotion() const;
-  EnergyReport measureEnergy() const;
+  double cohesion() const;
 
   Adaptation adaptation_;
   std::optional<ForceHistory> history_;  ///< of a fabric with hysteresis
@@ -70,11 +71,13 @@ class ClothWorld {
   Minimizer minimizer_;
   ProbeStep probe_step_;
   bool probe_entered_ = false;  ///< the probe has been clear of the cloth once; before, it touches nothing
+  double supplied_ = 0.0;       ///< energy at the start and what the device has worked since [J]
+  double coupling_ = 0.0;       ///< of the coupling at the end of the last step [J]
   double created_ = 0.0;        ///< by the mesh change of the step in hand [J]
   double energy_before_ = 0.0;  ///< Φ's energies at the start of the step in hand, with its inputs [J]
   Field nodes_, velocities_;
   Vector x_, start_, motion_, gradient_, joint_x_;
-  std::array<Vector, 2> moving_;  ///< starts in inertial motion and in free fall
+  std::array<Vector, 2> ways_;  ///< inertial motion, and what gravity adds to it
 };
 
 }  // namespace haptic_cloth

@@ -39,7 +39,7 @@ int Simulation::threads() const { return implementation_->world.team.threads(); 
 double Simulation::mass() const { return implementation_->world.mass(); }
 int Simulation::activeParticles() const { return implementation_->world.mesh.active(); }
 ProbeReport Simulation::probe() const { return implementation_->world.probe; }
-EnergyReport Simulation::energy() const { return implementation_->world.energy; }
+EnergyReport Simulation::energy() const { return implementation_->world.energy(); }
 double Simulation::maxSpeed() const { return implementation_->world.maxSpeed(); }
 Vec3 Simulation::supportForce() const { return implementation_->world.support_force; }
 

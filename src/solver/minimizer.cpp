@@ -37,14 +37,21 @@ void Minimizer::reserve(int size) {
 }
 
 MinimizerReport Minimizer::minimize(Objective& objective, Vector& x, Team& team) {
+  const double value = objective.evaluate(x, trial_gradient_);
+  MinimizerReport report = minimize(objective, x, value, trial_gradient_, team);
+  ++report.evaluations;
+  return report;
+}
+
+MinimizerReport Minimizer::minimize(Objective& objective, Vector& x, double value, const Vector& gradient,
+                                    Team& team) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
 
   size_ = objective.size();
+  gradient_.head(size_) = gradient.head(size_);
   MinimizerReport report;
-  double value = objective.evaluate(x, gradient_);
-  report.evaluations = 1;
   report.value_start = value;
   report.why = Termination::IterationLimit;
   int renewal = 0;

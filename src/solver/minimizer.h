@@ -20,6 +20,9 @@ class Minimizer {
   /// Improves x in place. @pre x.size() is the reserved size
   MinimizerReport minimize(Objective& objective, Vector& x, Team& team);
 
+  /// The same where the objective was last evaluated at x, with this value and gradient.
+  MinimizerReport minimize(Objective& objective, Vector& x, double value, const Vector& gradient, Team& team);
+
  private:
   void direction(Objective& objective, Team& team, bool restart, MinimizerReport& report);
   bool lineSearch(Objective& objective, Vector& x, double& value, MinimizerReport& report);
