@@ -11,28 +11,28 @@ void ContactSet::linearise(int begin, int end, const Field& nodes, const Vec3& p
   const double epsilon = options_.slip_speed * options_.time_step;
   for (int k = begin; k < end; ++k) {
     const ContactSample& sample = samples_[k];
-    Slot& slot = slots_[k];
-    slot.change.setZero();
-    if (slot.normal_stiffness == 0.0 && slot.tangent_stiffness == 0.0) continue;
+    const SamplePack& pack = packs_[k / kLanes];
+    const int l = k % kLanes;
+    change_.set(k, Vec3::Zero());
+    if (pack.normal_stiffness[l] == 0.0 && pack.tangent_stiffness[l] == 0.0) continue;
     const Vec3 position = samplePosition(sample, nodes);
     Vec3 moved = samplePosition(sample, d);
     if (sample.solid == kProbe) moved -= d_proxy;
-    slot.change = slot.normal_stiffness * slot.normal.dot(moved) * slot.normal;
+    change_.set(k, pack.normal_stiffness[l] * normal(k).dot(moved) * normal(k));
     const double length = moved.norm();
     if (!(length > 0.0)) continue;
     const Vec3 nudge = kNudge / length * moved;
-    slot.change -= slot.pressing * length / (2.0 * kNudge) *
-                   (distance(sample.solid, position + nudge, proxy).normal -
-                    distance(sample.solid, position - nudge, proxy).normal);
+    change_.add(k, -pack.pressing[l] * length / (2.0 * kNudge) *
+                       (distance(sample.solid, position + nudge, proxy).normal -
+                        distance(sample.solid, position - nudge, proxy).normal));
     if (sample.friction_force > 0.0) {
       const auto along = [&](const Vec3& v) {
         return Vec3(v - sample.start_normal.dot(v) * sample.start_normal);
       };
       const Vec3 relative = sample.solid == kProbe ? Vec3(position - proxy) : position;
       const Vec3 slip = along(relative - sample.start), slipping = along(moved);
-      slot.change += slot.tangent_stiffness * slipping + sample.friction_force *
-                                                             smoothSlip(slip.norm(), epsilon).slope *
-                                                             slip.dot(slipping) * slip;
+      const double fading = sample.friction_force * smoothSlip(slip.norm(), epsilon).slope;
+      change_.add(k, pack.tangent_stiffness[l] * slipping + fading * slip.dot(slipping) * slip);
     }
   }
 }
@@ -40,7 +40,7 @@ void ContactSet::linearise(int begin, int end, const Field& nodes, const Vec3& p
 void ContactSet::addChange(int begin, int end, Field& change) const {
   for (int n = begin; n < end; ++n) {
     for (int e = rows_[n]; e < rows_[n + 1]; ++e) {
-      change.add(n, entries_[e].weight * slots_[entries_[e].sample].change);
+      change.add(n, entries_[e].weight * change_[entries_[e].sample]);
     }
   }
 }
@@ -48,7 +48,7 @@ void ContactSet::addChange(int begin, int end, Field& change) const {
 Vec3 ContactSet::proxyChange() const {
   Vec3 sum = Vec3::Zero();
   for (int k = 0; k < size(); ++k) {
-    if (samples_[k].solid == kProbe) sum -= slots_[k].change;
+    if (samples_[k].solid == kProbe) sum -= change_[k];
   }
   return sum;
 }

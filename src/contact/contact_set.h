@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "contact/contact_law.h"
+#include "contact/sample_packs.h"
 #include "contact/shape.h"
 #include "mesh/active_mesh.h"
 #include "mesh/field.h"
@@ -18,14 +19,15 @@ struct ContactSample {
   double area;                    ///< of cloth it stands for [m²]
   int solid;                      ///< index of the obstacle; kProbe: the probe
   double raised;          ///< by this much its gap counts larger: it began the step inside a solid [m]
+  double clearance;       ///< its gap at the start of the step beyond that at which contact begins [m]
   double friction_force;  ///< μ times the normal force at the start of the step [N]
   Vec3 start;             ///< position relative to the solid at the start of the step [m]
   Vec3 start_normal;
 };
 
-/// Samples near solids, collected at the start of each step. Obstacles are sampled at every point of the
-/// finest grid, whatever the mesh there, so that a coarse cell rests like a fine one; the probe at points of
-/// at most a third of its radius apart. Model: docs/design.md.
+/// Samples near solids, collected at the start of each step. Obstacles are sampled at the nodes, and at every
+/// point of the finest grid in coarse cells on which they do not press evenly, so that these rest like fine
+/// ones; the probe at points of at most a third of its radius apart. Model: docs/design.md.
 class ContactSet {
  public:
   static constexpr int kProbe = -1;
@@ -41,25 +43,23 @@ class ContactSet {
   ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles, const Options& options);
 
   /// Finds samples that may touch within a step and freezes their friction.
-  /// @param nodes positions of all nodes [m]  @param speed of the fastest node [m/s]  @param proxy null: no
-  /// probe
-  void collect(const ActiveMesh& mesh, const Field& nodes, double speed, const Vec3* proxy,
-               double probe_reach);
+  /// @param nodes positions of all nodes [m]  @param reach how far each may move in the step [m]
+  /// @param proxy null: no probe  @param proxy_reach how far that may move [m]
+  void collect(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
+               const Vec3* proxy, double proxy_reach);
 
   /// True where a probe at `proxy` would not touch the cloth.
   bool isClear(const ActiveMesh& mesh, const Field& nodes, const Vec3& proxy);
 
+  /// Length of the range that evaluate() and curvature() share out, in steps of kLanes.
   int size() const { return static_cast<int>(samples_.size()); }
 
   /// Stops the nodes of samples that began the step inside a solid: they are let out, not thrown.
   void calm(Field& velocities) const;
 
-  struct Energy {
-    double contact = 0.0;   ///< stored [J]
-    double friction = 0.0;  ///< potential of the friction force: what a slip so far costs [J]
-  };
+  using Energy = ContactEnergy;
 
-  /// Energy of samples begin..end; leaves force and stiffness in the samples' slots.
+  /// Energy of samples begin..end; leaves force and stiffness behind.
   Energy evaluate(int begin, int end, const Field& nodes, const Vec3& proxy);
 
   /// d · H⁺ d of samples begin..end at the last evaluation.
@@ -83,20 +83,17 @@ class ContactSet {
   /// Force of the obstacles on the cloth [N], at the last evaluation.
   Vec3 obstacleForce() const;
 
-  /// Largest factor of the step d that lets no probe sample come nearer than a tenth of its gap.
-  double maxStep(const Field& nodes, const Vec3& proxy, const Field& d, const Vec3& d_proxy) const;
+  /// Largest factor of the step d from the last evaluated point that lets no probe sample come nearer than a
+  /// tenth of its gap.
+  double maxStep(const Field& d, const Vec3& d_proxy) const;
 
   bool probeTouched() const;  ///< some probe sample carries force
   double deepest() const;     ///< deepest penetration at the last evaluation [m]
 
  private:
-  struct Slot {
-    Vec3 gradient;  ///< of the energy by the sample's position [N]
-    Vec3 normal;
-    double gap;                                  ///< [m]
-    double normal_stiffness, tangent_stiffness;  ///< [N/m]
-    double pressing;                             ///< area times pressure [N]
-    Vec3 change;                                 ///< of the gradient along a direction [N]
+  /// Samples of one solid in a row, as packs.
+  struct Group {
+    int solid, begin, end;
   };
 
   struct Entry {
@@ -106,10 +103,23 @@ class ContactSet {
 
   Vec3 samplePosition(const ContactSample& sample, const Field& values) const;
   Distance distance(int solid, const Vec3& point, const Vec3& proxy) const;
-  void sampleObstacles(const ActiveMesh& mesh, const Field& nodes, double margin);
-  void sampleProbe(const ActiveMesh& mesh, const Field& nodes, double margin, const Vec3& proxy);
-  void addSample(const Patch& patch, double u, double v, double area, int solid, const Field& nodes,
-                 double margin, const Vec3& proxy);
+  void sampleObstacles(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach);
+  bool liesFlat(const Patch& patch, int solid, const Field& nodes) const;
+  void sampleCell(const Patch& patch, int solid, const Field& nodes, double margin);
+  void sampleProbe(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
+                   const Vec3& proxy, double proxy_reach);
+  double margin(const Patch& patch, const std::vector<double>& reach) const;
+  static ContactSample nodePoint(int node, double area, int solid);
+  static ContactSample surfacePoint(const Patch& patch, double u, double v, double area, int solid);
+  void addSample(ContactSample sample, const Field& nodes, double margin, const Vec3& proxy);
+  void beginGroup(int solid);
+  void endGroup();
+  void packGroup(const Group& group);
+  SampleContext context(const Group& group, const Vec3& proxy) const;
+  template <class Visit>
+  void forGroups(int begin, int end, const Visit& visit) const;
+  Vec3 normal(int sample) const;
+  Vec3 diagonalOf(int sample) const;
   void buildRows(int nodes);
 
   Options options_;
@@ -117,8 +127,13 @@ class ContactSet {
   Grid grid_;
   std::vector<Solid> obstacles_;
   std::vector<ContactSample> samples_;
-  std::vector<Slot> slots_;
+  std::vector<Group> groups_;
+  std::vector<SamplePack> packs_;
+  Field gradient_;  ///< of the energy by the samples' positions [N]
+  Field change_;    ///< of that along a direction [N]
   std::vector<int> rows_;
+  std::vector<double> node_area_;  ///< scratch of sampleObstacles() [m²]
+  std::vector<double> still_;      ///< scratch of isClear(): no reach [m]
   std::vector<Entry> entries_;
 };
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/solid_lanes.h"
+
 namespace haptic_cloth {
 namespace {
 
@@ -52,6 +54,16 @@ Distance Solid::distance(const Vec3& point) const {
   Distance d = local(rotation_.transpose() * (point - position_));
   d.normal = rotation_ * d.normal;
   return d;
+}
+
+SolidLanes Solid::lanes() const {
+  SolidLanes lanes{shape_, {}, radius_, half_length_, {}, {}};
+  for (int c = 0; c < 3; ++c) {
+    lanes.half_size[c] = half_size_[c];
+    lanes.position[c] = position_[c];
+    for (int k = 0; k < 3; ++k) lanes.rotation[3 * c + k] = rotation_(c, k);
+  }
+  return lanes;
 }
 
 Distance Solid::local(const Vec3& p) const {

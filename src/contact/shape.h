@@ -10,6 +10,8 @@ struct Distance {
   Vec3 normal;   ///< unit gradient: the way out
 };
 
+struct SolidLanes;
+
 /// A solid placed in the world.
 class Solid {
  public:
@@ -18,6 +20,9 @@ class Solid {
   Distance distance(const Vec3& point) const;
 
   double friction() const { return friction_; }
+
+  /// For loops over lanes.
+  SolidLanes lanes() const;
 
  private:
   Distance local(const Vec3& point) const;

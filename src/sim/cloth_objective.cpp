@@ -136,7 +136,7 @@ double ClothObjective::gatherNodes(int begin, int end) {
 
 Objective::Along ClothObjective::along(const Vector& d) {
   unpack(d, motion_, proxy_motion_);
-  return {curvature(), probe_.present ? contacts_.maxStep(nodes_, proxy_, motion_, proxy_motion_) : 1e300};
+  return {curvature(), probe_.present ? contacts_.maxStep(motion_, proxy_motion_) : 1e300};
 }
 
 double ClothObjective::curvature() {

@@ -58,6 +58,7 @@ ClothWorld::ClothWorld(const Scene& s)
       minimizer_(s.solver.minimizer) {
   if (internal.hasMemory()) history_.emplace(grid);
   nodes_.reserve(grid.particles());
+  reach_.reserve(grid.particles());
   velocities_.reserve(grid.particles());
   for (Vector* v : {&x_, &start_, &ways_[0], &ways_[1], &motion_, &gradient_})
     v->setZero(objective.capacity());
@@ -68,7 +69,8 @@ ClothWorld::ClothWorld(const Scene& s)
   minimizer_.reserve(joint_ ? joint_->capacity() : objective.capacity());
   gatherNodes();
   internal.setNormals(nodes_);
-  findContacts(0.0, 0.0);  // a cloth that starts in contact has energy there
+  reach_.assign(mesh.nodes(), 0.0);
+  findContacts(0.0);  // a cloth that starts in contact has energy there
   objective.begin(nodes_, velocities_, probe_step_);
   objective.pack(nodes_, probe_step_.proxy, start_);
   objective.evaluate(start_, gradient_);
@@ -150,39 +152,45 @@ void ClothWorld::adapt(StepReport& report) {
   created_ = cohesion() - before;
 }
 
-/// Contacts are sought as far as the cloth is expected to move. Where it moved farther, something may have
+/// Contacts are sought as far as each node is expected to move. Where one moved farther, something may have
 /// been missed: the step is solved again with a reach that covers it.
 void ClothWorld::solve(StepReport& report) {
   constexpr int kAttempts = 3;
   const double h = scene.solver.time_step;
-  double reach = 2.0 * h * (maxSpeed() + h * scene.gravity.norm()) + 0.1 * std::min(grid.dx, grid.dy);
+  reach_.resize(mesh.nodes());
+  for (int n = 0; n < mesh.nodes(); ++n) {
+    reach_[n] =
+        2.0 * h * (velocities_[n].norm() + h * scene.gravity.norm()) + 0.1 * std::min(grid.dx, grid.dy);
+  }
   double proxy_reach = (probe_step_.device - probe_step_.proxy).norm() + 2.0 * h * probe.velocity.norm();
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    findContacts(reach, proxy_reach);
+    findContacts(proxy_reach);
     const MinimizerReport last = minimise();
     report.minimizer = attempt == 0 ? last : sum(report.minimizer, last);
-    const double moved = largestMove(), proxy_moved = (objective.proxy() - probe_step_.proxy).norm();
-    const bool covered = !(moved > reach) && !(probe_step_.present && proxy_moved > proxy_reach);
-    if (covered || last.why == Termination::TimeBudget) return;
-    reach = 2.0 * moved;
-    proxy_reach = 2.0 * proxy_moved;
+    const double proxy_moved = (objective.proxy() - probe_step_.proxy).norm();
+    const bool proxy_covered = !probe_step_.present || !(proxy_moved > proxy_reach);
+    if ((covered() && proxy_covered) || last.why == Termination::TimeBudget) return;
+    proxy_reach = std::max(proxy_reach, 2.0 * proxy_moved);
   }
 }
 
-void ClothWorld::findContacts(double reach, double proxy_reach) {
+void ClothWorld::findContacts(double proxy_reach) {
   if (probe_step_.present && !probe_entered_)
     probe_entered_ = contacts.isClear(mesh, nodes_, probe_step_.proxy);
   const bool touches = probe_step_.present && probe_entered_;
-  contacts.collect(mesh, nodes_, reach, touches ? &probe_step_.proxy : nullptr, proxy_reach);
+  contacts.collect(mesh, nodes_, reach_, touches ? &probe_step_.proxy : nullptr, proxy_reach);
 }
 
-/// Of a node in the step just solved [m].
-double ClothWorld::largestMove() const {
-  double largest = 0.0;
-  for (int n = 0; n < mesh.active(); ++n) {
-    largest = std::max(largest, (objective.nodes()[n] - nodes_[n]).squaredNorm());
+/// Whether no node moved farther in the step just solved than contacts were sought; else widens the reach of
+/// all to twice what they moved.
+bool ClothWorld::covered() {
+  bool all = true;
+  for (int n = 0; n < mesh.nodes(); ++n) {
+    const double moved = (objective.nodes()[n] - nodes_[n]).norm();
+    all = all && !(moved > reach_[n]);
+    reach_[n] = std::max(reach_[n], 2.0 * moved);
   }
-  return std::sqrt(largest);
+  return all;
 }
 
 MinimizerReport ClothWorld::minimise() {

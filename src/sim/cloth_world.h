@@ -51,12 +51,12 @@ class ClothWorld {
   void gatherNodes();
   void adapt(StepReport& report);
   void solve(StepReport& report);
-  void findContacts(double reach, double proxy_reach);
+  void findContacts(double proxy_reach);
   MinimizerReport minimise();
   MinimizerReport minimiseJoint();
   double chooseStart();
   std::array<double, 2> stepsAlongWays();
-  double largestMove() const;
+  bool covered();
   void accept(StepReport& report);
   void restore();
   double guardEnergy(double left);
@@ -76,6 +76,7 @@ class ClothWorld {
   double created_ = 0.0;        ///< by the mesh change of the step in hand [J]
   double energy_before_ = 0.0;  ///< Φ's energies at the start of the step in hand, with its inputs [J]
   Field nodes_, velocities_;
+  std::vector<double> reach_;  ///< how far a node is expected to move in the step in hand [m]
   Vector x_, start_, motion_, gradient_, joint_x_;
   std::array<Vector, 2> ways_;  ///< inertial motion, and what gravity adds to it
 };

@@ -30,30 +30,27 @@ double JointObjective::evaluate(const Vector& x, Vector& gradient) {
   step_.unpack(x, nodes_, proxy_);
   evaluateElements(x.data() + step_.size());
   costs_.motion = residualForces();
-  const int elements = elements_.size();
   double* by_force = gradient.data() + step_.size();
-  team_.forRange(elements + contacts_.size(), [&](int begin, int end) {
-    elements_.gradient(std::min(begin, elements), std::min(end, elements), nodes_, residual_, by_force);
-    contacts_.linearise(std::max(begin, elements) - elements, std::max(end, elements) - elements, nodes_,
-                        proxy_, residual_, proxy_residual_);
+  team_.forRange(elements_.size(),
+                 [&](int begin, int end) { elements_.gradient(begin, end, nodes_, residual_, by_force); });
+  team_.forRange(contacts_.size(), [&](int begin, int end) {
+    contacts_.linearise(begin, end, nodes_, proxy_, residual_, proxy_residual_);
   });
   gatherGradient(gradient);
   return costs_.total();
 }
 
 void JointObjective::evaluateElements(const double* forces) {
-  const int elements = elements_.size();
-  const Sums costs = team_.sum(elements + contacts_.size(), [&](int begin, int end) {
-    const JointEnergy::Costs c =
-        elements_.evaluate(std::min(begin, elements), std::min(end, elements), nodes_, forces);
-    contacts_.evaluate(std::max(begin, elements) - elements, std::max(end, elements) - elements, nodes_,
-                       proxy_);
+  const Sums costs = team_.sum(elements_.size(), [&](int begin, int end) {
+    const JointEnergy::Costs c = elements_.evaluate(begin, end, nodes_, forces);
     Sums sums = Sums::Zero();
     sums[0] = c.stretch;
     sums[1] = c.bend;
     sums[2] = c.shear;
     return sums;
   });
+  team_.forRange(contacts_.size(),
+                 [&](int begin, int end) { contacts_.evaluate(begin, end, nodes_, proxy_); });
   costs_.stretch = costs[0];
   costs_.bend = costs[1];
   costs_.shear = costs[2];
@@ -101,20 +98,18 @@ void JointObjective::gatherGradient(Vector& gradient) {
 Objective::Along JointObjective::along(const Vector& d) {
   step_.unpack(d, motion_, proxy_motion_);
   const bool probe = step_.probeStep().present;
-  return {changeOfForces(d.data() + step_.size()),
-          probe ? contacts_.maxStep(nodes_, proxy_, motion_, proxy_motion_) : 1e300};
+  return {changeOfForces(d.data() + step_.size()), probe ? contacts_.maxStep(motion_, proxy_motion_) : 1e300};
 }
 
 /// Curvature along (motion_, proxy_motion_, d_forces), to Gauss and Newton.
 double JointObjective::changeOfForces(const double* d_forces) {
-  const int elements = elements_.size();
-  const Sums laws = team_.sum(elements + contacts_.size(), [&](int begin, int end) {
+  const Sums laws = team_.sum(elements_.size(), [&](int begin, int end) {
     Sums sums = Sums::Zero();
-    sums[0] =
-        elements_.linearise(std::min(begin, elements), std::min(end, elements), nodes_, motion_, d_forces);
-    contacts_.linearise(std::max(begin, elements) - elements, std::max(end, elements) - elements, nodes_,
-                        proxy_, motion_, proxy_motion_);
+    sums[0] = elements_.linearise(begin, end, nodes_, motion_, d_forces);
     return sums;
+  });
+  team_.forRange(contacts_.size(), [&](int begin, int end) {
+    contacts_.linearise(begin, end, nodes_, proxy_, motion_, proxy_motion_);
   });
   team_.forRange(mesh_.nodes(), [&](int begin, int end) {
     for (int n = begin; n < end; ++n) gradient_.set(n, mesh_.mass[n] * step_.inertia() * motion_[n]);

@@ -60,7 +60,7 @@ class ObjectiveTest : public ::testing::Test {
     mesh_.interpolateGhosts(velocities_);
     internal_.setNormals(nodes_);
     const ProbeStep probe{true, Vec3(-0.01, 0.01, 0.0078), Vec3(0.1, 0, -0.2), Vec3(-0.01, 0.01, 0.0083)};
-    contacts_.collect(mesh_, nodes_, 1e-3, &probe.proxy, 1e-3);
+    contacts_.collect(mesh_, nodes_, std::vector<double>(mesh_.nodes(), 1e-3), &probe.proxy, 1e-3);
     objective_.begin(nodes_, velocities_, probe);
     start_.setZero(objective_.capacity());
     objective_.pack(nodes_, probe.proxy, start_);

@@ -1,0 +1,123 @@
+#include "contact/sample_packs.h"
+
+#include <algorithm>
+
+namespace haptic_cloth {
+namespace {
+
+HAPTIC_CLOTH_INLINE Lanes3 at(const SamplePack& pack, const ConstArrays& values) {
+  if (pack.at_nodes) return gather(values, pack.nodes[0]);
+  Lanes3 sum = load(pack.weights[0]) * gather(values, pack.nodes[0]);
+  for (int c = 1; c < 4; ++c) sum = sum + load(pack.weights[c]) * gather(values, pack.nodes[c]);
+  return sum;
+}
+
+HAPTIC_CLOTH_INLINE Lanes3 load3(const double (*values)[kLanes]) {
+  return {load(values[0]), load(values[1]), load(values[2])};
+}
+
+HAPTIC_CLOTH_INLINE bool any(const Mask& mask) {
+  long long sum = 0;
+  for (int l = 0; l < kLanes; ++l) sum |= mask[l];
+  return sum != 0;
+}
+
+HAPTIC_CLOTH_INLINE void nothing(SamplePack& pack, double range, const MutableArrays& slots, int slot) {
+  const Lanes zero{};
+  store(slots, slot, {zero, zero, zero});
+  store(pack.gap, all(range));
+  store(pack.normal_stiffness, zero);
+  store(pack.tangent_stiffness, zero);
+  store(pack.pressing, zero);
+}
+
+struct PressureLanes {
+  Lanes energy, pressure, stiffness;
+};
+
+/// ContactLaw for eight gaps.
+HAPTIC_CLOTH_INLINE PressureLanes press(const ContactLaw& law, const Lanes& gap) {
+  PressureLanes result;
+  for (int l = 0; l < kLanes; ++l) {
+    const ContactLaw::Point point = law(gap[l]);
+    result.energy[l] = point.energy;
+    result.pressure[l] = point.pressure;
+    result.stiffness[l] = point.stiffness;
+  }
+  return result;
+}
+
+}  // namespace
+
+HAPTIC_CLOTH_CLONES ContactEnergy evaluateSamples(SamplePack* packs, int begin, int end,
+                                                  const SampleContext& context, const ConstArrays& x,
+                                                  const MutableArrays& slots, int first) {
+  Lanes energy{}, loss{};
+  const double range = context.law.range();
+  for (int p = begin; p < end; ++p) {
+    SamplePack& pack = packs[p];
+    const int slot = first + kLanes * (p - begin);
+    const Lanes3 position = at(pack, x), start = load3(pack.start);
+    const Lanes3 moved{position.x - context.origin[0] - start.x, position.y - context.origin[1] - start.y,
+                       position.z - context.origin[2] - start.z};
+    const Lanes clearance = load(pack.clearance);
+    if (context.skip && !any((dot(moved, moved) >= clearance * clearance) | (clearance <= 0.0))) {
+      nothing(pack, range, slots, slot);
+      continue;
+    }
+    const DistanceLanes d = distance(context.solid, position);
+    const Lanes area = load(pack.area);
+    const PressureLanes law = press(context.law, d.value + load(pack.raised));
+    const Lanes pressing = area * law.pressure;
+    energy += area * law.energy;
+    // Friction, smoothed below `slip`: potential f₀, f₀'/y [Li et al. 2020].
+    const Lanes3 start_normal = load3(pack.start_normal);
+    const Lanes3 slip = moved - dot(start_normal, moved) * start_normal;
+    const Lanes y = squareRoot(dot(slip, slip)), limit = load(pack.friction), t = y / context.slip;
+    const Mask slides = y >= context.slip;
+    loss += limit * (slides ? y - context.slip / 3.0 : context.slip * t * t * (1.0 - t / 3.0));
+    const Lanes tangent = limit * (slides ? 1.0 / y : (2.0 - t) / context.slip);
+    store(slots, slot, tangent * slip - pressing * d.normal);
+    store(pack.normal[0], d.normal.x);
+    store(pack.normal[1], d.normal.y);
+    store(pack.normal[2], d.normal.z);
+    store(pack.gap, area > 0.0 ? d.value : all(range));
+    store(pack.normal_stiffness, area * law.stiffness);
+    store(pack.tangent_stiffness, tangent);
+    store(pack.pressing, pressing);
+  }
+  return {total(energy), total(loss)};
+}
+
+HAPTIC_CLOTH_CLONES double sampleCurvature(const SamplePack* packs, int begin, int end, const ConstArrays& d,
+                                           const double* d_origin) {
+  Lanes sum{};
+  for (int p = begin; p < end; ++p) {
+    const SamplePack& pack = packs[p];
+    const Lanes across = load(pack.normal_stiffness), along = load(pack.tangent_stiffness);
+    if (!any((across > 0.0) | (along > 0.0))) continue;
+    Lanes3 moved = at(pack, d);
+    moved = {moved.x - d_origin[0], moved.y - d_origin[1], moved.z - d_origin[2]};
+    const Lanes normal = dot(load3(pack.normal), moved), start = dot(load3(pack.start_normal), moved);
+    sum += across * normal * normal + along * (dot(moved, moved) - start * start);
+  }
+  return total(sum);
+}
+
+HAPTIC_CLOTH_CLONES double largestStep(const SamplePack* packs, int begin, int end, double share,
+                                       const ConstArrays& d, const double* d_origin) {
+  Lanes step = all(1e300);
+  for (int p = begin; p < end; ++p) {
+    const SamplePack& pack = packs[p];
+    Lanes3 moved = at(pack, d);
+    moved = {moved.x - d_origin[0], moved.y - d_origin[1], moved.z - d_origin[2]};
+    const Lanes closing = -dot(load3(pack.normal), moved), gap = load(pack.gap);
+    const Mask nearer = (gap > 0.0) & (closing > 0.0) & (load(pack.area) > 0.0);
+    step = smaller(step, nearer ? share * gap / closing : all(1e300));
+  }
+  double least = 1e300;
+  for (int l = 0; l < kLanes; ++l) least = std::min(least, step[l]);
+  return least;
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,53 @@
+/// Contact samples in packs of eight, as loops over lanes want them.
+#pragma once
+
+#include "contact/contact_law.h"
+#include "contact/solid_lanes.h"
+#include "mesh/field.h"
+
+namespace haptic_cloth {
+
+/// Eight samples of one solid. Lanes past the last have no area and act on node 0 with nothing.
+struct SamplePack {
+  NodeLanes nodes[4];  ///< corners of the samples' cells; the first alone where `at_nodes`
+  double weights[4][kLanes];
+  bool at_nodes;
+  double area[kLanes];       ///< [m²]
+  double raised[kLanes];     ///< see ContactSample [m]
+  double friction[kLanes];   ///< limit of the friction force [N]
+  double clearance[kLanes];  ///< way the sample can go before it may touch [m]
+  double start[3][kLanes], start_normal[3][kLanes];
+  // left by the last evaluation:
+  double normal[3][kLanes];
+  double gap[kLanes];  ///< at least the range where nothing touches [m]
+  double normal_stiffness[kLanes], tangent_stiffness[kLanes];  ///< [N/m]
+  double pressing[kLanes];                                     ///< area times pressure [N]
+};
+
+/// What the samples of one solid have in common in a step.
+struct SampleContext {
+  SolidLanes solid;
+  double origin[3];  ///< what `start` counts from: zero, for the probe its proxy [m]
+  bool skip;         ///< samples within their clearance need not be looked at
+  ContactLaw law;
+  double slip;  ///< below it, friction is smoothed [m]
+};
+
+struct ContactEnergy {
+  double contact = 0.0;   ///< stored [J]
+  double friction = 0.0;  ///< potential of the friction force: what a slip so far costs [J]
+};
+
+/// Energy of packs begin..end; their force gradients go to slots first, first + 1, ..., eight a pack.
+ContactEnergy evaluateSamples(SamplePack* packs, int begin, int end, const SampleContext& context,
+                              const ConstArrays& x, const MutableArrays& slots, int first);
+
+/// d · H⁺ d of packs begin..end at the last evaluation. @param d_origin of the solid
+double sampleCurvature(const SamplePack* packs, int begin, int end, const ConstArrays& d,
+                       const double* d_origin);
+
+/// Largest factor of d that lets no sample use up more than `share` of its gap to the solid.
+double largestStep(const SamplePack* packs, int begin, int end, double share, const ConstArrays& d,
+                   const double* d_origin);
+
+}  // namespace haptic_cloth
