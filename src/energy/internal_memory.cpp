@@ -91,6 +91,13 @@ void InternalEnergy::remember(const Field& x, ForceHistory& history) const {
     const double force = bend_[triple.direction].force(tripleStep(t).play, curvature(t, x));
     history.moment(mesh_.particle[triple.c], triple.direction) = force;
   }
+  // A hanging node has no triple of its own, but a merge beside it may ask for what it held.
+  for (const Ghost& ghost : mesh_.ghosts) {
+    for (const int direction : {kWarp, kWeft}) {
+      const auto moment = [&](int node) -> double& { return history.moment(mesh_.particle[node], direction); };
+      moment(ghost.node) = 0.5 * (moment(ghost.a) + moment(ghost.b));
+    }
+  }
   for (int k = 0; patch_steps_.packs() && k < patch_count_; ++k) {
     history.shear(mesh_.patches[k].cell) = shear_.force(patchStep(k).play, shearAngle(k, x));
   }

@@ -200,7 +200,7 @@ double ClothObjective::lossPotential() const {
   return loss;
 }
 
-double ClothObjective::motionCost() const {  // DESIGN 2: E^n; pinned nodes have no law of motion
+double ClothObjective::motionCost() const {  // E^n of docs/model.md; pinned nodes have no law of motion
   double cost = 0.0;
   for (int n = 0; n < mesh_.free; ++n) cost += 0.5 * h_ * h_ / mesh_.mass[n] * gradient_[n].squaredNorm();
   return cost;

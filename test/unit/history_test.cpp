@@ -92,7 +92,13 @@ TEST(ForceHistory, ElementsRecallWhatTheyRemembered) {
     internal.commit(0, internal.elements(), x);
   }
   const Field before = gradient();
+  ASSERT_GT(mesh.ghosts.size(), 0u);
+  for (const Ghost& ghost : mesh.ghosts) history.moment(mesh.particle[ghost.node], kWarp) = 1e9;  // of long ago
   internal.remember(x, history);
+  for (const Ghost& ghost : mesh.ghosts) {
+    const auto moment = [&](int node) { return history.moment(mesh.particle[node], kWarp); };
+    EXPECT_DOUBLE_EQ(moment(ghost.node), 0.5 * (moment(ghost.a) + moment(ghost.b)));
+  }
   internal.resize();
   internal.recall(x, history);
   const Field after = gradient();

@@ -78,7 +78,7 @@ TEST(KesValues, AreThoseOfTheFile) {
 
 TEST(BiasBending, TwistTermMakesItUp) {
   // A cylinder w = ½ κ s², s along 0°, 45°, 90°: energy over ½ B_θ κ² A, B_45 = (B_warp + B_weft)/4 + B_t/2
-  // [DESIGN section 2]. Triples leave out half a cell at each end, patches do not: both areas are counted.
+  // [docs/model.md]. Triples leave out half a cell at each end, patches do not: both areas are counted.
   LinearFabric linear;
   Fabric fabric = makeFabric(linear);
   const double warp = 1e-5, weft = 2e-5, twist = 1.6e-5, kappa = 2.0;

@@ -1,6 +1,6 @@
 // Hysteresis as play: every inner path stays in the loop, closes, dissipates and does not ratchet; ψ is C1
 // and the law is its derivative, across the kinks too. Criteria: properties of the play operator [Visintin
-// 1994, III.2], to round-off; outer loops to 1 % of their width's scale [DESIGN section 2].
+// 1994, III.2], to round-off; outer loops to 1 % of their width's scale [docs/model.md].
 #include "haptic_cloth/loop.h"
 
 #include <gtest/gtest.h>

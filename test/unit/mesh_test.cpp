@@ -1,5 +1,5 @@
 // The adaptive mesh: balance, mass, ghosts and consistency between levels.
-// Criteria: sums that DESIGN section 3 calls exact hold to 1e-12 relative; a homogeneous strain has the same
+// Criteria: sums that docs/model.md calls exact hold to 1e-12 relative; a homogeneous strain has the same
 // energy and the same forces on any mesh to 1e-10, since bilinear ghosts reproduce linear fields exactly
 // (patch test, [Irons & Razzaque 1972]).
 #include <gtest/gtest.h>
