@@ -1,0 +1,319 @@
+/// Strips under compression: one that stands on its clamped end under its own weight, and one whose ends are
+/// held closer than its length.
+/// Criteria: the heavy elastica, which buckles at L/c = 1.986353 (Greenhill 1881), and the post-buckled
+/// elastica in elliptic integrals (Love 1927, art. 263), both computed in test/support.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "support/buckling_solutions.h"
+#include "support/record.h"
+#include "support/reference_solutions.h"
+#include "support/scenes.h"
+#include "support/tolerance.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kLength = 0.2;          // free part [m]
+constexpr double kWeight = 0.15 * 9.81;  // [N/m²]
+constexpr double kStiffness = 1000.0;    // [N/m]; a standing strip shortens by w L / 2E = 1.5e-4
+
+constexpr Strategy kStrategies[] = {Strategy::Finest, Strategy::Amrc, Strategy::Coarsest};
+
+int levelsOf(Strategy strategy) { return strategy == Strategy::Finest ? 0 : 2; }
+
+/// Cells of a clamp: what lies in it is one coarsest cell long.
+int clampOf(Strategy strategy) { return 1 << levelsOf(strategy); }
+
+/// Strip of `cells` finest cells between clamps, two cells wide, or one coarsest.
+Scene strip(const Fabric& fabric, int cells, int clamps, double length, Strategy strategy) {
+  const double spacing = length / cells;
+  const int warp = cells + clamps * clampOf(strategy), weft = std::max(2, clampOf(strategy));
+  Scene scene = sheetScene(fabric, warp + 1, weft + 1, warp * spacing, weft * spacing);
+  setStrategy(scene, strategy, levelsOf(strategy));
+  scene.adapt.minimum_age = 5;  // steps are long
+  return scene;
+}
+
+/// Stands along x on its clamped end; gravity is tilted out of its line by a small angle [rad].
+Scene column(double lambda, double tilt, int cells, Strategy strategy, double tolerated) {
+  LinearFabric linear;
+  linear.rigidity = kWeight * std::pow(kLength / lambda, 3);
+  linear.stiffness = kStiffness;
+  Scene scene = strip(makeFabric(linear), cells, 1, kLength, strategy);
+  scene.gravity = 9.81 * Vec3(-std::cos(tilt), 0.0, -std::sin(tilt));
+  pin(scene, 0, clampOf(strategy), 0, scene.cloth.particles[kWeft] - 1);
+  quasiStatic(scene, 5.0, 0.02, tolerated);
+  return scene;
+}
+
+struct Tip {
+  double height, deflection;  ///< over the length [-]
+};
+
+Tip tipAtRest(const Scene& scene, Strategy strategy, double rest_speed) {
+  Simulation simulation(scene);
+  const Settled settled = settle(simulation, rest_speed, 15.0);
+  EXPECT_TRUE(settled.at_rest);
+  EXPECT_EQ(settled.failed_steps, 0);
+  EXPECT_EQ(settled.unconverged, 0) << "of " << settled.steps;
+  const Vec3 span =
+      particle(simulation, scene.cloth.particles[kWarp] - 1, 1) - particle(simulation, clampOf(strategy), 1);
+  EXPECT_NEAR(span.y(), 0.0, tolerance(1e-6)) << "the strip left its plane";
+  return {span.x() / kLength, -span.z() / kLength};
+}
+
+TEST(BucklingSolutions, MatchTheLiterature) {
+  EXPECT_NEAR(criticalColumn(), 1.986353, tolerance(6e-7));
+  // Turned by a right angle the column is the cantilever of reference_solutions.h.
+  for (const double lambda : {1.0, 2.0, 4.0}) {
+    const Cantilever level = heavyElastica(lambda);
+    const HeavyColumn turned = heavyColumn(lambda, 0.5 * kPi);
+    EXPECT_NEAR(turned.deflection, level.drop, tolerance(1e-9));
+    EXPECT_NEAR(turned.height, level.x, tolerance(1e-9));
+  }
+  // Column without tilt to first order: Γ tilt / 8 for a small Γ = λ³.
+  EXPECT_NEAR(heavyColumn(0.1, 1e-3).deflection, 1e-6 / 8.0, tolerance(1e-10));
+  const struct {
+    double shortening, load, deflection;
+  } table[] = {{.01, 1.005028, .063463},
+               {.05, 1.025724, .140111},
+               {.1, 1.052987, .194924},
+               {.3, 1.180699, .314313},
+               {.5, 1.349449, .373306}};
+  for (const auto& row : table) {
+    EXPECT_NEAR(postBuckled(row.shortening).load, row.load, tolerance(6e-7));
+    EXPECT_NEAR(postBuckled(row.shortening).deflection, row.deflection, tolerance(6e-7));
+    const double step = 1e-4;  // the work of the load is the energy: dU/dδ = P
+    const double slope =
+        (postBuckled(row.shortening + step).bending - postBuckled(row.shortening - step).bending) /
+        (2 * step);
+    EXPECT_NEAR(slope, row.load, tolerance(2e-6));
+  }
+}
+
+class TiltedColumn : public testing::TestWithParam<std::tuple<Strategy, double>> {};
+
+/// How much longer [-] an exact column may be that leans as far. A chain of N links buckles early by 1.8 / N²
+/// of its length (ColumnOrder below): 0.2 % for the ten links of the coarsest mesh. The rest is
+/// GradedClamp's.
+double longer(Strategy strategy) { return strategy == Strategy::Finest ? 0.0015 : 0.01; }
+
+TEST_P(TiltedColumn, LeansLikeTheElastica) {
+  // Near the critical length a little length makes much deflection: errors count as length.
+  const auto [strategy, lambda] = GetParam();
+  const double tilt = 0.02;
+  const HeavyColumn exact = heavyColumn(lambda, tilt);
+  const HeavyColumn limit = heavyColumn(lambda * (1.0 + longer(strategy)), tilt);
+  const Tip tip = tipAtRest(column(lambda, tilt, 40, strategy, 1e-5), strategy, 2e-6);
+  const std::string what = "standing strip, gravity tilted by 0.02";
+  record({what, "tip deflection / L", name(strategy), lambda, tip.deflection, exact.deflection, 1.0});
+  record({what, "tip height / L", name(strategy), lambda, tip.height, exact.height, 1.0});
+  const double shortened = 0.5 * kWeight * kLength / kStiffness;  // of the length, under its own weight [-]
+  const double bound = std::hypot(limit.deflection - exact.deflection, limit.height - exact.height);
+  EXPECT_LE(std::hypot(tip.deflection - exact.deflection, tip.height - exact.height),
+            tolerance(bound + 2.0 * shortened));
+}
+
+INSTANTIATE_TEST_SUITE_P(Strategies, TiltedColumn,
+                         testing::Combine(testing::ValuesIn(kStrategies),
+                                          testing::Values(1.5, 1.8, 1.95, 2.0, 2.2, 2.5)),
+                         [](const auto& info) {
+                           return name(std::get<0>(info.param)) + "_lambda" +
+                                  std::to_string(std::lround(100 * std::get<1>(info.param)));
+                         });
+
+class ColumnThreshold : public testing::TestWithParam<Strategy> {};
+
+TEST_P(ColumnThreshold, StandsBelowAndFallsAbove) {
+  // What a tilt of 1e-4 does: a lean of 6e-4 L below, a fall to 0.69 L above.
+  const double tilt = 1e-4;
+  const auto lean = [&](double factor) {
+    const double lambda = factor * criticalColumn();
+    const double exact = heavyColumn(lambda, tilt).deflection;
+    const double value = tipAtRest(column(lambda, tilt, 40, GetParam(), 1e-6), GetParam(), 2e-7).deflection;
+    record({"standing strip, gravity tilted by 1e-4", "tip deflection / L", name(GetParam()), lambda, value,
+            exact, 1.0});
+    return value / exact - 1.0;
+  };
+  // Below, Γ/(Γ_c - Γ) multiplies a small error of Γ_c: 2 % for 0.1 % of the length, 25 % for 1 %. Above it
+  // is the slope of the branch.
+  EXPECT_NEAR(lean(0.95), 0.0, tolerance(GetParam() == Strategy::Finest ? 0.02 : 0.25));
+  EXPECT_NEAR(lean(1.05), 0.0, tolerance(GetParam() == Strategy::Finest ? 0.01 : 0.06));
+}
+
+INSTANTIATE_TEST_SUITE_P(Strategies, ColumnThreshold, testing::ValuesIn(kStrategies),
+                         [](const auto& info) { return name(info.param); });
+
+/// Slope of the least-squares line through the points.
+double slope(const std::vector<double>& x, const std::vector<double>& y) {
+  double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
+  const double n = static_cast<double>(x.size());
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    sx += x[k];
+    sy += y[k];
+    sxx += x[k] * x[k];
+    sxy += x[k] * y[k];
+  }
+  return (n * sxy - sx * sy) / (n * sxx - sx * sx);
+}
+
+constexpr double kSouthwellTilt = 1e-3;
+
+/// Critical λ by a Southwell plot: deflection against deflection over load is a line of slope Γ_c = λ_c³.
+template <class Deflection>
+double southwell(Deflection deflection) {
+  std::vector<double> x, y;
+  for (const double lambda : {1.7, 1.8, 1.88}) {
+    y.push_back(deflection(lambda));
+    x.push_back(y.back() / std::pow(lambda, 3));
+  }
+  return std::cbrt(slope(x, y));
+}
+
+double southwell(int cells, Strategy strategy) {
+  return southwell([=](double lambda) {
+    return tipAtRest(column(lambda, kSouthwellTilt, cells, strategy, 1e-6), strategy, 2e-7).deflection;
+  });
+}
+
+/// The same plot of the elastica: 1.986, as higher modes and the finite tilt hardly bend the line.
+double southwellExact() {
+  return southwell([](double lambda) { return heavyColumn(lambda, kSouthwellTilt).deflection; });
+}
+
+TEST(ColumnOrder, CriticalLengthConvergesWithSquareOfSpacing) {
+  EXPECT_NEAR(southwellExact(), criticalColumn(), tolerance(5e-4));
+  // Refinement does not mend the stretch, of the order of w L / 2E = 1.5e-4: the order is that of the rest.
+  double errors[3];
+  for (int k = 0; k < 3; ++k) {
+    const int cells = 10 << k;
+    const double value = southwell(cells, Strategy::Finest);
+    record({"standing strip, Southwell plot", "critical L/c", "finest", 1.0 * cells, value, southwellExact(),
+            criticalColumn()});
+    errors[k] = 1.0 - value / southwellExact();
+  }
+  EXPECT_NEAR(errors[2], 0.0, tolerance(5e-4));
+  // Differences of successive meshes fall by 4 whatever they converge to.
+  EXPECT_GT((errors[0] - errors[1]) / (errors[1] - errors[2]), 3.0);
+}
+
+class ColumnSouthwell : public testing::TestWithParam<Strategy> {};
+
+TEST_P(ColumnSouthwell, FindsTheCriticalLength) {
+  const double value = southwell(40, GetParam());
+  record({"standing strip, Southwell plot", "critical L/c", name(GetParam()), 40.0, value, southwellExact(),
+          criticalColumn()});
+  EXPECT_NEAR(value / southwellExact(), 1.0, tolerance(longer(GetParam())));
+}
+
+INSTANTIATE_TEST_SUITE_P(Strategies, ColumnSouthwell, testing::Values(Strategy::Amrc, Strategy::Coarsest),
+                         [](const auto& info) { return name(info.param); });
+
+TEST(GradedClamp, BendsMoreEasilyThanAUniformOne) {
+  // Pins keep the cells around them finest, so a coarse strip is graded towards its clamp. A thread that ends
+  // in the middle of a coarser cell's side has no triple there: its moment goes to its neighbours, which bend
+  // the more. On the same mesh without grading, pinned at the coarse corners alone, the error is that of ten
+  // links, 1.0 %; those of the graded mesh's columns, if every thread had all of them, would give 0.84 %.
+  const double lambda = 1.0, tilt = 0.02;
+  const double exact = heavyColumn(lambda, tilt).deflection;
+  const auto error = [&](const Scene& scene, const std::string& mesh) {
+    const double value = tipAtRest(scene, Strategy::Coarsest, 2e-6).deflection;
+    record(
+        {"standing strip, clamp of a coarse mesh", "tip deflection / L", mesh, lambda, value, exact, exact});
+    return value / exact - 1.0;
+  };
+  Scene scene = column(lambda, tilt, 40, Strategy::Coarsest, 1e-5);
+  EXPECT_NEAR(error(scene, "graded"), 0.0, tolerance(0.035));
+  scene.cloth.pins.clear();
+  for (const int i : {0, 4}) {
+    for (const int j : {0, 4}) pin(scene, i, i, j, j);
+  }
+  EXPECT_NEAR(error(scene, "coarsest"), 0.0, tolerance(0.0125));
+}
+
+enum class Ends { Pinned, Clamped };
+
+constexpr double kRigidity = 1e-3;  // of a squeezed strip [N·m]
+
+double eulerLoad(Ends ends) {
+  return (ends == Ends::Clamped ? 4.0 : 1.0) * kPi * kPi * kRigidity / (kLength * kLength);
+}
+
+/// Held at a span of (1 - shortening) times its length. The grid's rest lengths are the span's, so the
+/// strip's own length is in the law of its warp: no force at the strain s = 1/(1 - shortening) - 1.
+/// Compressed flat it gives way at 3 to 4 times the Euler load, so that the start buckles into no higher
+/// mode. Curvature is measured on the grid's rest lengths: κ is (1+s)² too high on an area 1+s too small, so
+/// the rigidity is taken (1+s)³ lower.
+Scene squeezed(double shortening, Ends ends, Strategy strategy) {
+  const double s = 1.0 / (1.0 - shortening) - 1.0;
+  LinearFabric linear;
+  linear.rigidity = kRigidity / std::pow(1.0 + s, 3);
+  Fabric fabric = makeFabric(linear);
+  const double stiffness = 4000.0 * eulerLoad(ends), yield = 3.0 * eulerLoad(ends);
+  const double step = yield / stiffness, soft = eulerLoad(ends) / s;
+  fabric.tensile[kWarp] = Curve(s - 2.0 * step, step, {-yield - soft * step, -yield, 0.0});
+  Scene scene = strip(fabric, 40, ends == Ends::Clamped ? 2 : 0, kLength / (1.0 + s), strategy);
+  scene.gravity = Vec3(0.0, 0.0, -0.1);  // says which way to buckle: 1 % of the Euler load
+  const int clamp = ends == Ends::Clamped ? clampOf(strategy) : 0;
+  const int i1 = scene.cloth.particles[kWarp] - 1, j1 = scene.cloth.particles[kWeft] - 1;
+  pin(scene, 0, clamp, 0, j1);
+  pin(scene, i1 - clamp, i1, 0, j1);
+  quasiStatic(scene, 100.0, 0.002, 1e-2);
+  return scene;
+}
+
+class PostBuckling : public testing::TestWithParam<std::tuple<Strategy, Ends>> {
+ protected:
+  Strategy strategy() const { return std::get<0>(GetParam()); }
+  Ends ends() const { return std::get<1>(GetParam()); }
+  std::string what() const {
+    return ends() == Ends::Clamped ? "squeezed strip, clamped ends" : "squeezed strip, pinned ends";
+  }
+  /// Triples at the graded cells of the clamps miss some of the energy (GradedClamp), where κ is largest.
+  bool graded() const { return ends() == Ends::Clamped && strategy() != Strategy::Finest; }
+
+  /// Bending energy at rest over Euler load times length; checks it and the deflection.
+  double bendingAt(double shortening) {
+    const Scene scene = squeezed(shortening, ends(), strategy());
+    Simulation simulation(scene);
+    const Settled settled = settle(simulation, 1e-5, 10.0);
+    EXPECT_TRUE(settled.at_rest);
+    EXPECT_EQ(settled.failed_steps, 0);
+    EXPECT_EQ(simulation.step().minimizer.why, Termination::Converged);  // the first steps need not
+    const PostBuckled exact = postBuckled(shortening);
+    const double middle = -particle(simulation, scene.cloth.particles[kWarp] / 2, 1).z() / kLength;
+    const double bending = simulation.energy().bend / (eulerLoad(ends()) * kLength * scene.cloth.size[kWeft]);
+    record({what(), "deflection of the middle / L", name(strategy()), shortening, middle, exact.deflection,
+            exact.deflection});
+    record({what(), "bending energy / (P_cr L)", name(strategy()), shortening, bending, exact.bending,
+            exact.bending});
+    EXPECT_NEAR(middle, exact.deflection, tolerance(0.01 * exact.deflection));
+    EXPECT_NEAR(bending, exact.bending, tolerance((graded() ? 0.1 : 0.015) * exact.bending));
+    return bending;
+  }
+};
+
+TEST_P(PostBuckling, FollowsTheElastica) {
+  // The work of the load is the energy: its mean between two shortenings.
+  const double from = 0.05, to = 0.1;
+  const double load = (bendingAt(to) - bendingAt(from)) / (to - from);
+  const double exact = (postBuckled(to).bending - postBuckled(from).bending) / (to - from);
+  record({what(), "mean load / P_cr, 5 to 10 % shortening", name(strategy()), 0.0, load, exact, exact});
+  EXPECT_NEAR(load, exact, tolerance((graded() ? 0.08 : 0.02) * exact));
+}
+
+INSTANTIATE_TEST_SUITE_P(Strategies, PostBuckling,
+                         testing::Combine(testing::ValuesIn(kStrategies),
+                                          testing::Values(Ends::Pinned, Ends::Clamped)),
+                         [](const auto& info) {
+                           return name(std::get<0>(info.param)) +
+                                  (std::get<1>(info.param) == Ends::Clamped ? "_clamped" : "_pinned");
+                         });
+
+}  // namespace
+}  // namespace haptic_cloth
