@@ -22,6 +22,8 @@ struct SolverOptions {
   double time_step = 1e-3;  ///< [s]
   Cost cost = Cost::Condensed;
   MinimizerOptions minimizer;
+  double sleep_speed = 3e-4;  ///< particles slower than this for 50 steps stay where they are until the force on
+                              ///< them changes, and cost one look a step [m/s]; 0: none
   int threads = 0;  ///< OpenMP threads; 0: as many as the machine gives
 };
 

@@ -42,6 +42,7 @@ struct StepReport {
   double time = 0.0;  ///< simulated, at the end of the step [s]
   MinimizerReport minimizer;
   int active_particles = 0;
+  int awake_particles = 0;       ///< free ones that took part in the solve; the others sleep
   int refined = 0;               ///< cells split in this step
   int coarsened = 0;             ///< groups of four merged in this step
   bool failed = false;           ///< the last good state was restored

@@ -51,6 +51,16 @@ void ContactSet::forGroups(int begin, int end, const Visit& visit) const {
   }
 }
 
+void ContactSet::appendAwake(const std::vector<char>& awake, int first, Runs& runs) const {
+  for (int k = 0; k < size(); k += kLanes) {
+    bool wanted = samples_[k].solid == kProbe;
+    for (int l = 0; l < kLanes; ++l) {
+      for (const int node : samples_[k + l].nodes) wanted = wanted || awake[node] != 0;
+    }
+    if (wanted) runs.add(first + k, first + k + kLanes);
+  }
+}
+
 ContactSet::Energy ContactSet::evaluate(int begin, int end, const Field& nodes, const Vec3& proxy) {
   Energy energy;
   forGroups(begin, end, [&](const Group& group, int first, int last) {

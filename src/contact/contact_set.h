@@ -9,6 +9,7 @@
 #include "contact/shape.h"
 #include "mesh/active_mesh.h"
 #include "mesh/field.h"
+#include "parallel/runs.h"
 
 namespace haptic_cloth {
 
@@ -56,6 +57,9 @@ class ContactSet {
 
   /// Stops the nodes of samples that began the step inside a solid: they are let out, not thrown.
   void calm(Field& velocities) const;
+
+  /// Adds the packs of the range that act on a node which is awake, and all of the probe's, counted from `first`.
+  void appendAwake(const std::vector<char>& awake, int first, Runs& runs) const;
 
   using Energy = ContactEnergy;
 

@@ -123,6 +123,22 @@ void InternalEnergy::setNormals(const Field& positions) {
   }
 }
 
+void InternalEnergy::appendAwake(const std::vector<char>& awake, Runs& runs) const {
+  const auto touches = [&](const NodeLanes& nodes) {
+    return std::any_of(nodes.index, nodes.index + kLanes, [&](int node) { return awake[node] != 0; });
+  };
+  int first = 0;
+  const auto append = [&](bool wanted) {
+    if (wanted) runs.add(first, first + kLanes);
+    first += kLanes;
+  };
+  for (const EdgePack& pack : edge_packs_) append(touches(pack.a) || touches(pack.b));
+  for (const TriplePack& pack : triple_packs_) append(touches(pack.l) || touches(pack.c) || touches(pack.r));
+  for (const PatchPack& pack : patch_packs_) {
+    append(std::any_of(pack.corners, pack.corners + 4, touches));
+  }
+}
+
 InternalEnergy::Parts InternalEnergy::split(int begin, int end) const {
   int first = 0;
   const auto next = [&](int places) {

@@ -9,6 +9,7 @@
 #include "haptic_cloth/fabric.h"
 #include "mesh/active_mesh.h"
 #include "mesh/node_gather.h"
+#include "parallel/runs.h"
 
 namespace haptic_cloth {
 
@@ -68,6 +69,9 @@ class InternalEnergy {
   Vec3 normal(int node) const { return node_normals_[node]; }
   Vec3 patchNormal(int patch) const { return patch_normals_[patch]; }
   double twist() const { return twist_rigidity_; }
+
+  /// Adds the packs of the range that act on a node which is awake.
+  void appendAwake(const std::vector<char>& awake, Runs& runs) const;
 
   /// Energy of part begin..end of the range at `x`; leaves forces and stiffness behind.
   Energy evaluate(int begin, int end, const Field& x);

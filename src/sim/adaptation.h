@@ -23,6 +23,9 @@ class Adaptation {
  public:
   Adaptation(const AdaptOptions& options, const Grid& grid);
 
+  /// For looks from now on. @pre the same levels
+  void setOptions(const AdaptOptions& options) { options_ = options; }
+
   /// What the last apply() changed: parents merged, then cells split, in order.
   const std::vector<Cell>& merged() const { return merged_; }
   const std::vector<Cell>& split() const { return split_; }

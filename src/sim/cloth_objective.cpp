@@ -30,6 +30,9 @@ ClothObjective::ClothObjective(const Scene& scene, const ActiveMesh& mesh, Inter
   for (auto* list : {&start_, &inertial_, &nodes_, &motion_, &gradient_, &diagonal_}) {
     list->reserve(mesh.grid.particles());
   }
+  for (auto* list : {&awake_, &disturbed_, &seen_, &reached_}) list->reserve(mesh.grid.particles());
+  awake_elements_.reserve(mesh.grid.particles());
+  awake_nodes_.reserve(mesh.grid.particles() / kLanes + 1);
   for (auto* list : {&mass_, &moving_mass_}) list->reserve(padded(mesh.grid.particles()));
   inverse_diagonal_.setZero(capacity());
   residual_weight_.setZero(capacity());
@@ -57,9 +60,91 @@ void ClothObjective::begin(const Field& positions, const Field& velocities, cons
   if (mesh_.free == 0) total_mass = proxy_mass;
   const double g = referenceAcceleration(gravity_);
   reference_ = total_mass * g * g;
+  reference_acceleration_ = g * g;
   const auto weight = [&](double mass) { return 1.0 / (mass * reference_); };
   for (int k = 0; k < 3 * mesh_.free; ++k) residual_weight_[k] = weight(mesh_.mass[k % mesh_.free]);
   if (probe.present) residual_weight_.segment<3>(3 * mesh_.free).setConstant(weight(proxy_mass));
+  awake_.assign(mesh_.nodes(), 1);
+  disturbed_.assign(mesh_.nodes(), 0);
+  all_awake_ = true;
+  lookAtAll();
+}
+
+void ClothObjective::lookAtAll() {
+  awake_elements_.clear();
+  awake_elements_.add(0, internal_.size() + contacts_.size());
+  awake_nodes_.clear();
+  awake_nodes_.add(0, padded(mesh_.nodes()));
+}
+
+void ClothObjective::sleepAll() {
+  std::fill(awake_.begin(), awake_.end(), 0);
+  all_awake_ = false;
+}
+
+int ClothObjective::awake() const {
+  return static_cast<int>(std::count(awake_.begin(), awake_.begin() + mesh_.free, 1));
+}
+
+void ClothObjective::forcesAtRest(const Field& velocities, Field& forces) const {
+  forces = gradient_;
+  for (int n = 0; n < mesh_.free; ++n) forces.add(n, moving_mass_[n] / h_ * velocities[n]);
+}
+
+bool ClothObjective::wake(const Rest& rest, const Field& forces, double threshold) {
+  constexpr int kRings = 3;            // of cells around what moves: what is pushed pushes its neighbours
+  constexpr double kWorthwhile = 0.6;  // share of nodes above which all may as well be awake
+  const double limit = threshold * std::sqrt(reference_acceleration_);
+  bool more = false;
+  seen_.assign(mesh_.nodes(), 0);
+  for (int n = 0; n < mesh_.free; ++n) {
+    if (awake_[n]) continue;
+    const double allowed = limit * mesh_.mass[n];
+    disturbed_[n] = rest.sleeps(n) && !((forces[n] - rest.reference(n)).squaredNorm() <= allowed * allowed);
+    seen_[n] = disturbed_[n] || !rest.sleeps(n);
+    more = more || seen_[n];
+  }
+  if (!more) return false;
+  for (int ring = 0; ring < kRings; ++ring) spread();
+  int count = 0;
+  for (int n = 0; n < mesh_.nodes(); ++n) {
+    awake_[n] = awake_[n] || seen_[n];
+    count += awake_[n];
+  }
+  all_awake_ = count > kWorthwhile * mesh_.nodes();
+  if (all_awake_) {
+    std::fill(awake_.begin(), awake_.end(), 1);
+    lookAtAll();
+  } else {
+    listAwake();
+  }
+  return true;
+}
+
+/// From nodes that are seen to all of their cells; hanging ones go with their masters.
+void ClothObjective::spread() {
+  reached_.assign(mesh_.nodes(), 0);
+  for (const Patch& patch : mesh_.patches) {
+    const auto& n = patch.nodes;
+    if (!(seen_[n[0]] || seen_[n[1]] || seen_[n[2]] || seen_[n[3]])) continue;
+    for (const int node : n) reached_[node] = 1;
+  }
+  for (auto g = mesh_.ghosts.rbegin(); g != mesh_.ghosts.rend(); ++g) {
+    if (reached_[g->node]) reached_[g->a] = reached_[g->b] = 1;
+  }
+  for (const Ghost& g : mesh_.ghosts) reached_[g.node] = reached_[g.a] || reached_[g.b];
+  seen_.swap(reached_);
+}
+
+void ClothObjective::listAwake() {
+  awake_elements_.clear();
+  internal_.appendAwake(awake_, awake_elements_);
+  contacts_.appendAwake(awake_, internal_.size(), awake_elements_);
+  awake_nodes_.clear();
+  for (int n = 0; n < mesh_.nodes(); n += kLanes) {
+    const auto first = awake_.begin() + n, last = awake_.begin() + std::min(n + kLanes, mesh_.nodes());
+    if (std::any_of(first, last, [](char a) { return a != 0; })) awake_nodes_.add(n, n + kLanes);
+  }
 }
 
 void ClothObjective::pack(const Field& nodes, const Vec3& proxy, Vector& x) const {
@@ -88,15 +173,23 @@ Motion ClothObjective::motion() const {
 
 double ClothObjective::evaluate(const Vector& x, Vector& gradient) {
   unpack(x, nodes_, proxy_);
-  energies_ = team_.sum(internal_.size() + contacts_.size(),
-                        [this](int begin, int end) { return evaluateElements(begin, end); });
-  const Sums motion = team_.sum(mesh_.nodes(), [this](int begin, int end) {
+  energies_ = team_.sum(awake_elements_.size(), [this](int from, int to) {
     Sums sums = Sums::Zero();
-    sums[0] = gatherNodes(begin, end);
+    awake_elements_.forPart(from, to, [&](int begin, int end) { sums += evaluateElements(begin, end); });
+    return sums;
+  });
+  const Sums motion = team_.sum(awake_nodes_.size(), [this](int from, int to) {
+    Sums sums = Sums::Zero();
+    awake_nodes_.forPart(
+        from, to, [&](int begin, int end) { sums[0] += gatherNodes(begin, std::min(end, mesh_.nodes())); });
     return sums;
   });
   mesh_.handOverGhosts(gradient_);
   packFree(gradient_, gradient);
+  for (int n = 0; !all_awake_ && n < mesh_.free; ++n) {
+    if (awake_[n]) continue;
+    for (int c = 0; c < 3; ++c) gradient[c * mesh_.free + n] = 0.0;
+  }
   double value = energies_.head<5>().sum() + motion[0];
   if (probe_.present) {
     const Vec3 slip = (proxy_ - probe_.proxy) / h_ - probe_.device_velocity;
@@ -141,16 +234,20 @@ Objective::Along ClothObjective::along(const Vector& d) {
 
 double ClothObjective::curvature() {
   const int internal = internal_.size();
-  const Sums elements = team_.sum(internal + contacts_.size(), [&](int begin, int end) {
+  const Sums elements = team_.sum(awake_elements_.size(), [&](int from, int to) {
     Sums sums = Sums::Zero();
-    sums[0] = internal_.curvature(std::min(begin, internal), std::min(end, internal), motion_) +
-              contacts_.curvature(std::max(begin, internal) - internal, std::max(end, internal) - internal,
-                                  motion_, proxy_motion_);
+    awake_elements_.forPart(from, to, [&](int begin, int end) {
+      sums[0] += internal_.curvature(std::min(begin, internal), std::min(end, internal), motion_) +
+                 contacts_.curvature(std::max(begin, internal) - internal, std::max(end, internal) - internal,
+                                     motion_, proxy_motion_);
+    });
     return sums;
   });
-  const Sums moving = team_.sum(mesh_.free, [&](int begin, int end) {
+  const Sums moving = team_.sum(awake_nodes_.size(), [&](int from, int to) {
     Sums sums = Sums::Zero();
-    sums[0] = motionCurvature(motion(), begin, end, motion_.arrays());
+    awake_nodes_.forPart(from, to, [&](int begin, int end) {
+      sums[0] += motionCurvature(motion(), begin, end, motion_.arrays());
+    });
     return sums;
   });
   double value = elements[0] + moving[0];
@@ -169,6 +266,9 @@ void ClothObjective::fitPreconditioner() {
   }
   for (int n = 0; n < mesh_.free; ++n) {
     diagonal_.set(n, (diagonal_[n].array() + mesh_.mass[n] * inertia()).inverse());
+  }
+  for (int n = 0; n < mesh_.free; ++n) {
+    if (!awake_[n]) diagonal_.set(n, Vec3::Zero());
   }
   packFree(diagonal_, inverse_diagonal_);
   if (probe_.present) inverse_diagonal_.segment<3>(3 * mesh_.free) = proxy.cwiseInverse();

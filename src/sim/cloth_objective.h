@@ -10,7 +10,9 @@
 #include "haptic_cloth/scene.h"
 #include "mesh/active_mesh.h"
 #include "parallel/parallel_for.h"
+#include "parallel/runs.h"
 #include "sim/motion.h"
+#include "sim/rest.h"
 #include "solver/objective.h"
 
 namespace haptic_cloth {
@@ -37,6 +39,25 @@ class ClothObjective : public Objective {
 
   /// Starts a step from node positions and velocities (ghosts included).
   void begin(const Field& positions, const Field& velocities, const ProbeStep& probe);
+
+  /// Nodes may sleep: they and the elements around them are left out of the solve and stay where they are.
+  /// begin() wakes all.
+  void sleepAll();
+
+  /// Forces on the nodes, with the opposite sign, if they stood still at the last evaluated point [N].
+  void forcesAtRest(const Field& velocities, Field& forces) const;
+
+  /// Wakes the free nodes that do not rest, those whose force has changed by more than `threshold` ·
+  /// |gravity| · mass, and some around them; what evaluates next is what concerns them. @return whether there
+  /// were any
+  bool wake(const Rest& rest, const Field& forces, double threshold);
+
+  /// Has everything evaluated until the next wake(), also what sleeps.
+  void lookAtAll();
+  bool allAwake() const { return all_awake_; }
+  int awake() const;  ///< free nodes that are
+  bool isAwake(int node) const { return awake_[node] != 0; }
+  bool isDisturbed(int node) const { return disturbed_[node] != 0; }  ///< its force woke it in this step
 
   int size() const override { return 3 * (mesh_.free + (probe_.present ? 1 : 0)); }
   double evaluate(const Vector& x, Vector& gradient) override;
@@ -84,6 +105,8 @@ class ClothObjective : public Objective {
   Vec3 pinForce() const;          ///< of the pins on the cloth [N]
 
  private:
+  void spread();
+  void listAwake();
   Sums evaluateElements(int begin, int end);
   double gatherNodes(int begin, int end);
   double curvature();
@@ -96,9 +119,13 @@ class ClothObjective : public Objective {
   Vec3 gravity_;
   Preconditioner preconditioner_;
   double h_, air_damping_, coupling_stiffness_, coupling_damping_;
+  double reference_acceleration_ = 1.0;  ///< |gravity|² [m²/s⁴]
   double reference_ = 1.0;  ///< mass times |gravity|², what residuals are measured in [kg m²/s⁴]
 
   ProbeStep probe_;
+  std::vector<char> awake_, disturbed_, seen_, reached_;  ///< a node each
+  bool all_awake_ = true;
+  Runs awake_elements_, awake_nodes_;       ///< what evaluate() and along() look at
   Field start_, inertial_;                  ///< x⁰ and x⁰ + h v⁰/(1 + c h) of the nodes [m]
   std::vector<double> mass_, moving_mass_;  ///< of all nodes; of the free ones, zero for others; padded [kg]
   Field nodes_, motion_, gradient_, diagonal_;

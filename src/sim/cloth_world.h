@@ -27,6 +27,9 @@ class ClothWorld {
   void removeDevice();
   StepReport step();
 
+  /// How the mesh follows the shape from the next step on. @pre the same levels
+  void setAdaptOptions(const AdaptOptions& options) { adaptation_.setOptions(options); }
+
   Scene scene;
   Grid grid;
   LeafMesh leaves;
@@ -48,12 +51,16 @@ class ClothWorld {
   const Field& nodes() const { return nodes_; }
 
  private:
+  bool isIdle() const;
+  StepReport idle();
+  void noteIdle(const StepReport& report);
   void gatherNodes();
   void adapt(StepReport& report);
   void solve(StepReport& report);
   void findContacts(double proxy_reach);
   MinimizerReport minimise();
   MinimizerReport minimiseJoint();
+  void lookAtRest();
   double chooseStart();
   std::array<double, 2> stepsAlongWays();
   bool covered();
@@ -66,6 +73,13 @@ class ClothWorld {
   double cohesion() const;
 
   Adaptation adaptation_;
+  Rest rest_;
+  Field forces_;                         ///< on the nodes at rest, for rest_ [N]
+  int quiet_ = 0;                        ///< steps in a row in which all slept
+  bool idle_ = false;                    ///< enough of them
+  bool idle_present_ = false;            ///< the probe then,
+  Vec3 idle_device_ = Vec3::Zero();      ///< and its device [m]
+  double idle_residual_ = 0.0;           ///< of the last step that was solved
   std::optional<ForceHistory> history_;  ///< of a fabric with hysteresis
   std::optional<JointObjective> joint_;  ///< where the scene asks for that cost
   Minimizer minimizer_;
@@ -74,6 +88,7 @@ class ClothWorld {
   double supplied_ = 0.0;       ///< energy at the start and what the device has worked since [J]
   double coupling_ = 0.0;       ///< of the coupling at the end of the last step [J]
   double created_ = 0.0;        ///< by the mesh change of the step in hand [J]
+  double at_rest_ = 0.0;        ///< Φ of the step in hand with all at rest [J]
   double energy_before_ = 0.0;  ///< Φ's energies at the start of the step in hand, with its inputs [J]
   Field nodes_, velocities_;
   std::vector<double> reach_;  ///< how far a node is expected to move in the step in hand [m]

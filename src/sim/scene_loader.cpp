@@ -129,7 +129,7 @@ void readProbe(const YamlValue& value, ProbeOptions& probe) {
 
 void readSolver(const YamlValue& value, SolverOptions& solver) {
   const YamlMap map(value, {"time_step", "cost", "preconditioner", "tolerance", "max_iterations",
-                            "time_budget", "threads"});
+                            "time_budget", "sleep_speed", "threads"});
   map.read("time_step", solver.time_step);
   map.readChoice<Cost>("cost", solver.cost, {{"condensed", Cost::Condensed}, {"joint", Cost::Joint}});
   map.readChoice<Preconditioner>("preconditioner", solver.minimizer.preconditioner,
@@ -137,6 +137,7 @@ void readSolver(const YamlValue& value, SolverOptions& solver) {
   map.read("tolerance", solver.minimizer.tolerance);
   map.read("max_iterations", solver.minimizer.max_iterations);
   map.read("time_budget", solver.minimizer.time_budget);
+  map.read("sleep_speed", solver.sleep_speed);
   map.read("threads", solver.threads);
 }
 

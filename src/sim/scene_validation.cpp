@@ -135,6 +135,7 @@ void checkOptions(const Check& check, const Scene& scene) {
   const SolverOptions& solver = scene.solver;
   check.positive("solver.time_step", solver.time_step);
   check.notNegative("solver.tolerance", solver.minimizer.tolerance);
+  check.notNegative("solver.sleep_speed", solver.sleep_speed);
   check.atLeast("solver.max_iterations", solver.minimizer.max_iterations, 1);
   check.notNegative("solver.time_budget", solver.minimizer.time_budget);
   check.within("solver.threads", solver.threads, 0, kMostThreads);

@@ -37,20 +37,21 @@ std::ostream& operator<<(std::ostream& stream, const Vec3& v) {
 }
 
 void writeSteps(std::ostream& stream, const std::vector<StepRecord>& steps) {
-  stream << "time,active_particles,iterations,evaluations,restarts,termination,residual,kinetic,gravity,"
+  stream << "time,active_particles,awake_particles,iterations,evaluations,restarts,termination,residual,"
+            "kinetic,gravity,"
             "stretch,bend,shear,contact,coupling,dissipated,refined,coarsened,failed,velocity_scale,"
             "max_penetration,wall_time\n";
   for (const StepRecord& row : steps) {
     const StepReport& report = row.report;
     const MinimizerReport& minimizer = report.minimizer;
     const EnergyReport& energy = row.energy;
-    stream << report.time << ',' << report.active_particles << ',' << minimizer.iterations << ','
-           << minimizer.evaluations << ',' << minimizer.restarts << ',' << toString(minimizer.why) << ','
-           << minimizer.residual << ',' << energy.kinetic << ',' << energy.gravity << ',' << energy.stretch
-           << ',' << energy.bend << ',' << energy.shear << ',' << energy.contact << ',' << energy.coupling
-           << ',' << energy.dissipated << ',' << report.refined << ',' << report.coarsened << ','
-           << report.failed << ',' << report.velocity_scale << ',' << report.max_penetration << ','
-           << row.wall_time << '\n';
+    stream << report.time << ',' << report.active_particles << ',' << report.awake_particles << ','
+           << minimizer.iterations << ',' << minimizer.evaluations << ',' << minimizer.restarts << ','
+           << toString(minimizer.why) << ',' << minimizer.residual << ',' << energy.kinetic << ','
+           << energy.gravity << ',' << energy.stretch << ',' << energy.bend << ',' << energy.shear << ','
+           << energy.contact << ',' << energy.coupling << ',' << energy.dissipated << ',' << report.refined
+           << ',' << report.coarsened << ',' << report.failed << ',' << report.velocity_scale << ','
+           << report.max_penetration << ',' << row.wall_time << '\n';
   }
 }
 

@@ -49,6 +49,7 @@ void quasiStatic(Scene& scene, double drag, double time_step, double tolerance) 
   scene.solver.time_step = time_step;
   scene.solver.minimizer.tolerance = tolerance;
   scene.solver.minimizer.max_iterations = 5000;
+  scene.solver.sleep_speed = 0.0;
 }
 
 void setStrategy(Scene& scene, Strategy strategy, int levels) {

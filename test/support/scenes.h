@@ -31,7 +31,7 @@ void hangDown(Scene& scene);
 void pin(Scene& scene, int i0, int i1, int j0, int j1);
 void pinAllSides(Scene& scene);
 
-/// Makes a run end in a static equilibrium soon: strong air drag and large steps.
+/// Makes a run end in a static equilibrium soon: strong air drag and large steps; nothing sleeps on the way.
 void quasiStatic(Scene& scene, double drag, double time_step, double tolerance);
 
 void setStrategy(Scene& scene, Strategy strategy, int levels);

@@ -194,7 +194,7 @@ TEST(Scene, UnknownAndDuplicateKeysAreNamed) {
         "adapt, stop"},
        {ok + "solver: {dt: 1}",
         "scene: solver.dt: unknown key; known here: time_step, cost, preconditioner, tolerance, "
-        "max_iterations, time_budget, threads"},
+        "max_iterations, time_budget, sleep_speed, threads"},
        {ok + "adapt: {level: 1}",
         "scene: adapt.level: unknown key; known here: strategy, levels, interval, refine_above, "
         "coarsen_below, minimum_age"},
@@ -231,7 +231,7 @@ TEST(Scene, WrongTypesAreNamed) {
         "scene: obstacles[0].shape = cone: must be one of box, sphere, cylinder, capsule, plane"},
        {ok + "solver: 3",
         "scene: solver = 3: must be a mapping with keys out of: time_step, cost, preconditioner, tolerance, "
-        "max_iterations, time_budget, threads"},
+        "max_iterations, time_budget, sleep_speed, threads"},
        {ok + "solver: {max_iterations: 0.1}", "scene: solver.max_iterations = 0.1: must be an integer"},
        {ok + "solver: {threads: 99999999999}", "scene: solver.threads = 99999999999: must be an integer"},
        {ok + "solver: {threads: \"2\"}", "scene: solver.threads = \"2\": must be an integer"},

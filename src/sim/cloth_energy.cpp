@@ -1,0 +1,72 @@
+// The part of ClothWorld that keeps account of energy.
+#include <algorithm>
+#include <cmath>
+
+#include "sim/cloth_world.h"
+
+namespace haptic_cloth {
+
+/// Passivity: what moves may not hold more kinetic energy than is left [J] of what the step began with, the
+/// work of its inputs included. @return scale of the velocities, 1 where nothing was to do
+double ClothWorld::guardEnergy(double left) {
+  const double kinetic = kineticEnergy();
+  const double allowed = std::max(0.0, left);
+  if (kinetic <= allowed || kinetic == 0.0) return 1.0;
+  const double scale = std::sqrt(allowed / kinetic);
+  for (int n = 0; n < mesh.nodes(); ++n) velocities_.set(n, scale * velocities_[n]);
+  return scale;
+}
+
+/// What the device does: it works on spring and damper of the coupling; taking it away takes the spring's
+/// energy with it. What is missing in the balance at the end of a step was dissipated, in a failed step too.
+void ClothWorld::account() {
+  if (probe_step_.present) {
+    const ProbeStep& made = objective.probeStep();
+    const double spring =
+        0.5 * scene.probe.coupling_stiffness * (made.device - made.proxy).squaredNorm() - coupling_;
+    const double damper = scene.probe.coupling_damping * scene.solver.time_step *
+                          (made.device_velocity - probe.velocity).dot(made.device_velocity);
+    supplied_ += spring + damper;
+  } else {
+    supplied_ -= coupling_;
+  }
+  coupling_ = objective.couplingEnergy();
+}
+
+double ClothWorld::kineticEnergy() const {
+  double kinetic = 0.0;
+  for (int n = 0; n < mesh.active(); ++n) kinetic += 0.5 * mesh.mass[n] * velocities_[n].squaredNorm();
+  return kinetic;
+}
+
+/// Kinetic energy and that of gravity.
+EnergyReport ClothWorld::measureMotion() const {
+  EnergyReport e;
+  e.kinetic = kineticEnergy();
+  for (int n = 0; n < mesh.active(); ++n) e.gravity -= mesh.mass[n] * scene.gravity.dot(nodes_[n]);
+  return e;
+}
+
+/// Kinetic energy, that of gravity and what the fabric stores [J].
+double ClothWorld::cohesion() const {
+  const EnergyReport motion = measureMotion();
+  const InternalEnergy::Energy stored = internal.stored(nodes_);
+  return motion.kinetic + motion.gravity + stored.stretch + stored.bend + stored.shear;
+}
+
+EnergyReport ClothWorld::energy() const {
+  EnergyReport e = measureMotion();
+  Sums parts;
+  objective.internalEnergy(parts);
+  const InternalEnergy::Energy stored =
+      history_ ? internal.stored(nodes_) : InternalEnergy::Energy{parts[0], parts[1], parts[2]};
+  e.stretch = stored.stretch;
+  e.bend = stored.bend;
+  e.shear = stored.shear;
+  e.contact = parts[3];
+  e.coupling = objective.couplingEnergy();
+  e.dissipated = supplied_ - e.total();
+  return e;
+}
+
+}  // namespace haptic_cloth

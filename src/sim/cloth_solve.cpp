@@ -1,0 +1,160 @@
+// The part of ClothWorld that solves a step.
+#include <algorithm>
+
+#include "sim/cloth_world.h"
+
+namespace haptic_cloth {
+namespace {
+
+/// Work of two solves of one step; the state is the last one's.
+MinimizerReport sum(const MinimizerReport& a, MinimizerReport b) {
+  b.iterations += a.iterations;
+  b.evaluations += a.evaluations;
+  b.restarts += a.restarts;
+  b.seconds += a.seconds;
+  return b;
+}
+
+}  // namespace
+
+/// Contacts are sought as far as each node is expected to move. Where one moved farther, something may have
+/// been missed: the step is solved again with a reach that covers it.
+void ClothWorld::solve(StepReport& report) {
+  constexpr int kAttempts = 3;
+  const double h = scene.solver.time_step;
+  reach_.resize(mesh.nodes());
+  for (int n = 0; n < mesh.nodes(); ++n) {
+    reach_[n] =
+        2.0 * h * (velocities_[n].norm() + h * scene.gravity.norm()) + 0.1 * std::min(grid.dx, grid.dy);
+  }
+  double proxy_reach = (probe_step_.device - probe_step_.proxy).norm() + 2.0 * h * probe.velocity.norm();
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    findContacts(proxy_reach);
+    const MinimizerReport last = minimise();
+    report.minimizer = attempt == 0 ? last : sum(report.minimizer, last);
+    const double proxy_moved = (objective.proxy() - probe_step_.proxy).norm();
+    const bool proxy_covered = !probe_step_.present || !(proxy_moved > proxy_reach);
+    if ((covered() && proxy_covered) || last.why == Termination::TimeBudget) return;
+    proxy_reach = std::max(proxy_reach, 2.0 * proxy_moved);
+  }
+}
+
+void ClothWorld::findContacts(double proxy_reach) {
+  if (probe_step_.present && !probe_entered_)
+    probe_entered_ = contacts.isClear(mesh, nodes_, probe_step_.proxy);
+  const bool touches = probe_step_.present && probe_entered_;
+  contacts.collect(mesh, nodes_, reach_, touches ? &probe_step_.proxy : nullptr, proxy_reach);
+}
+
+/// Whether no node moved farther in the step just solved than contacts were sought; else widens the reach of
+/// all to twice what they moved.
+bool ClothWorld::covered() {
+  bool all = true;
+  for (int n = 0; n < mesh.nodes(); ++n) {
+    const double moved = (objective.nodes()[n] - nodes_[n]).norm();
+    all = all && !(moved > reach_[n]);
+    reach_[n] = std::max(reach_[n], 2.0 * moved);
+  }
+  return all;
+}
+
+/// Only what moves is solved for. Each solve is followed by a look at everything: who was pushed wakes.
+MinimizerReport ClothWorld::minimise() {
+  constexpr int kLooks = 4;
+  constexpr double kDisturbed = 3.0;  // change of force that wakes, over what a solve may leave anyway
+  objective.begin(nodes_, velocities_, probe_step_);
+  lookAtRest();
+  if (joint_) {
+    chooseStart();
+    return minimiseJoint();
+  }
+  MinimizerReport report;
+  report.residual = objective.residual(gradient_);
+  const double change = kDisturbed * scene.solver.minimizer.tolerance;
+  objective.forcesAtRest(velocities_, forces_);
+  rest_.look(mesh, forces_);
+  if (rest_.possible()) objective.sleepAll();
+  for (int look = 0; look < kLooks; ++look) {
+    const bool moves = objective.allAwake() ? look == 0 : objective.wake(rest_, forces_, change);
+    if (!moves && !(look == 0 && probe_step_.present)) break;
+    const double start = look == 0 ? chooseStart() : objective.evaluate(x_, gradient_);
+    report = sum(report, minimizer_.minimize(objective, x_, start, gradient_, team));
+    const bool ended = report.why == Termination::NotFinite || report.why == Termination::TimeBudget;
+    if (objective.allAwake() || ended) break;
+    objective.lookAtAll();
+    objective.evaluate(x_, gradient_);
+    objective.forcesAtRest(velocities_, forces_);
+  }
+  cost.motion = objective.motionCost();
+  return report;
+}
+
+/// Φ and its gradient with all at rest, the proxy included; the solve starts there.
+void ClothWorld::lookAtRest() {
+  const int size = objective.size();
+  objective.pack(nodes_, probe_step_.proxy, start_);
+  at_rest_ = objective.evaluate(start_, gradient_);
+  Sums parts;
+  energy_before_ = objective.internalEnergy(parts) + objective.couplingEnergy() + objective.lossPotential() -
+                   std::max(0.0, created_);
+  x_.head(size) = start_.head(size);
+}
+
+/// Positions as the joint cost has them; forces and energies then are those of the laws there, as ever.
+MinimizerReport ClothWorld::minimiseJoint() {
+  joint_->begin(start_, x_, joint_x_);
+  const MinimizerReport report = minimizer_.minimize(*joint_, joint_x_, team);
+  cost = joint_->costs();
+  x_.head(objective.size()) = joint_x_.head(objective.size());
+  objective.evaluate(x_, gradient_);
+  return report;
+}
+
+/// Where the solve starts: the lowest point of Φ's second-order model at rest along two ways, inertial motion
+/// and what gravity adds to it, or rest itself where Φ is lower. So Φ never ends above that at rest, and
+/// motion without new forces, free fall among it, is exact at any tolerance.
+/// @return Φ there; gradient_ is its gradient
+double ClothWorld::chooseStart() {
+  const int size = objective.size();
+  const double at_rest = objective.allAwake() ? at_rest_ : objective.evaluate(start_, gradient_);
+  const std::array<double, 2> steps = stepsAlongWays();
+  motion_.head(size) = steps[0] * ways_[0].head(size) + steps[1] * ways_[1].head(size);
+  const double reach = std::min(1.0, objective.along(motion_).max_step);
+  x_.head(size) = start_.head(size) + reach * motion_.head(size);
+  const double moving = objective.evaluate(x_, gradient_);
+  if (moving <= at_rest) return moving;
+  x_.head(size) = start_.head(size);
+  return objective.evaluate(x_, gradient_);
+}
+
+/// Minimum of Φ's model on the plane of the two ways; on their sum where they are one line.
+std::array<double, 2> ClothWorld::stepsAlongWays() {
+  const double h = scene.solver.time_step, share = h / (1.0 + scene.air_damping * h);
+  const int size = objective.size();
+  for (int c = 0; c < 3; ++c) {
+    ways_[0].segment(c * mesh.free, mesh.free) =
+        share * Eigen::Map<const Vector>(velocities_.coordinate(c).data(), mesh.free);
+    ways_[1].segment(c * mesh.free, mesh.free).setConstant(share * h * scene.gravity[c]);
+  }
+  for (int n = 0; !objective.allAwake() && n < mesh.free; ++n) {
+    if (objective.isAwake(n)) continue;
+    for (int c = 0; c < 3; ++c) ways_[0][c * mesh.free + n] = ways_[1][c * mesh.free + n] = 0.0;
+  }
+  if (probe_step_.present) {
+    ways_[0].segment<3>(3 * mesh.free) = h * probe.velocity;
+    ways_[1].segment<3>(3 * mesh.free).setZero();
+  }
+  motion_.head(size) = ways_[0].head(size) + ways_[1].head(size);
+  const double a = objective.along(ways_[0]).curvature, b = objective.along(ways_[1]).curvature,
+               both = objective.along(motion_).curvature, mixed = 0.5 * (both - a - b);
+  const double p = -gradient_.head(size).dot(ways_[0].head(size)),
+               q = -gradient_.head(size).dot(ways_[1].head(size));
+  const double determinant = a * b - mixed * mixed;
+  if (determinant > 1e-9 * a * b) {
+    return {(b * p - mixed * q) / determinant, (a * q - mixed * p) / determinant};
+  }
+  const double sum = both > 0.0 ? (p + q) / both : 0.0;
+  return {sum, sum};
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,29 @@
+#include "sim/rest.h"
+
+namespace haptic_cloth {
+
+Rest::Rest(const Grid& grid, double speed) : speed_(speed), particles_(grid.particles()) {
+  sleeps_.reserve(grid.particles());
+  references_.reserve(grid.particles());
+}
+
+void Rest::look(const ActiveMesh& mesh, const Field& forces) {
+  sleeps_.assign(mesh.nodes(), 0);
+  references_.clear(mesh.nodes());
+  for (int n = 0; n < mesh.free; ++n) {
+    Particle& p = particles_[mesh.particle[n]];
+    if (p.still < kSteps) continue;
+    if (!p.known) p.force = forces[n];
+    p.known = true;
+    sleeps_[n] = 1;
+    references_.set(n, p.force);
+  }
+}
+
+void Rest::disturb(const Grid& grid, const Cell& cell) {
+  for (int j = cell.j; j <= cell.j + cell.span(); ++j) {
+    for (int i = cell.i; i <= cell.i + cell.span(); ++i) particles_[grid.particle(i, j)] = Particle();
+  }
+}
+
+}  // namespace haptic_cloth
