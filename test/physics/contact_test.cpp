@@ -6,8 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
 
+#include "support/record.h"
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
@@ -43,6 +43,8 @@ TEST_P(OnPlane, SupportEqualsWeight) {
   EXPECT_LE(settled.max_penetration, scene.cloth.fabric.thickness);
   const double weight = simulation.mass() * 9.81;
   // The residual, 1e-3 g rms, bounds the net force by 1e-3 of the weight; twice that for what still moves.
+  record({"cloth at rest on a plane", "support [N]", name(GetParam()), 0.0, simulation.supportForce().z(),
+          weight, weight});
   EXPECT_NEAR(simulation.supportForce().z(), weight, tolerance(2e-3 * weight));
   EXPECT_NEAR(simulation.supportForce().head<2>().norm(), 0.0, tolerance(2e-3 * weight));
 }
@@ -79,9 +81,10 @@ TEST(OnBox, DrapesWithoutPenetration) {
 }
 
 /// A piece of cloth laid on a slope of 20 degrees, tan 20° = 0.364, for 0.4 s; how far it slid.
-double slide(double friction, double duration) {
+double slide(double friction, double duration, Strategy strategy) {
   const double angle = 20.0 * EIGEN_PI / 180.0;
   Scene scene = sheetScene(makeFabric(bendingFabric()), 9, 9, 0.032, 0.032);
+  setStrategy(scene, strategy, 2);
   const Quat tilt(Eigen::AngleAxisd(angle, Vec3::UnitY()));  // downhill is local +x
   scene.cloth.pose.orientation = tilt;
   scene.cloth.pose.position = tilt * Vec3(0.0, 0.0, scene.cloth.fabric.thickness);
@@ -96,20 +99,29 @@ double slide(double friction, double duration) {
   return (tilt.inverse() * (particle(simulation, 4, 4) - start)).x();
 }
 
-TEST(OnSlope, SticksBelowFrictionAngle) {
-  const double slid = slide(0.5, 0.4);
-  std::cout << "  creep " << 1e3 * slid << " mm in 0.4 s\n";
+class OnSlope : public testing::TestWithParam<Strategy> {};
+
+TEST_P(OnSlope, SticksBelowFrictionAngle) {
+  const double slid = slide(0.5, 0.4, GetParam());
+  record({"cloth on a slope of 20°", "slid in 0.4 s [mm]", name(GetParam()), 0.5, 1e3 * slid, 0.0, 268.0});
   // Smoothed friction creeps; free, it would have slid 268 mm.
   EXPECT_LE(std::abs(slid), tolerance(1e-3));
 }
 
-TEST(OnSlope, SlidesAboveFrictionAngle) {
+TEST_P(OnSlope, SlidesAboveFrictionAngle) {
   const double angle = 20.0 * EIGEN_PI / 180.0, friction = 0.2, duration = 0.4;
   const double acceleration = 9.81 * (std::sin(angle) - friction * std::cos(angle));
   const double exact = 0.5 * acceleration * duration * duration;
   // First order in time: v_n over by half a step, 1/(2·400); the rest for first touch and residual.
-  EXPECT_NEAR(slide(friction, duration), exact, tolerance(0.03 * exact));
+  const double slid = slide(friction, duration, GetParam());
+  record({"cloth on a slope of 20°", "slid in 0.4 s [mm]", name(GetParam()), friction, 1e3 * slid,
+          1e3 * exact, 1e3 * exact});
+  EXPECT_NEAR(slid, exact, tolerance(0.03 * exact));
 }
+
+INSTANTIATE_TEST_SUITE_P(Strategies, OnSlope,
+                         testing::Values(Strategy::Finest, Strategy::Coarsest, Strategy::Amrc),
+                         [](const auto& info) { return name(info.param); });
 
 }  // namespace
 }  // namespace haptic_cloth

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "support/record.h"
 #include "support/reference_solutions.h"
 #include "support/scenes.h"
 #include "support/tolerance.h"
@@ -39,6 +40,8 @@ TEST_P(FreeFall, MatchesClosedForm) {
   for (std::size_t p = 0; p < start.size(); ++p) {
     worst = std::max(worst, (end[p] - start[p] + fall * Vec3::UnitZ()).norm());
   }
+  record({"free fall for 0.1 s", "largest error of a position over the fall [-]", name(GetParam()), 0.0,
+          worst / fall, 0.0, 1.0});
   EXPECT_LE(worst, tolerance(1e-7 * fall));
   EXPECT_NEAR(simulation.maxSpeed(), g * h * steps, tolerance(1e-7 * g * h * steps));
   EXPECT_NEAR(simulation.time(), h * steps, tolerance(1e-12));
@@ -53,6 +56,8 @@ TEST_P(FreeFall, AirLimitsSpeed) {
   scene.solver.minimizer.tolerance = 1e-6;
   Simulation simulation(scene);
   while (simulation.time() < 0.5) simulation.step();
+  record({"fall through air", "terminal speed [m/s]", name(GetParam()), 0.0, simulation.maxSpeed(),
+          9.81 / 20.0, 9.81 / 20.0});
   EXPECT_NEAR(simulation.maxSpeed(), 9.81 / 20.0, tolerance(1e-3));
 }
 

@@ -1,12 +1,12 @@
 /// A probe pressed into a square membrane held on its four sides.
-/// Criteria: balance of forces (supports carry weight and probe), and the finite-element table of a
-/// frictionless sphere of radius 0.1 a pressed δ deep into a membrane of side 2a, G/E = 0.5, ν = 0:
-/// F/(E a) = 8.437e-4 at δ/a = 0.1 and 6.923e-3 at 0.2 (docs/validation.md, good to 0.5 %).
+/// Criteria: balance of forces (supports carry weight and probe), and a table computed with finite elements,
+/// good to 0.5 %, of a frictionless sphere of radius Rs pressed δ deep into a membrane of side 2a, ν = 0:
+/// F/(E a) for some G/E, Rs/a and δ/a.
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <iostream>
 
+#include "support/record.h"
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
@@ -16,14 +16,14 @@ namespace {
 constexpr double kHalfSide = 0.1;  // a [m]
 constexpr double kRadius = 0.01;   // 0.1 a [m]
 
-Scene membrane(Strategy strategy) {
+Scene membrane(Strategy strategy, double shear = 0.5, double radius = kRadius) {
   LinearFabric linear;
   linear.stiffness = 1000.0;
-  linear.shear_modulus = 500.0;
+  linear.shear_modulus = shear * linear.stiffness;
   Scene scene = sheetScene(makeFabric(linear), 65, 65, 2.0 * kHalfSide, 2.0 * kHalfSide);
   setStrategy(scene, strategy, 2);
   pinAllSides(scene);
-  scene.probe.radius = kRadius;
+  scene.probe.radius = radius;
   scene.probe.friction = 0.0;
   scene.probe.coupling_stiffness = 2000.0;
   quasiStatic(scene, 10.0, 2e-3, 1e-3);
@@ -33,7 +33,8 @@ Scene membrane(Strategy strategy) {
 /// Lowers the device to `depth` [m] of its lowest point below the flat sheet in 0.2 s and waits for rest.
 void press(Simulation& simulation, double depth) {
   const double h = simulation.scene().solver.time_step, duration = 0.2;
-  const double from = kRadius + 0.002, to = kRadius - depth;
+  const double radius = simulation.scene().probe.radius;
+  const double from = radius + 0.002, to = radius - depth;
   const Vec3 velocity(0.0, 0.0, (to - from) / duration);
   for (double t = h; t < duration + 0.5 * h; t += h) {
     simulation.setDevice(Vec3(0.0, 0.0, from) + t * velocity, velocity);
@@ -61,28 +62,52 @@ TEST_P(PressedMembrane, ForcesBalance) {
   EXPECT_NEAR((spring - probe.force).norm(), 0.0, tolerance(0.01 * total));
 }
 
-TEST_P(PressedMembrane, MatchesFiniteElements) {
-  Scene scene = membrane(GetParam());
+INSTANTIATE_TEST_SUITE_P(Strategies, PressedMembrane,
+                         testing::Values(Strategy::Finest, Strategy::Amrc, Strategy::Coarsest),
+                         [](const auto& info) { return name(info.param); });
+
+/// Of the table: F/(E a) at `depth`, and at another one for the power by which it grows.
+struct Press {
+  const char* label;
+  double shear, radius;  // G/E, Rs/a
+  double depth, force;   // δ/a, F/(E a)
+  double other_depth, other_force;
+};
+
+class MembranePress : public testing::TestWithParam<std::tuple<Press, Strategy>> {};
+
+TEST_P(MembranePress, MatchesFiniteElements) {
+  const auto [press_case, strategy] = GetParam();
+  Scene scene = membrane(strategy, press_case.shear, press_case.radius * kHalfSide);
   scene.gravity = Vec3(0.0, 0.0, -1e-3);  // the tolerance is measured in |g|: not zero
   scene.solver.minimizer.tolerance = 10.0;
   Simulation simulation(scene);
-  press(simulation, 0.02);
+  press(simulation, press_case.depth * kHalfSide);
   const ProbeReport probe = simulation.probe();
   // Depth of the sheet's middle: the contact's finite gap belongs to the contact, not to the membrane.
   const double depth = -particle(simulation, 32, 32).z() / kHalfSide;
   const double force = probe.force.z() / (1000.0 * kHalfSide);
   // F grows as a power of δ between the two entries of the table.
-  const double power = std::log(6.923e-3 / 8.437e-4) / std::log(2.0);
-  const double exact = 6.923e-3 * std::pow(depth / 0.2, power);
-  std::cout << "  depth/a " << depth << " force/(E a) " << force << " error " << 100.0 * (force / exact - 1.0)
-            << " %\n";
-  EXPECT_NEAR(depth, 0.2, 0.005);
-  // Spacing 0.03 a against a radius of 0.1 a, and 0.5 % of the table itself.
-  EXPECT_NEAR(force, exact, tolerance(0.03 * exact));
+  const double power = std::log(press_case.other_force / press_case.force) /
+                       std::log(press_case.other_depth / press_case.depth);
+  const double exact = press_case.force * std::pow(depth / press_case.depth, power);
+  record({std::string("membrane under a sphere, ") + press_case.label, "force/(E a) [-]", name(strategy),
+          press_case.depth, force, exact, exact});
+  // Finest spacing 0.03 a, and 0.5 % of the table itself. At δ = 0.1 a the smaller sphere touches less than a
+  // cell: with twice the cells 4.5 % become 1.4. The coarsest cells are 0.125 a wide, wider than that sphere:
+  // there the force is only bounded.
+  const bool coarse = strategy == Strategy::Coarsest, small = press_case.depth * press_case.radius < 0.015;
+  EXPECT_NEAR(depth, press_case.depth, (coarse ? 0.1 : 0.05) * press_case.depth);
+  EXPECT_NEAR(force, exact, tolerance((coarse ? 0.3 : small ? 0.07 : 0.03) * exact));
 }
 
-INSTANTIATE_TEST_SUITE_P(Strategies, PressedMembrane, testing::Values(Strategy::Finest, Strategy::Amrc),
-                         [](const auto& info) { return name(info.param); });
+INSTANTIATE_TEST_SUITE_P(
+    Table, MembranePress,
+    testing::Combine(testing::Values(Press{"G/E = 0.5, Rs = 0.1 a", .5, .10, .10, 8.437e-4, .20, 6.923e-3},
+                                     Press{"G/E = 0.5, Rs = 0.1 a", .5, .10, .20, 6.923e-3, .30, 2.3229e-2},
+                                     Press{"G/E = 0.01, Rs = 0.25 a", .01, .25, .20, 6.458e-3, .30,
+                                           2.3301e-2}),
+                     testing::Values(Strategy::Finest, Strategy::Amrc, Strategy::Coarsest)));
 
 TEST(Probe, FeelsNothingInTheAir) {
   Simulation simulation(membrane(Strategy::Finest));

@@ -1,0 +1,179 @@
+/// Small swing of strips that hang from their top.
+/// Criteria: the frequency of a chain, ω √(L/g) = j₀ₙ/2 (Bernoulli; Lamb), that of a clamped strip with
+/// bending, computed by shooting, and what backward Euler makes of a linear oscillation: the pole z = 1/(1 -
+/// iωh), so a phase of atan(ωh) a step and an energy times 1/(1 + ω²h²) a step.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "support/dynamic_solutions.h"
+#include "support/record.h"
+#include "support/scenes.h"
+#include "support/tolerance.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kLength = 0.2;  // free part [m]
+constexpr double kGravity = 9.81;
+constexpr double kWeight = 0.15 * kGravity;  // [N/m²]
+constexpr int kCells = 40;                   // finest, of the free part
+constexpr double kTilt = 0.02;               // [rad]: a pendulum's period is kTilt²/16 = 2.5e-5 longer
+
+/// Frequency of the mode itself [rad/s].
+double angular(const HangingMode& mode) { return mode.frequency * std::sqrt(kGravity / kLength); }
+
+/// A straight strip a little off the vertical, pinned at its first `clamp` + 1 columns.
+Scene tiltedStrip(double rigidity, int clamp, Strategy strategy, double time_step) {
+  LinearFabric linear;
+  linear.rigidity = rigidity;
+  linear.stiffness = 2000.0;  // stretches by w L / 2 E < 1e-4
+  const double spacing = kLength / kCells;
+  Scene scene =
+      sheetScene(makeFabric(linear), kCells + clamp + 1, 5, (kCells + clamp) * spacing, 4 * spacing);
+  // A clamp must point straight down: there gravity is what is tilted.
+  hangDown(scene);
+  scene.gravity = kGravity * Vec3(std::sin(kTilt), 0.0, -std::cos(kTilt));
+  pin(scene, 0, clamp, 0, 4);
+  setStrategy(scene, strategy, 2);
+  scene.solver.time_step = time_step;
+  scene.solver.minimizer.tolerance = 1e-6;
+  scene.solver.minimizer.max_iterations = 5000;
+  return scene;
+}
+
+/// Deflection of the strip from its rest, weighted with a mode's shape, step by step.
+class Swing {
+ public:
+  Swing(const Scene& scene, int clamp, const std::vector<double>& shape) : simulation_(scene), clamp_(clamp) {
+    for (int k = 0; k <= kCells; ++k)
+      weights_.push_back((k == 0 || k == kCells ? 0.5 : 1.0) * shape[k] / kCells);
+  }
+
+  /// Runs on and returns the deflections [m].
+  std::vector<double> run(int steps) {
+    std::vector<double> values;
+    for (int n = 0; n < steps; ++n) {
+      const StepReport report = simulation_.step();
+      EXPECT_EQ(report.minimizer.why, Termination::Converged);
+      values.push_back(deflection());
+    }
+    return values;
+  }
+
+ private:
+  double deflection() {
+    simulation_.positions(positions_);
+    const int columns = simulation_.scene().cloth.particles[kWarp];
+    double sum = 0.0;
+    for (int k = 0; k <= kCells; ++k) {  // from the tip up, middle row
+      sum += weights_[k] * positions_[2 * columns + columns - 1 - k].x();
+    }
+    return sum;
+  }
+
+  Simulation simulation_;
+  int clamp_;
+  std::vector<double> weights_;
+  std::vector<Vec3> positions_;
+};
+
+/// A swing about a rest position: z = ρ e^{iφ} a step, by least squares of
+/// x_{n+1} - 2ρ cos φ x_n + ρ² x_{n-1} = const over steps `stride` apart.
+struct Oscillation {
+  double phase;   ///< φ [rad a step]
+  double energy;  ///< kept over a period, ρ^{4π/φ} [-]
+};
+
+Oscillation fit(const std::vector<double>& x, int first, int stride) {
+  const int rows = static_cast<int>(x.size()) - first - 2 * stride;
+  Eigen::MatrixXd a(rows, 3);
+  Eigen::VectorXd b(rows);
+  for (int n = 0; n < rows; ++n) {
+    a.row(n) << x[first + n + stride], -x[first + n], 1.0;
+    b[n] = x[first + n + 2 * stride];
+  }
+  const Eigen::VectorXd c = a.colPivHouseholderQr().solve(b);
+  const double ratio = std::sqrt(c[1]);
+  const double phase = std::acos(0.5 * c[0] / ratio);
+  return {phase / stride, std::pow(ratio, 4.0 * static_cast<double>(EIGEN_PI) / phase)};
+}
+
+/// Swings for some periods and measures what is left after the first two, when higher modes have died away.
+Oscillation swing(const HangingMode& mode, double rigidity, int clamp, Strategy strategy, double omega_h) {
+  const double period = 2.0 * EIGEN_PI / backwardEulerPhase(omega_h);
+  Swing strip(tiltedStrip(rigidity, clamp, strategy, omega_h / angular(mode)), clamp, mode.shape);
+  const std::vector<double> x = strip.run(static_cast<int>(4.0 * period));
+  return fit(x, static_cast<int>(2.0 * period), static_cast<int>(0.2 * period));
+}
+
+struct Case {
+  std::string name;
+  double gamma;      // 0: chain
+  double tolerance;  // of the finest mesh [-]
+};
+
+class HangingStripSwings : public testing::TestWithParam<std::tuple<Case, Strategy>> {};
+
+TEST_P(HangingStripSwings, AtItsFrequency) {
+  const auto& [c, strategy] = GetParam();
+  const bool bends = c.gamma > 0.0;
+  const HangingMode mode = bends ? hangingStripMode(c.gamma, 1, kCells) : hangingChainMode(1, kCells);
+  const double rigidity = bends ? kWeight * std::pow(kLength, 3) / c.gamma : 0.0;
+  const double omega_h = 0.05;
+  const Oscillation found = swing(mode, rigidity, bends ? 4 : 0, strategy, omega_h);
+  const double frequency = mode.frequency * std::tan(found.phase) / omega_h;
+  record({"swing of a hanging strip", "frequency ω√(L/g) [-]", name(strategy), c.gamma, frequency,
+          mode.frequency, mode.frequency});
+  const double allowed = strategy == Strategy::Finest ? c.tolerance : 8.0 * c.tolerance;
+  EXPECT_NEAR(frequency, mode.frequency, tolerance(allowed * mode.frequency));
+}
+
+// Lumped masses and links are second order: spacing 1/40 of the length, or 1/10 on a mesh that merged. A
+// strip turns over L/√Γ at its clamp: 1.3 cells of the finest mesh for Γ = 1000.
+INSTANTIATE_TEST_SUITE_P(
+    Strategies, HangingStripSwings,
+    testing::Combine(testing::Values(Case{"chain", 0.0, 1e-3}, Case{"gamma100", 100.0, 1e-3},
+                                     Case{"gamma1000", 1000.0, 2e-3}),
+                     testing::Values(Strategy::Finest, Strategy::Amrc, Strategy::Coarsest)),
+    [](const auto& info) { return std::get<0>(info.param).name + "_" + name(std::get<1>(info.param)); });
+
+class BackwardEuler : public testing::TestWithParam<std::tuple<double, Strategy>> {};
+
+TEST_P(BackwardEuler, DampsAsItsPoleSays) {
+  const auto [omega_h, strategy] = GetParam();
+  const HangingMode mode = hangingChainMode(1, kCells);
+  const Oscillation found = swing(mode, 0.0, 0, strategy, omega_h);
+  // A chain of n links swings a little off ω: the pole it should have is that of the frequency it has.
+  const double exact = backwardEulerEnergy(std::tan(found.phase));
+  record({"swing of a hanging chain, backward Euler", "energy kept in a period [-]", name(strategy), omega_h,
+          found.energy, exact, 1.0});
+  EXPECT_NEAR(found.energy, exact, tolerance(2e-3));
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, BackwardEuler,
+                         testing::Combine(testing::Values(0.01, 0.05, 0.1),
+                                          testing::Values(Strategy::Finest, Strategy::Amrc,
+                                                          Strategy::Coarsest)),
+                         [](const auto& info) {
+                           return "h" + std::to_string(static_cast<int>(100 * std::get<0>(info.param))) +
+                                  "_" + name(std::get<1>(info.param));
+                         });
+
+TEST(HangingModes, MatchTable) {
+  // Computed by shooting at higher order; the chain's are halves of the zeros of J₀.
+  const double chain[] = {1.202413, 2.760039, 4.326864}, strip[] = {1.286874, 3.650917, 7.898033},
+               limp[] = {1.223659, 2.918153, 5.081843};
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_NEAR(hangingChainMode(k + 1, 10).frequency, chain[k], tolerance(6e-7));
+    EXPECT_NEAR(hangingStripMode(100.0, k + 1, 10).frequency, strip[k], tolerance(6e-7));
+    EXPECT_NEAR(hangingStripMode(1000.0, k + 1, 10).frequency, limp[k], tolerance(6e-7));
+  }
+  EXPECT_NEAR(backwardEulerEnergy(0.01), .939102, tolerance(6e-7));
+  EXPECT_NEAR(backwardEulerEnergy(0.05), .730498, tolerance(6e-7));
+  EXPECT_NEAR(backwardEulerEnergy(0.10), .534044, tolerance(6e-7));
+}
+
+}  // namespace
+}  // namespace haptic_cloth
