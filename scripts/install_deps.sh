@@ -12,7 +12,7 @@ debian=(catkin libroscpp-dev pluginlib-dev libtf2-ros-dev librostest-dev libnode
 # Ubuntu 20.04 with the packages of packages.ros.org.
 noetic=(ros-noetic-ros-base ros-noetic-rostest ros-noetic-nodelet ros-noetic-tf2-ros ros-noetic-visualization-msgs
         ros-noetic-diagnostic-msgs ros-noetic-rviz)
-show=(xvfb imagemagick x11-utils python3-matplotlib)
+show=(xvfb imagemagick x11-utils python3-matplotlib python3-numpy)
 lint=(catkin-lint clang-format clang-tidy)
 
 packages=("${common[@]}")

@@ -1,0 +1,88 @@
+"""The picture of bench/chart: one panel a scene and error, log-log."""
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+from matplotlib.lines import Line2D
+
+COLOURS = {"finest": "#222222", "coarsest": "#999999", "refine": "#2f8f4e", "coarsen": "#d1721c", "amrc": "#1b4f8f"}
+# What is other than the default decides the marker; the first that fits.
+MARKERS = (
+    ("solver.cost", "X", "cost joint"),
+    ("solver.preconditioner", "P", "no preconditioner"),
+    ("adapt.refine_above", "D", "other thresholds"),
+    ("solver.max_iterations", "v", "other iteration limit"),
+    ("solver.tolerance", "s", "other tolerance"),
+    ("solver.time_step", "^", "other time step"),
+)
+PLAIN = ("o", "strategy alone")
+ERRORS = (("rms_mm", "shape error at the end, rms [mm]", "reference_rms_mm"),
+          ("force_percent", "probe force error, rms [%]", "reference_force_percent"))
+SHIPPED_STRATEGY = "amrc"
+
+
+def marker_of(row):
+    for key, marker, _ in MARKERS:
+        if row[key] != "default":
+            return marker
+    return PLAIN[0]
+
+
+def strategy_of(row):
+    return SHIPPED_STRATEGY if row["adapt.strategy"] == "default" else row["adapt.strategy"]
+
+
+def draw_points(axes, rows, error):
+    for row in rows:
+        axes.plot(row["wall_per_s"], row[error], marker_of(row), color=COLOURS[strategy_of(row)], ms=5, alpha=0.75,
+                  mew=0)
+        if row["default"]:
+            axes.plot(row["wall_per_s"], row[error], "*", color="#e8112d", ms=15, mec="white", mew=0.8, zorder=5)
+
+
+def draw_panel(axes, rows, error, label, uncertainty):
+    draw_points(axes, rows, error)
+    front = sorted((row["wall_per_s"], row[error]) for row in rows if row["front_" + error])
+    axes.step([t for t, _ in front], [e for _, e in front], where="post", color="#e8112d", lw=1, alpha=0.8, zorder=1)
+    if rows[0][uncertainty]:
+        axes.axhline(rows[0][uncertainty], color="0.4", lw=0.8, ls=":")
+    axes.axvline(1.0, color="0.4", lw=0.8, ls="--")
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.grid(True, which="major", lw=0.3)
+    axes.set_title(rows[0]["scene"], fontsize=10)
+    axes.set_xlabel("wall time per simulated second [s/s]", fontsize=9)
+    axes.set_ylabel(label, fontsize=9)
+
+
+def legend_entries():
+    entries = [Line2D([], [], color=colour, marker="o", ls="", label=name) for name, colour in COLOURS.items()]
+    markers = [PLAIN] + [(marker, text) for _, marker, text in reversed(MARKERS)]
+    entries += [Line2D([], [], color="0.5", marker=marker, ls="", label=text) for marker, text in markers]
+    entries.append(Line2D([], [], color="#e8112d", marker="*", ms=12, ls="", label="shipped default"))
+    entries.append(Line2D([], [], color="#e8112d", lw=1, label="Pareto front"))
+    entries.append(Line2D([], [], color="0.4", lw=0.8, ls=":", label="reference known to"))
+    entries.append(Line2D([], [], color="0.4", lw=0.8, ls="--", label="real time"))
+    return entries
+
+
+def draw(path, rows, size):
+    panels = []
+    for error, label, uncertainty in ERRORS:
+        for scene in dict.fromkeys(row["scene"] for row in rows):
+            own = [row for row in rows if row["scene"] == scene and row[error] is not None]
+            if own:
+                panels.append((own, error, label, uncertainty))
+    columns = min(3, len(panels))
+    lines = -(-len(panels) // columns)
+    figure, all_axes = plt.subplots(lines, columns, figsize=(4.6 * columns, 3.7 * lines + 0.9), squeeze=False)
+    for axes in all_axes.flat[len(panels):]:
+        axes.axis("off")
+    for axes, panel in zip(all_axes.flat, panels):
+        draw_panel(axes, *panel)
+    figure.legend(handles=legend_entries(), loc="lower center", ncol=6, frameon=False, fontsize=9)
+    title = "Error against speed%s: left and below is better" % ("" if size == "full" else " (%s)" % size)
+    figure.suptitle(title, fontsize=12)
+    figure.tight_layout(rect=(0, 0.9 / (3.7 * lines + 0.9), 1, 1))
+    figure.savefig(path, dpi=110)
+    plt.close(figure)

@@ -1,0 +1,96 @@
+"""Errors of a run against the reference of its scene, and the Pareto front of error over time."""
+import math
+
+import numpy as np
+
+from runs import BenchError
+
+# Contact has begun where the reference's force first exceeds this share of its largest.
+CONTACT_SHARE = 0.01
+# Most that a reference may move between its two levels, over the error of the coarsest mesh.
+WELL_POSED = 0.1
+
+
+def shape_error(result, reference):
+    """RMS and largest distance of particles of the same name [mm]."""
+    distance = 1e3 * np.linalg.norm(result.positions() - reference.positions(), axis=2)
+    return math.sqrt(np.mean(distance**2)), float(distance.max())
+
+
+def force_error(result, reference):
+    """RMS over time of the difference of probe forces over the RMS of the reference's, after first contact [%]."""
+    times, forces = reference.probe()
+    own_times, own_forces = result.probe()
+    if len(times) == 0 or len(own_times) == 0:
+        return None
+    size = np.linalg.norm(forces, axis=1)
+    if size.max() == 0.0:
+        return None
+    begin = int(np.argmax(size > CONTACT_SHARE * size.max()))
+    times, forces = times[begin:], forces[begin:]
+    same = np.stack([np.interp(times, own_times, own_forces[:, axis]) for axis in range(3)], axis=1)
+    return 100.0 * math.sqrt(np.sum((same - forces)**2) / np.sum(forces**2))
+
+
+def potential(result):
+    energy = result.summary["energy"]
+    return sum(energy[key] for key in ("gravity", "stretch", "bend", "shear", "contact"))
+
+
+def energy_error(result, reference):
+    """Difference of the potential energies at the end over what the reference gave up on its way [%]."""
+    released = reference.digest["first_potential"] - potential(reference)
+    return 100.0 * (potential(result) - potential(reference)) / abs(released)
+
+
+class Errors:
+    """All errors of one run."""
+
+    def __init__(self, result, reference):
+        self.rms, self.largest = shape_error(result, reference)
+        self.force = force_error(result, reference)
+        self.energy = energy_error(result, reference)
+
+
+class Reference:
+    """The converged result of a scene, and how far it is from one with twice its time step and tolerance."""
+
+    def __init__(self, simulator, scene):
+        self.result, check = simulator.reference(scene)
+        self.uncertainty = Errors(check, self.result)
+
+    def errors(self, result):
+        return Errors(result, self.result)
+
+    def verdict(self, coarsest_rms):
+        """Has the scene one answer that can be told? A tenth of the coarsest mesh's error is asked for."""
+        share = self.uncertainty.rms / coarsest_rms if coarsest_rms > 0.0 else math.inf
+        word = "well-posed" if share < WELL_POSED else "NOT well-posed"
+        return "%s, the reference moves by %.3g mm rms with twice its time step and tolerance, %.0f %% of the " \
+            "coarsest mesh's error" % (word, self.uncertainty.rms, 100 * share)
+
+
+def pareto_front(points):
+    """Indices of the (time, error) points that no other beats in both, in order of time."""
+    order = sorted(range(len(points)), key=lambda k: points[k])
+    front, best = [], math.inf
+    for k in order:
+        if points[k][1] < best:
+            best = points[k][1]
+            front.append(k)
+    return front
+
+
+def error_at_time(points, time):
+    """Least error that is reached within a time; None if nothing is that quick."""
+    within = [error for wall, error in points if wall <= time]
+    return min(within) if within else None
+
+
+def distance_to_front(points, own):
+    """How much quicker the same error, and how much smaller the error in the same time, could be had."""
+    same_error = min(wall for wall, error in points if error <= own[1])
+    same_time = error_at_time(points, own[0])
+    if same_time is None or own not in points:
+        raise BenchError("the point is none of those that the front is made of")
+    return own[0] / same_error, own[1] / same_time if same_time > 0.0 else 1.0
