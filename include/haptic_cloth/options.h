@@ -12,7 +12,7 @@ struct MinimizerOptions {
   Preconditioner preconditioner = Preconditioner::Jacobi;
   double tolerance =
       0.1;  ///< stop when rms_m(|∇Φ|/m) <= tolerance · |gravity| (9.80665 m/s² where there is none)  [-]
-  int max_iterations = 200;  ///< [-]
+  int max_iterations = 1000;  ///< [-]
   double time_budget = 0.0;  ///< wall clock of one solve [s], but one iteration at least; 0: none. The best
                              ///< state so far is kept.
 };
@@ -22,9 +22,9 @@ struct SolverOptions {
   double time_step = 1e-3;  ///< [s]
   Cost cost = Cost::Condensed;
   MinimizerOptions minimizer;
-  double sleep_speed = 3e-4;  ///< particles slower than this for 50 steps stay where they are until the force on
-                              ///< them changes, and cost one look a step [m/s]; 0: none
-  int threads = 0;  ///< OpenMP threads; 0: as many as the machine gives
+  double sleep_speed = 3e-4;  ///< particles slower than this for 50 steps stay where they are until the force
+                              ///< on them changes, and cost one look a step [m/s]; 0: none
+  int threads = 0;            ///< OpenMP threads; 0: as many as the machine gives
 };
 
 /// How the mesh follows the shape.
@@ -34,7 +34,9 @@ struct AdaptOptions {
   int interval = 3;             ///< steps between two looks at the mesh
   double refine_above = 0.50;   ///< turning angle at a triple above which its cells split [rad]
   double coarsen_below = 0.25;  ///< turning angle below which four siblings merge, as on their parent [rad]
-  int minimum_age = 30;         ///< steps a new cell stays as it is before it may merge; against chatter
+  double refine_above_strain = 0.005;   ///< cells split where tensile strain differs more between corners [-]
+  double coarsen_below_strain = 0.0025;  ///< siblings merge where it differs less, as on their parent [-]
+  int minimum_age = 30;  ///< steps a new cell stays as it is before it may merge; against chatter
 };
 
 }  // namespace haptic_cloth

@@ -9,7 +9,9 @@ enum Side { kBelow, kAbove, kLeft, kRight };
 
 ForceHistory::ForceHistory(const Grid& grid)
     : grid_(grid), sides_(grid.cells(), Sides{}), shear_(grid.cells(), 0.0) {
-  for (auto& moments : moment_) moments.assign(grid.particles(), 0.0);
+  for (auto* field : {&moment_, &curvature_}) {
+    for (auto& values : *field) values.assign(grid.particles(), 0.0);
+  }
 }
 
 /// Lower left, lower right, upper left, upper right.
@@ -39,12 +41,12 @@ void ForceHistory::merge(const Cell& parent) {
   const double mean = 0.25 * (shear(c[0]) + shear(c[1]) + shear(c[2]) + shear(c[3]));
   sides(parent) = merged;
   shear(parent) = mean;
-  mergeMoments(parent);
+  mergeBending(parent);
 }
 
-/// The coarse triple at a corner takes half of what the triple in the middle of the side held, in the quarter
-/// of its surroundings that this cell is.
-void ForceHistory::mergeMoments(const Cell& parent) {
+/// The coarse triple at a corner takes about half of what the triple in the middle of the side held, in the
+/// quarter of its surroundings that this cell is.
+void ForceHistory::mergeBending(const Cell& parent) {
   constexpr double kShare = 0.25 * 0.5;
   const auto p = parent.corners(grid_);
   const auto average = [](std::vector<double>& m, int a, int b) {
@@ -52,10 +54,12 @@ void ForceHistory::mergeMoments(const Cell& parent) {
     m[a] += kShare * (middle - m[a]);
     m[b] += kShare * (middle - m[b]);
   };
-  average(moment_[kWarp], p[0], p[1]);
-  average(moment_[kWarp], p[2], p[3]);
-  average(moment_[kWeft], p[0], p[2]);
-  average(moment_[kWeft], p[1], p[3]);
+  for (auto* field : {&moment_, &curvature_}) {
+    average((*field)[kWarp], p[0], p[1]);
+    average((*field)[kWarp], p[2], p[3]);
+    average((*field)[kWeft], p[0], p[2]);
+    average((*field)[kWeft], p[1], p[3]);
+  }
 }
 
 void ForceHistory::split(const Cell& parent) {
@@ -70,7 +74,8 @@ void ForceHistory::split(const Cell& parent) {
     shear(c[k]) = force;
   }
   const auto p = parent.corners(grid_);
-  for (auto& m : moment_) {
+  for (auto* field : {&moment_[kWarp], &moment_[kWeft], &curvature_[kWarp], &curvature_[kWeft]}) {
+    std::vector<double>& m = *field;
     for (const auto& [a, b] : {std::pair(p[0], p[1]), {p[2], p[3]}, {p[0], p[2]}, {p[1], p[3]}}) {
       m[(a + b) / 2] = 0.5 * (m[a] + m[b]);
     }

@@ -24,18 +24,22 @@ class ForceHistory {
   double& shear(const Cell& cell) { return shear_[grid_.cell(cell.i, cell.j)]; }        ///< [N/m]
   double& moment(int particle, int direction) { return moment_[direction][particle]; }  ///< [N·m/m]
 
+  /// At which the moment was [1/m]: right after a split the new triples have quite another curvature, that of
+  /// a kinked surface, at which the loop would not allow the moment and forget it.
+  double& curvature(int particle, int direction) { return curvature_[direction][particle]; }
+
   /// To be called for each merged parent, then for each split cell in the order they were split.
   void merge(const Cell& parent);
   void split(const Cell& parent);
 
  private:
-  void mergeMoments(const Cell& parent);
+  void mergeBending(const Cell& parent);
   std::array<Cell, 4> children(const Cell& parent) const;
 
   Grid grid_;
   std::vector<Sides> sides_;
   std::vector<double> shear_;
-  std::array<std::vector<double>, 2> moment_;
+  std::array<std::vector<double>, 2> moment_, curvature_;
 };
 
 }  // namespace haptic_cloth

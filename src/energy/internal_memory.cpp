@@ -88,14 +88,17 @@ void InternalEnergy::remember(const Field& x, ForceHistory& history) const {
   }
   for (int t = 0; triple_steps_.packs() && t < triple_count_; ++t) {
     const Triple& triple = mesh_.triples[t];
-    const double force = bend_[triple.direction].force(tripleStep(t).play, curvature(t, x));
-    history.moment(mesh_.particle[triple.c], triple.direction) = force;
+    const int particle = mesh_.particle[triple.c];
+    const double bent = curvature(t, x);
+    history.moment(particle, triple.direction) = bend_[triple.direction].force(tripleStep(t).play, bent);
+    history.curvature(particle, triple.direction) = bent;
   }
   // A hanging node has no triple of its own, but a merge beside it may ask for what it held.
   for (const Ghost& ghost : mesh_.ghosts) {
-    for (const int direction : {kWarp, kWeft}) {
-      const auto moment = [&](int node) -> double& { return history.moment(mesh_.particle[node], direction); };
-      moment(ghost.node) = 0.5 * (moment(ghost.a) + moment(ghost.b));
+    const int at = mesh_.particle[ghost.node], a = mesh_.particle[ghost.a], b = mesh_.particle[ghost.b];
+    for (const int d : {kWarp, kWeft}) {
+      history.moment(at, d) = 0.5 * (history.moment(a, d) + history.moment(b, d));
+      history.curvature(at, d) = 0.5 * (history.curvature(a, d) + history.curvature(b, d));
     }
   }
   for (int k = 0; patch_steps_.packs() && k < patch_count_; ++k) {
@@ -127,8 +130,10 @@ void InternalEnergy::recall(const Field& x, ForceHistory& history) {
   for (int t = 0; triple_steps_.packs() && t < triple_count_; ++t) {
     const Triple& triple = mesh_.triples[t];
     const Loop& law = bend_[triple.direction];
-    const double force = history.moment(mesh_.particle[triple.c], triple.direction);
-    triple_steps_.set(gather_.triples().place(t), law.begin(law.playFor(force, curvature(t, x))));
+    const int particle = mesh_.particle[triple.c];
+    const double play = law.playFor(history.moment(particle, triple.direction),
+                                    history.curvature(particle, triple.direction));
+    triple_steps_.set(gather_.triples().place(t), law.begin(play));
   }
   for (int k = 0; patch_steps_.packs() && k < patch_count_; ++k) {
     const double force = history.shear(mesh_.patches[k].cell);

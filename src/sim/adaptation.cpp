@@ -9,9 +9,11 @@ Adaptation::Adaptation(const AdaptOptions& options, const Grid& grid)
     : options_(options),
       grid_(grid),
       curvature_(grid.particles(), 0.0),
+      edges_(grid.particles(), 0),
       born_(grid.cells(), -options.minimum_age),
       merge_transfer_(grid) {
   for (auto* list : {&leaves_, &marked_, &merged_, &split_}) list->reserve(grid.cells());
+  for (auto& strains : strain_) strains.assign(grid.particles(), 0.0);
 }
 
 int Adaptation::startLevel(const AdaptOptions& options) {
@@ -30,15 +32,15 @@ bool Adaptation::coarsens() const {
 bool Adaptation::plan(long step, const Field& nodes, const InternalEnergy& internal, const FineRegion* fine,
                       const LeafMesh& leaves, const ActiveMesh& mesh, const ParticleState& state) {
   if ((!refines() && !coarsens()) || step % options_.interval != 0) return false;
-  measure(nodes, internal, mesh);
+  measureCurvature(nodes, internal, mesh);
+  measureStrain(nodes, mesh);
   leaves.leaves(leaves_);
   marked_.clear();
   for (const Cell& cell : leaves_) {
     if (!refines() || cell.level == 0) continue;
-    double largest = 0.0;
-    for (const int corner : cell.corners(grid_)) largest = std::max(largest, curvature_[corner]);
-    const bool turns = largest * length(cell) > options_.refine_above;
-    if (turns || touches(fine, cell, state.position)) marked_.push_back(cell);
+    const bool varies =
+        turning(cell, 1) > options_.refine_above || strainDifference(cell, 1) > options_.refine_above_strain;
+    if (varies || touches(fine, cell, state.position)) marked_.push_back(cell);
   }
   if (!marked_.empty()) return true;
   return coarsens() && std::any_of(leaves_.begin(), leaves_.end(), [&](const Cell& cell) {
@@ -63,12 +65,61 @@ bool Adaptation::touches(const FineRegion* fine, const Cell& cell, const std::ve
   return (centre - fine->centre).norm() < fine->radius + 0.71 * length(cell);
 }
 
-void Adaptation::measure(const Field& nodes, const InternalEnergy& internal, const ActiveMesh& mesh) {
+void Adaptation::measureCurvature(const Field& nodes, const InternalEnergy& internal,
+                                  const ActiveMesh& mesh) {
   std::fill(curvature_.begin(), curvature_.end(), 0.0);
   for (int t = 0; t < static_cast<int>(mesh.triples.size()); ++t) {
     double& largest = curvature_[mesh.particle[mesh.triples[t].c]];
     largest = std::max(largest, std::abs(internal.curvature(t, nodes)));
   }
+}
+
+void Adaptation::measureStrain(const Field& nodes, const ActiveMesh& mesh) {
+  for (const int direction : {kWarp, kWeft}) {
+    std::vector<double>& strains = strain_[direction];
+    std::fill(strains.begin(), strains.end(), 0.0);
+    std::fill(edges_.begin(), edges_.end(), 0);
+    for (const Edge& edge : mesh.edges) {
+      if (edge.direction != direction) continue;
+      const double strain = std::max(0.0, (nodes[edge.b] - nodes[edge.a]).norm() / edge.length - 1.0);
+      for (const int p : {mesh.particle[edge.a], mesh.particle[edge.b]}) {
+        strains[p] += strain;
+        ++edges_[p];
+      }
+    }
+    for (const int p : mesh.particle) strains[p] /= std::max(1, edges_[p]);
+  }
+}
+
+/// Turning angle over the whole cell [rad], from the particles at its corners (parts 1) or also at those of
+/// its four children (parts 2).
+double Adaptation::turning(const Cell& cell, int parts) const {
+  double largest = 0.0;
+  const int step = cell.span() / parts;
+  for (int j = 0; j <= parts; ++j) {
+    for (int i = 0; i <= parts; ++i) {
+      largest = std::max(largest, curvature_[grid_.particle(cell.i + i * step, cell.j + j * step)]);
+    }
+  }
+  return largest * length(cell);
+}
+
+/// Largest minus smallest strain of one direction among the same particles.
+double Adaptation::strainDifference(const Cell& cell, int parts) const {
+  double difference = 0.0;
+  const int step = cell.span() / parts;
+  for (const std::vector<double>& strains : strain_) {
+    double least = strains[grid_.particle(cell.i, cell.j)], most = least;
+    for (int j = 0; j <= parts; ++j) {
+      for (int i = 0; i <= parts; ++i) {
+        const double strain = strains[grid_.particle(cell.i + i * step, cell.j + j * step)];
+        least = std::min(least, strain);
+        most = std::max(most, strain);
+      }
+    }
+    difference = std::max(difference, most - least);
+  }
+  return difference;
 }
 
 /// Parent that may take the place of `cell` and its three siblings, of level 0 where there is none; seen from
@@ -105,14 +156,9 @@ bool Adaptation::mayMerge(const Cell& parent, long step, const FineRegion* fine,
       if (step - born_[grid_.cell(i, j)] < options_.minimum_age) return false;
     }
   }
-  if (!leaves.canMerge(parent)) return false;
-  double largest = 0.0;
-  for (int j = 0; j <= 2; ++j) {
-    for (int i = 0; i <= 2; ++i) {
-      largest = std::max(largest, curvature_[grid_.particle(parent.i + i * half, parent.j + j * half)]);
-    }
-  }
-  return largest * length(parent) < options_.coarsen_below && !touches(fine, parent, state.position);
+  return leaves.canMerge(parent) && turning(parent, 2) < options_.coarsen_below &&
+         strainDifference(parent, 2) < options_.coarsen_below_strain &&
+         !touches(fine, parent, state.position);
 }
 
 void Adaptation::splitCells(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state) {

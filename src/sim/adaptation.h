@@ -1,7 +1,8 @@
-/// Adaptive mesh refinement and coarsening: where the cloth turns, cells split; where it is smooth, they
-/// merge.
+/// Adaptive mesh refinement and coarsening: where the cloth turns or its strain varies, cells split; where
+/// both are smooth, they merge.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "energy/internal_energy.h"
@@ -18,7 +19,9 @@ struct FineRegion {
 };
 
 /// The bending cost of a triple, ½ B κ² A, is compared in a form that suits any fabric, size and resolution:
-/// as the turning angle κ l over the cell it would be judged on.
+/// as the turning angle κ l over the cell it would be judged on. The stretch cost enters as the difference of
+/// strain over a cell, for that is what a larger cell cannot follow; slack threads, below zero, count as
+/// unstrained.
 class Adaptation {
  public:
   Adaptation(const AdaptOptions& options, const Grid& grid);
@@ -42,7 +45,10 @@ class Adaptation {
   void apply(long step, const FineRegion* fine, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
 
  private:
-  void measure(const Field& nodes, const InternalEnergy& internal, const ActiveMesh& mesh);
+  void measureCurvature(const Field& nodes, const InternalEnergy& internal, const ActiveMesh& mesh);
+  void measureStrain(const Field& nodes, const ActiveMesh& mesh);
+  double turning(const Cell& cell, int parts) const;
+  double strainDifference(const Cell& cell, int parts) const;
   void mergeCells(long step, const FineRegion* fine, LeafMesh& leaves, ActiveMesh& mesh,
                   ParticleState& state);
   void splitCells(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
@@ -57,8 +63,10 @@ class Adaptation {
 
   AdaptOptions options_;
   Grid grid_;
-  std::vector<double> curvature_;  ///< largest |κ| at a particle [1/m]
-  std::vector<long> born_;         ///< step a leaf came to be, at its lower left finest cell
+  std::vector<double> curvature_;              ///< largest |κ| at a particle [1/m]
+  std::array<std::vector<double>, 2> strain_;  ///< mean of a particle's edges by direction, 0 where slack [-]
+  std::vector<int> edges_;                     ///< of a particle, scratch of measureStrain()
+  std::vector<long> born_;                     ///< step a leaf came to be, at its lower left finest cell
   std::vector<Cell> leaves_, marked_, merged_, split_;
   MergeTransfer merge_transfer_;
 };

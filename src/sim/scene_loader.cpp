@@ -142,8 +142,8 @@ void readSolver(const YamlValue& value, SolverOptions& solver) {
 }
 
 void readAdapt(const YamlValue& value, AdaptOptions& adapt) {
-  const YamlMap map(value,
-                    {"strategy", "levels", "interval", "refine_above", "coarsen_below", "minimum_age"});
+  const YamlMap map(value, {"strategy", "levels", "interval", "refine_above", "coarsen_below",
+                            "refine_above_strain", "coarsen_below_strain", "minimum_age"});
   map.readChoice<Strategy>("strategy", adapt.strategy,
                            {{"finest", Strategy::Finest},
                             {"coarsest", Strategy::Coarsest},
@@ -154,6 +154,8 @@ void readAdapt(const YamlValue& value, AdaptOptions& adapt) {
   map.read("interval", adapt.interval);
   map.read("refine_above", adapt.refine_above);
   map.read("coarsen_below", adapt.coarsen_below);
+  map.read("refine_above_strain", adapt.refine_above_strain);
+  map.read("coarsen_below_strain", adapt.coarsen_below_strain);
   map.read("minimum_age", adapt.minimum_age);
 }
 

@@ -144,11 +144,17 @@ void checkOptions(const Check& check, const Scene& scene) {
   check.atLeast("adapt.interval", adapt.interval, 1);
   check.positive("adapt.refine_above", adapt.refine_above);
   check.notNegative("adapt.coarsen_below", adapt.coarsen_below);
-  std::ostringstream rule;
-  rule.imbue(std::locale::classic());
-  rule << "must be below adapt.refine_above = " << adapt.refine_above;
-  check.that(adapt.coarsen_below < adapt.refine_above, "adapt.coarsen_below", adapt.coarsen_below,
-             rule.str());
+  check.positive("adapt.refine_above_strain", adapt.refine_above_strain);
+  check.notNegative("adapt.coarsen_below_strain", adapt.coarsen_below_strain);
+  const auto below = [&check](const char* key, double value, const char* bound, double most) {
+    std::ostringstream rule;
+    rule.imbue(std::locale::classic());
+    rule << "must be below " << bound << " = " << most;
+    check.that(value < most, key, value, rule.str());
+  };
+  below("adapt.coarsen_below", adapt.coarsen_below, "adapt.refine_above", adapt.refine_above);
+  below("adapt.coarsen_below_strain", adapt.coarsen_below_strain, "adapt.refine_above_strain",
+        adapt.refine_above_strain);
   check.atLeast("adapt.minimum_age", adapt.minimum_age, 0);
 
   check.positive("stop.time", scene.stop.time);

@@ -79,7 +79,8 @@ obstacles: []
 probe: {radius: 0.01, friction: 0.5, coupling_stiffness: 300, coupling_damping: 2, path: [[0, 1, 2, 3], [1, 4, 5, 6]]}
 solver: {time_step: 0.002, cost: condensed, preconditioner: none, tolerance: 0.3, max_iterations: 7,
          time_budget: 0.01, threads: 3}
-adapt: {strategy: refine, levels: 3, interval: 5, refine_above: 0.4, coarsen_below: 0.3, minimum_age: 6}
+adapt: {strategy: refine, levels: 3, interval: 5, refine_above: 0.4, coarsen_below: 0.3,
+        refine_above_strain: 0.02, coarsen_below_strain: 0.01, minimum_age: 6}
 stop: {time: 4, rest_speed: 0.001}
 )");
   EXPECT_EQ(scene.cloth.particles, (std::array<int, 2>{9, 17}));
@@ -112,6 +113,8 @@ stop: {time: 4, rest_speed: 0.001}
   EXPECT_EQ(scene.adapt.interval, 5);
   EXPECT_EQ(scene.adapt.refine_above, 0.4);
   EXPECT_EQ(scene.adapt.coarsen_below, 0.3);
+  EXPECT_EQ(scene.adapt.refine_above_strain, 0.02);
+  EXPECT_EQ(scene.adapt.coarsen_below_strain, 0.01);
   EXPECT_EQ(scene.adapt.minimum_age, 6);
   EXPECT_EQ(scene.stop.time, 4);
   EXPECT_EQ(scene.stop.rest_speed, 0.001);
@@ -197,7 +200,7 @@ TEST(Scene, UnknownAndDuplicateKeysAreNamed) {
         "max_iterations, time_budget, sleep_speed, threads"},
        {ok + "adapt: {level: 1}",
         "scene: adapt.level: unknown key; known here: strategy, levels, interval, refine_above, "
-        "coarsen_below, minimum_age"},
+        "coarsen_below, refine_above_strain, coarsen_below_strain, minimum_age"},
        {ok + "probe: {r: 1}",
         "scene: probe.r: unknown key; known here: radius, friction, coupling_stiffness, coupling_damping, "
         "path"},
@@ -275,6 +278,8 @@ TEST(Scene, ImpossibleValuesAreNamed) {
        {ok + "adapt: {minimum_age: -1}", "scene: adapt.minimum_age = -1: must be >= 0"},
        {ok + "adapt: {refine_above: 0.1, coarsen_below: 0.1}",
         "scene: adapt.coarsen_below = 0.1: must be below adapt.refine_above = 0.1"},
+       {ok + "adapt: {coarsen_below_strain: 0.5}",
+        "scene: adapt.coarsen_below_strain = 0.5: must be below adapt.refine_above_strain = 0.005"},
        {ok + "solver: {time_step: 0}", "scene: solver.time_step = 0: must be > 0"},
        {ok + "solver: {tolerance: -1}", "scene: solver.tolerance = -1: must be >= 0"},
        {ok + "solver: {max_iterations: 0}", "scene: solver.max_iterations = 0: must be >= 1"},
