@@ -1,0 +1,338 @@
+/// xpbd_cloth: extended position based dynamics with small steps [Macklin et al. 2016, 2019], written for the
+/// bench alone, as plain as a user's own would be: one Gauss-Seidel pass over all constraints a substep.
+///   stretch   distance along warp and weft, stiffness the secant of the fabric's law
+///   shear     distances along both diagonals of a cell
+///   bending   x_l - 2 x_c + x_r on a thread [Kelager et al. 2010], quadratic in the curvature
+///   contact   projection out of the solids, friction by taking back slip up to μ times the depth
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "contact/shape.h"
+#include "peer.h"
+
+namespace haptic_cloth {
+namespace peers {
+namespace {
+
+constexpr int kDefaultSubsteps = 20;
+constexpr double kLeastStrain = 1e-5, kLeastCurvature = 1e-2, kLeastAngle = 1e-4;  // of a secant
+
+/// Secant stiffness of a law; one number a side where the law is straight.
+struct Stiffness {
+  Stiffness(const Loop& a_law, double a_least, double scale_of_use) : law(a_law), least(a_least) {
+    positive = secant(law, scale_of_use, least);
+    negative = secant(law, -scale_of_use, least);
+    const auto same = [](double a, double b) { return std::abs(a - b) <= 1e-6 * std::abs(b); };
+    straight = same(secant(law, 1e-3 * scale_of_use, 0.0), positive) &&
+               same(secant(law, -1e-3 * scale_of_use, 0.0), negative);
+  }
+  double at(double s) const { return straight ? (s < 0.0 ? negative : positive) : secant(law, s, least); }
+
+  Loop law;
+  double least, positive, negative;
+  bool straight;
+};
+
+struct Distance2 {
+  int a, b;
+  double length, width;  ///< width over length times the secant is the stiffness [N/m]
+};
+
+struct Bend {
+  int l, c, r;
+  double factor;  ///< times the rigidity [N·m] is the stiffness [N/m]
+};
+
+struct Touch {
+  int particle, solid;
+};
+
+struct Patch4 {
+  std::array<int, 4> corners;
+};
+
+class XpbdCloth : public Peer {
+ public:
+  XpbdCloth(const Scene& scene, double step, int substeps)
+      : scene_(scene),
+        columns_(scene.cloth.particles[kWarp]),
+        rows_(scene.cloth.particles[kWeft]),
+        dx_(scene.cloth.size[0] / (columns_ - 1)),
+        dy_(scene.cloth.size[1] / (rows_ - 1)),
+        frame_(step > 0.0 ? step : scene.solver.time_step),
+        substeps_(substeps > 0 ? substeps : kDefaultSubsteps),
+        h_(frame_ / substeps_),
+        stretch_{Stiffness(scene.cloth.fabric.tensile[kWarp], kLeastStrain, 0.01),
+                 Stiffness(scene.cloth.fabric.tensile[kWeft], kLeastStrain, 0.01)},
+        bend_{Stiffness(scene.cloth.fabric.bending[kWarp], kLeastCurvature, 100.0),
+              Stiffness(scene.cloth.fabric.bending[kWeft], kLeastCurvature, 100.0)},
+        shear_(scene.cloth.fabric.shear, kLeastAngle, 0.05),
+        solids_(scene.obstacles.begin(), scene.obstacles.end()),
+        x_(flatCloth(scene)),
+        before_(x_),
+        v_(x_.size(), Vec3::Zero()) {
+    const std::vector<double> masses = particleMasses(scene);
+    const std::vector<char> pinned = pinnedParticles(scene);
+    inverse_mass_.resize(masses.size());
+    for (std::size_t p = 0; p < masses.size(); ++p) inverse_mass_[p] = pinned[p] ? 0.0 : 1.0 / masses[p];
+    listEdges();
+    listDiagonals();
+    listBends();
+  }
+
+  double frame() const override { return frame_; }
+
+  void step(const Vec3* device, const Vec3& device_velocity) override {
+    if (device != nullptr && !present_) proxy_ = *device;
+    present_ = device != nullptr;
+    findTouches();
+    force_ = Vec3::Zero();
+    for (int k = 1; k <= substeps_; ++k) {
+      predict();
+      if (present_) predictProxy(*device - device_velocity * (h_ * (substeps_ - k)), device_velocity);
+      for (int direction : {kWarp, kWeft}) solveStretch(direction);
+      solveShear();
+      for (int direction : {kWarp, kWeft}) solveBend(direction);
+      solveSolids();
+      if (present_) solveProbe();
+      for (std::size_t p = 0; p < x_.size(); ++p) v_[p] = (x_[p] - before_[p]) / h_;
+    }
+    force_ /= substeps_;
+  }
+
+  void positions(std::vector<Vec3>& positions) const override { positions = x_; }
+  Vec3 probe() const override { return proxy_; }
+  Vec3 probeForce() const override { return force_; }
+
+  nlohmann::json details() const override {
+    return {{"method", "XPBD, one Gauss-Seidel pass a substep"}, {"step", frame_}, {"substeps", substeps_}};
+  }
+
+ private:
+  int particle(int i, int j) const { return j * columns_ + i; }
+
+  /// In two colours along the threads, so that neighbours in the list do not wait for each other.
+  void listEdges() {
+    for (int first : {0, 1}) {
+      for (int j = 0; j < rows_; ++j) {
+        const double width = dy_ * (j == 0 || j == rows_ - 1 ? 0.5 : 1.0);
+        for (int i = first; i + 1 < columns_; i += 2) {
+          edges_[kWarp].push_back({particle(i, j), particle(i + 1, j), dx_, width});
+        }
+      }
+      for (int j = first; j + 1 < rows_; j += 2) {
+        for (int i = 0; i < columns_; ++i) {
+          const double width = dx_ * (i == 0 || i == columns_ - 1 ? 0.5 : 1.0);
+          edges_[kWeft].push_back({particle(i, j), particle(i, j + 1), dy_, width});
+        }
+      }
+    }
+  }
+
+  /// Two diagonals of stiffness G (a² + b²)/(2 a b) have the energy of a sheared cell to second order.
+  void listDiagonals() {
+    const double length = std::hypot(dx_, dy_);
+    for (int first : {0, 1}) {
+      for (int j = 0; j + 1 < rows_; ++j) {
+        for (int i = first; i + 1 < columns_; i += 2) {
+          diagonals_.push_back({particle(i, j), particle(i + 1, j + 1), length, 0.0});
+          diagonals_.push_back({particle(i + 1, j), particle(i, j + 1), length, 0.0});
+        }
+      }
+    }
+  }
+
+  /// ½ B w l κ² with κ = |x_l - 2 x_c + x_r|/l²; beside two pins twice that, as in the package: the clamp
+  /// acts over half a cell.
+  void listBends() {
+    const auto add = [this](int direction, int l, int c, int r, double length, double width) {
+      const bool arm = (inverse_mass_[l] == 0.0 || inverse_mass_[r] == 0.0) && inverse_mass_[c] == 0.0;
+      bends_[direction].push_back({l, c, r, (arm ? 2.0 : 1.0) * width / (length * length * length)});
+    };
+    for (int first : {1, 2, 3}) {
+      for (int j = 0; j < rows_; ++j) {
+        const double width = dy_ * (j == 0 || j == rows_ - 1 ? 0.5 : 1.0);
+        for (int i = first; i + 1 < columns_; i += 3) {
+          add(kWarp, particle(i - 1, j), particle(i, j), particle(i + 1, j), dx_, width);
+        }
+      }
+      for (int j = first; j + 1 < rows_; j += 3) {
+        for (int i = 0; i < columns_; ++i) {
+          const double width = dx_ * (i == 0 || i == columns_ - 1 ? 0.5 : 1.0);
+          add(kWeft, particle(i, j - 1), particle(i, j), particle(i, j + 1), dy_, width);
+        }
+      }
+    }
+  }
+
+  void predict() {
+    const double slowed = 1.0 / (1.0 + scene_.air_damping * h_);
+    for (std::size_t p = 0; p < x_.size(); ++p) {
+      before_[p] = x_[p];
+      if (inverse_mass_[p] > 0.0) x_[p] += h_ * slowed * (v_[p] + h_ * scene_.gravity);
+    }
+  }
+
+  /// The massless proxy over a substep: a particle of mass h² k + h b where spring and damper alone would put
+  /// it.
+  void predictProxy(const Vec3& device, const Vec3& device_velocity) {
+    const double k = scene_.probe.coupling_stiffness, b = scene_.probe.coupling_damping;
+    proxy_mass_ = h_ * (h_ * k + b);
+    proxy_before_ = proxy_;
+    proxy_ += (h_ * h_ * k * (device - proxy_) + h_ * b * h_ * device_velocity) / proxy_mass_;
+    proxy_free_ = proxy_;
+  }
+
+  void pull(int a, int b, double rest, double stiffness) {
+    const double w = inverse_mass_[a] + inverse_mass_[b];
+    if (w == 0.0 || !(stiffness > 0.0)) return;
+    const Vec3 d = x_[b] - x_[a];
+    const double length = d.norm();
+    if (!(length > 0.0)) return;
+    const Vec3 move = (length - rest) / (length * (w + 1.0 / (stiffness * h_ * h_))) * d;
+    x_[a] += inverse_mass_[a] * move;
+    x_[b] -= inverse_mass_[b] * move;
+  }
+
+  void solveStretch(int direction) {
+    const Stiffness& law = stretch_[direction];
+    for (const Distance2& e : edges_[direction]) {
+      const double strain = (x_[e.b] - x_[e.a]).norm() / e.length - 1.0;
+      pull(e.a, e.b, e.length, law.at(strain) * e.width / e.length);
+    }
+  }
+
+  void solveShear() {
+    const double area = dx_ * dy_, square = dx_ * dx_ + dy_ * dy_;
+    for (const Distance2& e : diagonals_) {
+      const double modulus = shear_.straight
+                                 ? shear_.positive
+                                 : shear_.at(((x_[e.b] - x_[e.a]).norm() - e.length) * e.length / area);
+      pull(e.a, e.b, e.length, modulus * square / (2.0 * area));
+    }
+  }
+
+  void solveBend(int direction) {
+    const Stiffness& law = bend_[direction];
+    const double spacing = direction == kWarp ? dx_ : dy_;
+    for (const Bend& t : bends_[direction]) {
+      const double wl = inverse_mass_[t.l], wc = inverse_mass_[t.c], wr = inverse_mass_[t.r];
+      const double w = wl + 4.0 * wc + wr;
+      const Vec3 d = x_[t.l] - 2.0 * x_[t.c] + x_[t.r];
+      const double rigidity = law.straight ? law.positive : law.at(d.norm() / (spacing * spacing));
+      if (w == 0.0 || !(rigidity > 0.0)) continue;
+      const Vec3 move = d / (w + 1.0 / (rigidity * t.factor * h_ * h_));
+      x_[t.l] -= wl * move;
+      x_[t.c] += 2.0 * wc * move;
+      x_[t.r] -= wr * move;
+    }
+  }
+
+  /// Particles and cells that may touch within this frame.
+  void findTouches() {
+    touches_.clear();
+    const double fall = frame_ * frame_ * scene_.gravity.norm(), thickness = scene_.cloth.fabric.thickness;
+    for (int p = 0; p < static_cast<int>(x_.size()); ++p) {
+      if (inverse_mass_[p] == 0.0) continue;
+      const double reach = thickness + 2.0 * (frame_ * v_[p].norm() + fall) + 0.1 * std::min(dx_, dy_);
+      for (int s = 0; s < static_cast<int>(solids_.size()); ++s) {
+        if (solids_[s].distance(x_[p]).value < reach) touches_.push_back({p, s});
+      }
+    }
+    patches_.clear();
+    if (!present_) return;
+    const double reach = scene_.probe.radius + 2.0 * std::hypot(dx_, dy_) + 2.0 * frame_;
+    for (int j = 0; j + 1 < rows_; ++j) {
+      for (int i = 0; i + 1 < columns_; ++i) {
+        const std::array<int, 4> c{particle(i, j), particle(i + 1, j), particle(i, j + 1),
+                                   particle(i + 1, j + 1)};
+        if ((x_[c[0]] - proxy_).norm() < reach) patches_.push_back({c});
+      }
+    }
+  }
+
+  void solveSolids() {
+    for (const Touch& touch : touches_) {
+      Vec3& x = x_[touch.particle];
+      const Distance d = solids_[touch.solid].distance(x);
+      const double depth = scene_.cloth.fabric.thickness - d.value;
+      if (!(depth > 0.0)) continue;
+      x += depth * d.normal;
+      const Vec3 moved = x - before_[touch.particle];
+      const Vec3 slip = moved - moved.dot(d.normal) * d.normal;
+      const double limit = solids_[touch.solid].friction() * depth, length = slip.norm();
+      x -= slip * (length > limit ? limit / length : 1.0);
+    }
+  }
+
+  /// Points of the surface at most a third of the radius apart, as in the package.
+  void solveProbe() {
+    const int nu = std::max(1, static_cast<int>(std::ceil(3.0 * dx_ / scene_.probe.radius)));
+    const int nv = std::max(1, static_cast<int>(std::ceil(3.0 * dy_ / scene_.probe.radius)));
+    for (const Patch4& patch : patches_) {
+      for (int b = 0; b < nv; ++b) {
+        for (int a = 0; a < nu; ++a) touchProbe(patch, (a + 0.5) / nu, (b + 0.5) / nv);
+      }
+    }
+    force_ += proxy_mass_ / (h_ * h_) * (proxy_ - proxy_free_);
+  }
+
+  void touchProbe(const Patch4& patch, double u, double v) {
+    const std::array<double, 4> weights{(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v};
+    Vec3 point = Vec3::Zero(), start = Vec3::Zero();
+    double w = 1.0 / proxy_mass_;
+    for (int k = 0; k < 4; ++k) {
+      point += weights[k] * x_[patch.corners[k]];
+      start += weights[k] * before_[patch.corners[k]];
+      w += weights[k] * weights[k] * inverse_mass_[patch.corners[k]];
+    }
+    const Vec3 away = point - proxy_;
+    const double length = away.norm();
+    const double depth = scene_.probe.radius + scene_.cloth.fabric.thickness - length;
+    if (!(depth > 0.0) || !(length > 0.0)) return;
+    const Vec3 normal = away / length;
+    const Vec3 moved = (point - start) - (proxy_ - proxy_before_);
+    const Vec3 slip = moved - moved.dot(normal) * normal;
+    const double limit = scene_.probe.friction * depth, slid = slip.norm();
+    const Vec3 push = (depth * normal - slip * (slid > limit ? limit / slid : 1.0)) / w;
+    for (int k = 0; k < 4; ++k) {
+      x_[patch.corners[k]] += inverse_mass_[patch.corners[k]] * weights[k] * push;
+    }
+    proxy_ -= push / proxy_mass_;
+  }
+
+  Scene scene_;
+  int columns_, rows_;
+  double dx_, dy_;
+  double frame_;
+  int substeps_;
+  double h_;
+  std::array<Stiffness, 2> stretch_, bend_;
+  Stiffness shear_;
+  std::vector<Solid> solids_;
+  std::vector<Vec3> x_, before_, v_;
+  std::vector<double> inverse_mass_;
+  std::array<std::vector<Distance2>, 2> edges_;
+  std::vector<Distance2> diagonals_;
+  std::array<std::vector<Bend>, 2> bends_;
+  std::vector<Touch> touches_;
+  std::vector<Patch4> patches_;
+  bool present_ = false;
+  double proxy_mass_ = 1.0;
+  Vec3 proxy_ = Vec3::Zero(), proxy_before_ = Vec3::Zero(), proxy_free_ = Vec3::Zero();
+  Vec3 force_ = Vec3::Zero();
+};
+
+}  // namespace
+}  // namespace peers
+}  // namespace haptic_cloth
+
+int main(int argc, char** argv) {
+  using namespace haptic_cloth;  // NOLINT: a main of its own
+  return peers::runPeer(argc, argv, "xpbd_cloth", "XPBD with small steps, written for the bench.",
+                        [](const Scene& scene, const peers::Arguments& arguments) {
+                          return std::make_unique<peers::XpbdCloth>(scene, arguments.step,
+                                                                    arguments.substeps);
+                        });
+}
