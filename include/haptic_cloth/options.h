@@ -12,7 +12,7 @@ struct MinimizerOptions {
   Preconditioner preconditioner = Preconditioner::Jacobi;
   double tolerance =
       0.1;  ///< stop when rms_m(|∇Φ|/m) <= tolerance · |gravity| (9.80665 m/s² where there is none)  [-]
-  int max_iterations = 1000;  ///< [-]
+  int max_iterations = 200;  ///< [-]
   double time_budget = 0.0;  ///< wall clock of one solve [s], but one iteration at least; 0: none. The best
                              ///< state so far is kept.
 };
