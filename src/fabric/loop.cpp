@@ -36,9 +36,9 @@ Loop::Loop(double begin, double step, std::vector<double> upper, std::vector<dou
   path_ = Curve(begin_, step, path);
 }
 
-/// The deformation at which branch - R, which falls everywhere, equals the play: a walk among the nodes from one
-/// where it is likely, in strides that double, a search between the last two, then the root of a line. Past the
-/// ends the last intervals' lines go on.
+/// The deformation at which branch - R, which falls everywhere, equals the play: a walk among the nodes from
+/// one where it is likely, in strides that double, a search between the last two, then the root of a line.
+/// Past the ends the last intervals' lines go on.
 double Loop::joins(const Curve& branch, double play, double near) const {
   const auto above = [&](int node) {
     const double s = begin_ + node * step_;

@@ -93,7 +93,8 @@ TEST(ForceHistory, ElementsRecallWhatTheyRemembered) {
   }
   const Field before = gradient();
   ASSERT_GT(mesh.ghosts.size(), 0u);
-  for (const Ghost& ghost : mesh.ghosts) history.moment(mesh.particle[ghost.node], kWarp) = 1e9;  // of long ago
+  for (const Ghost& ghost : mesh.ghosts)
+    history.moment(mesh.particle[ghost.node], kWarp) = 1e9;  // of long ago
   internal.remember(x, history);
   for (const Ghost& ghost : mesh.ghosts) {
     const auto moment = [&](int node) { return history.moment(mesh.particle[node], kWarp); };
