@@ -43,6 +43,13 @@ static HAPTIC_CLOTH_INLINE Lanes squareRoot(const Lanes& v) {
 static HAPTIC_CLOTH_INLINE Lanes larger(const Lanes& a, const Lanes& b) { return a > b ? a : b; }
 static HAPTIC_CLOTH_INLINE Lanes smaller(const Lanes& a, const Lanes& b) { return a < b ? a : b; }
 
+/// Largest of the lanes.
+static HAPTIC_CLOTH_INLINE double greatest(const Lanes& v) {
+  const auto larger_of = [](double a, double b) { return a > b ? a : b; };
+  return larger_of(larger_of(larger_of(v[0], v[1]), larger_of(v[2], v[3])),
+                   larger_of(larger_of(v[4], v[5]), larger_of(v[6], v[7])));
+}
+
 /// Sum of the lanes, in a fixed order.
 static HAPTIC_CLOTH_INLINE double total(const Lanes& v) {
   return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
