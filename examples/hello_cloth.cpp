@@ -22,7 +22,7 @@ haptic_cloth::Scene makeScene() {
   scene.cloth.size = {0.2, 0.2};        // m
   scene.cloth.pose.position.z() = 0.0;  // m
   scene.cloth.pins = {{0, 0, 0, 32}, {32, 32, 0, 32}, {0, 32, 0, 0}, {0, 32, 32, 32}};
-  scene.probe.radius = 0.01;  // m
+  scene.probes[0].radius = 0.01;  // m
   return scene;
 }
 

@@ -116,7 +116,7 @@ class BulletCloth : public Peer {
     makeWorld();
     makeCloth();
     for (const Obstacle& obstacle : scene.obstacles) addObstacle(obstacle);
-    if (!scene.probe.path.empty()) addProbe();
+    if (!scene.probes[0].path.empty()) addProbe();
   }
 
   double frame() const override { return h_; }
@@ -389,9 +389,9 @@ class BulletCloth : public Peer {
   /// A kinematic body takes no impulses; a heavy one that is put in its place every step does, and tells
   /// them.
   void addProbe() {
-    const btTransform pose(btQuaternion::getIdentity(), toBullet(scene_.probe.path.front().position));
-    probe_ = addBody(std::make_unique<btSphereShape>(static_cast<btScalar>(scene_.probe.radius)), kProbeMass,
-                     pose, scene_.probe.friction);
+    const btTransform pose(btQuaternion::getIdentity(), toBullet(scene_.probes[0].path.front().position));
+    probe_ = addBody(std::make_unique<btSphereShape>(static_cast<btScalar>(scene_.probes[0].radius)),
+                     kProbeMass, pose, scene_.probes[0].friction);
     probe_->setGravity(btVector3(0, 0, 0));
     probe_->setFlags(probe_->getFlags() | BT_DISABLE_WORLD_GRAVITY);
     probe_->setActivationState(DISABLE_DEACTIVATION);

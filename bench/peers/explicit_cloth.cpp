@@ -34,8 +34,8 @@ class ExplicitCloth : public Peer {
         mesh_(leaves_, scene.cloth.fabric.areal_density),
         internal_(scene.cloth.fabric, mesh_),
         contacts_(grid_, scene.obstacles,
-                  {scene.cloth.fabric.thickness, kSlipSpeed, scene.solver.time_step, scene.probe.radius,
-                   scene.probe.friction}) {
+                  {scene.cloth.fabric.thickness, kSlipSpeed, scene.solver.time_step, scene.probes[0].radius,
+                   scene.probes[0].friction}) {
     const std::vector<Vec3> flat = flatCloth(scene);
     for (Field* field : {&x_, &v_, &gradient_}) field->clear(mesh_.nodes());
     for (int n = 0; n < mesh_.nodes(); ++n) x_.set(n, flat[mesh_.particle[n]]);
@@ -112,7 +112,7 @@ class ExplicitCloth : public Peer {
     }
     start_ = x_;
     proxy_start_ = proxy_;
-    proxy_reach_ = 2.0 * frame * proxy_velocity_.norm() + 0.1 * scene_.probe.radius;
+    proxy_reach_ = 2.0 * frame * proxy_velocity_.norm() + 0.1 * scene_.probes[0].radius;
     if (present_ && !entered_) entered_ = contacts_.isClear(mesh_, x_, proxy_);
     contacts_.collect(mesh_, x_, reach_, present_ && entered_ ? &proxy_ : nullptr, proxy_reach_);
     ++collections_;
@@ -154,7 +154,7 @@ class ExplicitCloth : public Peer {
     }
     if (!present_) return;
     const Vec3 force = -contacts_.proxyGradient();
-    const double k = scene_.probe.coupling_stiffness, b = scene_.probe.coupling_damping;
+    const double k = scene_.probes[0].coupling_stiffness, b = scene_.probes[0].coupling_damping;
     proxy_velocity_ = (force + k * (device - proxy_) + b * device_velocity) / (b + k * h_);
     proxy_ += h_ * proxy_velocity_;
     supplied_ -= h_ * force.dot(proxy_velocity_);

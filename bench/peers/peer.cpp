@@ -62,15 +62,15 @@ double fastest(const std::vector<Vec3>& before, const std::vector<Vec3>& after, 
 Run runToEnd(Peer& peer, const Scene& scene) {
   constexpr double kRestDuration = 0.1;  // [s]
   const std::vector<Solid> solids(scene.obstacles.begin(), scene.obstacles.end());
-  const bool has_probe = !scene.probe.path.empty();
+  const bool has_probe = !scene.probes[0].path.empty();
   const double frame = peer.frame();
   Run run;
   std::vector<Vec3> before;
   peer.positions(run.positions);
   double slow_since = 0.0;
   while (run.time < scene.stop.time - 0.5 * frame) {
-    const Vec3 from = pathPosition(scene.probe.path, run.time);
-    const Vec3 device = pathPosition(scene.probe.path, run.time + frame);
+    const Vec3 from = pathPosition(scene.probes[0].path, run.time);
+    const Vec3 device = pathPosition(scene.probes[0].path, run.time + frame);
     before.swap(run.positions);
     const auto start = std::chrono::steady_clock::now();
     peer.step(has_probe ? &device : nullptr, (device - from) / frame);

@@ -177,7 +177,7 @@ class XpbdCloth : public Peer {
   /// The massless proxy over a substep: a particle of mass h² k + h b where spring and damper alone would put
   /// it.
   void predictProxy(const Vec3& device, const Vec3& device_velocity) {
-    const double k = scene_.probe.coupling_stiffness, b = scene_.probe.coupling_damping;
+    const double k = scene_.probes[0].coupling_stiffness, b = scene_.probes[0].coupling_damping;
     proxy_mass_ = h_ * (h_ * k + b);
     proxy_before_ = proxy_;
     proxy_ += (h_ * h_ * k * (device - proxy_) + h_ * b * h_ * device_velocity) / proxy_mass_;
@@ -242,7 +242,7 @@ class XpbdCloth : public Peer {
     }
     patches_.clear();
     if (!present_) return;
-    const double reach = scene_.probe.radius + 2.0 * std::hypot(dx_, dy_) + 2.0 * frame_;
+    const double reach = scene_.probes[0].radius + 2.0 * std::hypot(dx_, dy_) + 2.0 * frame_;
     for (int j = 0; j + 1 < rows_; ++j) {
       for (int i = 0; i + 1 < columns_; ++i) {
         const std::array<int, 4> c{particle(i, j), particle(i + 1, j), particle(i, j + 1),
@@ -268,8 +268,8 @@ class XpbdCloth : public Peer {
 
   /// Points of the surface at most a third of the radius apart, as in the package.
   void solveProbe() {
-    const int nu = std::max(1, static_cast<int>(std::ceil(3.0 * dx_ / scene_.probe.radius)));
-    const int nv = std::max(1, static_cast<int>(std::ceil(3.0 * dy_ / scene_.probe.radius)));
+    const int nu = std::max(1, static_cast<int>(std::ceil(3.0 * dx_ / scene_.probes[0].radius)));
+    const int nv = std::max(1, static_cast<int>(std::ceil(3.0 * dy_ / scene_.probes[0].radius)));
     for (const Patch4& patch : patches_) {
       for (int b = 0; b < nv; ++b) {
         for (int a = 0; a < nu; ++a) touchProbe(patch, (a + 0.5) / nu, (b + 0.5) / nv);
@@ -289,12 +289,12 @@ class XpbdCloth : public Peer {
     }
     const Vec3 away = point - proxy_;
     const double length = away.norm();
-    const double depth = scene_.probe.radius + scene_.cloth.fabric.thickness - length;
+    const double depth = scene_.probes[0].radius + scene_.cloth.fabric.thickness - length;
     if (!(depth > 0.0) || !(length > 0.0)) return;
     const Vec3 normal = away / length;
     const Vec3 moved = (point - start) - (proxy_ - proxy_before_);
     const Vec3 slip = moved - moved.dot(normal) * normal;
-    const double limit = scene_.probe.friction * depth, slid = slip.norm();
+    const double limit = scene_.probes[0].friction * depth, slid = slip.norm();
     const Vec3 push = (depth * normal - slip * (slid > limit ? limit / slid : 1.0)) / w;
     for (int k = 0; k < 4; ++k) {
       x_[patch.corners[k]] += inverse_mass_[patch.corners[k]] * weights[k] * push;

@@ -57,7 +57,8 @@ struct ProbeReport {
   Vec3 proxy = Vec3::Zero();     ///< [m]
   Vec3 velocity = Vec3::Zero();  ///< of the proxy [m/s]
   Vec3 force = Vec3::Zero();     ///< on the probe, by the cloth [N]
-  bool contact = false;          ///< some sample of the cloth presses on the probe
+  bool contact = false;          ///< some sample of the cloth presses on the probe, or it grasps
+  bool grasps = false;           ///< it holds some of the cloth
 };
 
 }  // namespace haptic_cloth

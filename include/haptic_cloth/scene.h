@@ -27,29 +27,36 @@ struct ClothOptions {
 
 enum class Shape { Box, Sphere, Cylinder, Capsule, Plane };
 
-/// A solid with friction. Cylinder and capsule have their axis along local z, a plane its normal along local
-/// +z.
-struct Obstacle {
-  Shape shape = Shape::Plane;
-  Vec3 size = Vec3::Zero();  ///< box: full side lengths [m]
-  double radius = 0.0;       ///< sphere, cylinder, capsule [m]
-  double length = 0.0;       ///< cylinder: full height; capsule: distance of the two centres [m]
-  Pose pose;
-  double friction = 0.3;  ///< Coulomb coefficient [-]
-};
-
-/// Device position at a time, in the world frame.
+/// Position at a time, in the world frame.
 struct PathPoint {
   double time;    ///< [s]
   Vec3 position;  ///< [m]
 };
 
+/// A solid with friction. Cylinder and capsule have their axis along local z, a plane its normal along local
+/// +z.
+struct Obstacle {
+  std::string name;  ///< by which it can be moved; empty: it stays
+  Shape shape = Shape::Plane;
+  Vec3 size = Vec3::Zero();  ///< box: full side lengths [m]
+  double radius = 0.0;       ///< sphere, cylinder, capsule [m]
+  double length = 0.0;       ///< cylinder: full height; capsule: distance of the two centres [m]
+  Pose pose;
+  double friction = 0.3;        ///< Coulomb coefficient [-]
+  std::vector<PathPoint> path;  ///< of its position, as a probe's; empty: it stays until moved
+};
+
+/// A sphere, or a capsule with its axis along local z.
 struct ProbeOptions {
+  std::string name = "probe";
   double radius = 0.008;              ///< [m]
+  double length = 0.0;                ///< of a capsule: distance of its two centres [m]; 0: a sphere
   double friction = 0.2;              ///< [-]
   double coupling_stiffness = 400.0;  ///< virtual coupling, device to proxy [N/m]
   double coupling_damping = 1.0;      ///< [N·s/m]
   std::vector<PathPoint> path;        ///< linear between rows, held after the last; empty: no scripted motion
+  Quat orientation = Quat::Identity();       ///< of a capsule on its path
+  std::vector<std::array<double, 2>> grasp;  ///< from, to: closed meanwhile on its path [s]
 };
 
 /// When a run of `simulate` ends.
@@ -63,7 +70,7 @@ struct Scene {
   Vec3 gravity{0.0, 0.0, -9.81};  ///< [m/s²]
   double air_damping = 0.5;       ///< [1/s]
   std::vector<Obstacle> obstacles;
-  ProbeOptions probe;
+  std::vector<ProbeOptions> probes{ProbeOptions()};
   SolverOptions solver;
   AdaptOptions adapt;
   StopOptions stop;
@@ -82,7 +89,7 @@ Scene parseScene(const std::string& yaml, const std::string& origin, const std::
 /// @throws InputError with `origin` as file.
 void validateScene(const Scene& scene, const std::string& origin);
 
-/// Device position on a path at a time [s]: linear between rows, the first before, the last after.
+/// Position on a path at a time [s]: linear between rows, the first before, the last after.
 Vec3 pathPosition(const std::vector<PathPoint>& path, double time);
 
 }  // namespace haptic_cloth

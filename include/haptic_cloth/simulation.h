@@ -18,7 +18,7 @@ struct CellView {
   int level;      ///< 0: finest
 };
 
-/// Cloth, obstacles and probe, advanced step by step. Not thread-safe: one thread owns it.
+/// Cloth, obstacles and probes, advanced step by step. Not thread-safe: one thread owns it.
 class Simulation {
  public:
   /// @throws InputError if the scene is not valid
@@ -29,15 +29,26 @@ class Simulation {
 
   /// Takes the device's position [m] and velocity [m/s] for the next step. The first call puts the proxy
   /// there.
-  void setDevice(const Vec3& position, const Vec3& velocity);
+  void setDevice(const Vec3& position, const Vec3& velocity) { setDevice(0, {position, velocity}); }
 
-  /// Takes the probe out of the scene until the next setDevice().
-  void removeDevice();
+  /// The same for a probe of the scene by its number. A state that is not finite is ignored.
+  void setDevice(int probe, const DeviceState& device);
+
+  /// Takes a probe out of the scene until its next setDevice().
+  void removeDevice(int probe = 0);
+
+  /// A closed probe holds the cloth it touches, or touches next, until it is opened or removed. Held
+  /// particles move with the proxy. Without effect under solver.cost joint.
+  void setGrasp(int probe, bool closed);
+
+  /// Sends an obstacle to a pose that it takes in the next step, or in several: at most a quarter of its
+  /// narrowest half-width in each. A pose that is not finite is ignored.
+  void moveObstacle(int obstacle, const Pose& pose);
 
   /// Advances by one time step: take inputs, adapt, find contacts, minimise, accept or restore, report.
   StepReport step();
 
-  /// Back to the flat start at time 0, without the probe.
+  /// Back to the flat start at time 0, without probes, obstacles as in the scene.
   void reset();
 
   const Scene& scene() const;
@@ -45,7 +56,8 @@ class Simulation {
   int threads() const;
   double mass() const;  ///< of the cloth [kg]
   int activeParticles() const;
-  ProbeReport probe() const;
+  ProbeReport probe(int probe = 0) const;
+  Pose obstaclePose(int obstacle) const;
   EnergyReport energy() const;
   CostReport cost() const;
   double maxStrain() const;   ///< largest |strain| of an edge [-]

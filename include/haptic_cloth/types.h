@@ -14,6 +14,13 @@ struct Pose {
   Quat orientation = Quat::Identity();
 };
 
+/// A haptic device at the end of a step, in the world frame.
+struct DeviceState {
+  Vec3 position = Vec3::Zero();         ///< [m]
+  Vec3 velocity = Vec3::Zero();         ///< [m/s]
+  Quat orientation = Quat::Identity();  ///< matters where the probe is a capsule
+};
+
 /// Thread directions of a woven cloth: warp runs along grid index i (x), weft along j (y).
 enum Direction { kWarp = 0, kWeft = 1 };
 

@@ -3,8 +3,8 @@
 
 namespace haptic_cloth {
 
-void ContactSet::linearise(int begin, int end, const Field& nodes, const Vec3& proxy, const Field& d,
-                           const Vec3& d_proxy) {
+void ContactSet::linearise(int begin, int end, const Field& nodes, const Field& d,
+                           const std::vector<Vec3>& d_proxies) {
   // Solids have flat faces, round edges and corners: their normal's change is a central difference, taken
   // over far less than any of them is round.
   constexpr double kNudge = 1e-7;  // [m]
@@ -16,21 +16,19 @@ void ContactSet::linearise(int begin, int end, const Field& nodes, const Vec3& p
     change_.set(k, Vec3::Zero());
     if (pack.normal_stiffness[l] == 0.0 && pack.tangent_stiffness[l] == 0.0) continue;
     const Vec3 position = samplePosition(sample, nodes);
-    Vec3 moved = samplePosition(sample, d);
-    if (sample.solid == kProbe) moved -= d_proxy;
+    const Vec3 moved = samplePosition(sample, d) - motionOf(sample.solid, d_proxies);
+    const Solid& solid = solids_[sample.solid];
     change_.set(k, pack.normal_stiffness[l] * normal(k).dot(moved) * normal(k));
     const double length = moved.norm();
     if (!(length > 0.0)) continue;
     const Vec3 nudge = kNudge / length * moved;
     change_.add(k, -pack.pressing[l] * length / (2.0 * kNudge) *
-                       (distance(sample.solid, position + nudge, proxy).normal -
-                        distance(sample.solid, position - nudge, proxy).normal));
+                       (solid.distance(position + nudge).normal - solid.distance(position - nudge).normal));
     if (sample.friction_force > 0.0) {
       const auto along = [&](const Vec3& v) {
         return Vec3(v - sample.start_normal.dot(v) * sample.start_normal);
       };
-      const Vec3 relative = sample.solid == kProbe ? Vec3(position - proxy) : position;
-      const Vec3 slip = along(relative - sample.start), slipping = along(moved);
+      const Vec3 slip = along(position - origin(sample.solid) - sample.start), slipping = along(moved);
       const double fading = sample.friction_force * smoothSlip(slip.norm(), epsilon).slope;
       change_.add(k, pack.tangent_stiffness[l] * slipping + fading * slip.dot(slipping) * slip);
     }
@@ -43,14 +41,6 @@ void ContactSet::addChange(int begin, int end, Field& change) const {
       change.add(n, entries_[e].weight * change_[entries_[e].sample]);
     }
   }
-}
-
-Vec3 ContactSet::proxyChange() const {
-  Vec3 sum = Vec3::Zero();
-  for (int k = 0; k < size(); ++k) {
-    if (samples_[k].solid == kProbe) sum -= change_[k];
-  }
-  return sum;
 }
 
 }  // namespace haptic_cloth

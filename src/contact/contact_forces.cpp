@@ -29,17 +29,13 @@ void ContactSet::packGroup(const Group& group) {
   }
 }
 
-SampleContext ContactSet::context(const Group& group, const Vec3& proxy) const {
-  const bool probe = group.solid == kProbe;
-  SampleContext context{{}, {0.0, 0.0, 0.0}, !probe, law_, options_.slip_speed * options_.time_step};
-  if (probe) {
-    context.solid.shape = Shape::Sphere;
-    context.solid.radius = options_.probe_radius;
-    for (int c = 0; c < 3; ++c) context.solid.position[c] = context.origin[c] = proxy[c];
-  } else {
-    context.solid = obstacles_[group.solid].lanes();
-  }
-  return context;
+SampleContext ContactSet::context(const Group& group) const {
+  const Vec3 from = origin(group.solid);
+  return {solids_[group.solid].lanes(),
+          {from.x(), from.y(), from.z()},
+          !isProbe(group.solid),
+          law_,
+          options_.slip_speed * options_.time_step};
 }
 
 /// Calls visit(group, first pack, last pack) for the parts of samples begin..end.
@@ -53,7 +49,7 @@ void ContactSet::forGroups(int begin, int end, const Visit& visit) const {
 
 void ContactSet::appendAwake(const std::vector<char>& awake, int first, Runs& runs) const {
   for (int k = 0; k < size(); k += kLanes) {
-    bool wanted = samples_[k].solid == kProbe;
+    bool wanted = isProbe(samples_[k].solid);
     for (int l = 0; l < kLanes; ++l) {
       for (const int node : samples_[k + l].nodes) wanted = wanted || awake[node] != 0;
     }
@@ -61,10 +57,10 @@ void ContactSet::appendAwake(const std::vector<char>& awake, int first, Runs& ru
   }
 }
 
-ContactSet::Energy ContactSet::evaluate(int begin, int end, const Field& nodes, const Vec3& proxy) {
+ContactSet::Energy ContactSet::evaluate(int begin, int end, const Field& nodes) {
   Energy energy;
   forGroups(begin, end, [&](const Group& group, int first, int last) {
-    const Energy part = evaluateSamples(packs_.data(), first, last, context(group, proxy), nodes.arrays(),
+    const Energy part = evaluateSamples(packs_.data(), first, last, context(group), nodes.arrays(),
                                         gradient_.arrays(), kLanes * first);
     energy.contact += part.contact;
     energy.friction += part.friction;
@@ -72,21 +68,22 @@ ContactSet::Energy ContactSet::evaluate(int begin, int end, const Field& nodes, 
   return energy;
 }
 
-double ContactSet::curvature(int begin, int end, const Field& d, const Vec3& d_proxy) const {
+double ContactSet::curvature(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies) const {
   double sum = 0.0;
   forGroups(begin, end, [&](const Group& group, int first, int last) {
-    const Vec3 moved = group.solid == kProbe ? d_proxy : Vec3::Zero();
+    const Vec3 moved = motionOf(group.solid, d_proxies);
     sum += sampleCurvature(packs_.data(), first, last, d.arrays(), moved.data());
   });
   return sum;
 }
 
-double ContactSet::maxStep(const Field& d, const Vec3& d_proxy) const {
+double ContactSet::maxStep(const Field& d, const std::vector<Vec3>& d_proxies) const {
   constexpr double kShareOfGap = 0.9;  // the distance is convex: its tangent bounds it along the step
   double step = 1e300;
   forGroups(0, size(), [&](const Group& group, int first, int last) {
-    if (group.solid != kProbe) return;
-    step = std::min(step, largestStep(packs_.data(), first, last, kShareOfGap, d.arrays(), d_proxy.data()));
+    if (!isProbe(group.solid)) return;
+    const Vec3 moved = motionOf(group.solid, d_proxies);
+    step = std::min(step, largestStep(packs_.data(), first, last, kShareOfGap, d.arrays(), moved.data()));
   });
   return step;
 }
@@ -122,28 +119,43 @@ void ContactSet::addDiagonal(Field& diagonal) const {
   }
 }
 
-Vec3 ContactSet::proxyGradient() const {
+/// Over a probe's samples.
+template <class Value>
+Vec3 ContactSet::sumOf(int probe, const Value& value) const {
   Vec3 sum = Vec3::Zero();
-  for (int k = 0; k < size(); ++k) {
-    if (samples_[k].solid == kProbe) sum -= gradient_[k];
+  for (const Group& group : groups_) {
+    if (group.solid != obstacles_ + probe) continue;
+    for (int k = kLanes * group.begin; k < kLanes * group.end; ++k) sum += value(k);
   }
   return sum;
 }
 
-Vec3 ContactSet::proxyDiagonal() const {
-  Vec3 sum = Vec3::Zero();
-  for (int k = 0; k < size(); ++k) {
-    if (samples_[k].solid == kProbe) sum += diagonalOf(k);
-  }
-  return sum;
+Vec3 ContactSet::proxyGradient(int probe) const {
+  return sumOf(probe, [this](int k) { return Vec3(-gradient_[k]); });
+}
+
+Vec3 ContactSet::proxyDiagonal(int probe) const {
+  return sumOf(probe, [this](int k) { return diagonalOf(k); });
+}
+
+Vec3 ContactSet::proxyChange(int probe) const {
+  return sumOf(probe, [this](int k) { return Vec3(-change_[k]); });
 }
 
 Vec3 ContactSet::obstacleForce() const {
   Vec3 sum = Vec3::Zero();
   for (int k = 0; k < size(); ++k) {
-    if (samples_[k].solid != kProbe) sum -= gradient_[k];
+    if (!isProbe(samples_[k].solid)) sum -= gradient_[k];
   }
   return sum;
+}
+
+double ContactSet::obstacleWork() const {
+  double work = 0.0;
+  for (int k = 0; k < size(); ++k) {
+    if (!isProbe(samples_[k].solid)) work -= gradient_[k].dot(samples_[k].carry);
+  }
+  return work;
 }
 
 double ContactSet::deepest() const {
@@ -159,9 +171,55 @@ void ContactSet::calm(Field& velocities) const {
   }
 }
 
-bool ContactSet::probeTouched() const {
-  for (int k = 0; k < size(); ++k) {
-    if (samples_[k].solid == kProbe && packs_[k / kLanes].normal_stiffness[k % kLanes] > 0.0) return true;
+void ContactSet::touchedNodes(int probe, std::vector<int>& nodes) const {
+  for (const Group& group : groups_) {
+    if (group.solid != obstacles_ + probe) continue;
+    for (int k = kLanes * group.begin; k < kLanes * group.end; ++k) {
+      if (!(packs_[k / kLanes].normal_stiffness[k % kLanes] > 0.0)) continue;
+      nodes.insert(nodes.end(), samples_[k].nodes.begin(), samples_[k].nodes.end());
+    }
+  }
+}
+
+bool ContactSet::probeTouched(int probe) const {
+  for (const Group& group : groups_) {
+    if (group.solid != obstacles_ + probe) continue;
+    for (int k = kLanes * group.begin; k < kLanes * group.end; ++k) {
+      if (packs_[k / kLanes].normal_stiffness[k % kLanes] > 0.0) return true;
+    }
+  }
+  return false;
+}
+
+/// No solid may pass through the cloth within a step: one that is sent farther lags behind.
+void ContactSet::advance() {
+  constexpr double kShareOfWidth = 0.25;
+  for (int k = 0; k < obstacles_; ++k) {
+    Solid& solid = solids_[k];
+    before_[k] = solid;
+    const Pose& target = targets_[k];
+    const Quat turned(solid.rotation());
+    const double way = (target.position - solid.position()).norm() +
+                       solid.extent() * turned.angularDistance(target.orientation);
+    if (!(way > 0.0)) continue;
+    const double share = std::min(1.0, kShareOfWidth * solid.halfWidth() / way);
+    if (share < 1.0) {
+      solid.place(solid.position() + share * (target.position - solid.position()));
+      solid.turn(turned.slerp(share, target.orientation));
+    } else {
+      solid.place(target.position);
+      solid.turn(target.orientation);
+    }
+  }
+}
+
+bool ContactSet::obstaclesMove() const {
+  for (int k = 0; k < obstacles_; ++k) {
+    const Eigen::Matrix3d target = targets_[k].orientation.toRotationMatrix();
+    const auto moves = [&](const Solid& solid) {
+      return solid.position() != targets_[k].position || solid.rotation() != target;
+    };
+    if (moves(solids_[k]) || moves(before_[k])) return true;
   }
   return false;
 }

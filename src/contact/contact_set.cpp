@@ -5,10 +5,17 @@
 
 namespace haptic_cloth {
 
-ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles, const Options& options)
-    : options_(options), law_(options.range), grid_(grid) {
-  for (const Obstacle& obstacle : obstacles) obstacles_.emplace_back(obstacle);
-  const int solids = static_cast<int>(obstacles.size()) + 1;
+ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
+                       const std::vector<ProbeOptions>& probes, const Options& options)
+    : options_(options),
+      law_(options.range),
+      grid_(grid),
+      obstacles_(static_cast<int>(obstacles.size())),
+      solids_(obstacles.begin(), obstacles.end()) {
+  for (const Obstacle& obstacle : obstacles) targets_.push_back(obstacle.pose);
+  for (const ProbeOptions& probe : probes) solids_.emplace_back(probe);
+  before_ = solids_;
+  const int solids = static_cast<int>(solids_.size());
   const int capacity = 2 * grid.particles() * solids + 4 * grid.cells() + 2 * kLanes * solids;
   samples_.reserve(capacity);
   groups_.reserve(2 * solids);
@@ -24,22 +31,22 @@ Vec3 ContactSet::samplePosition(const ContactSample& sample, const Field& values
          sample.weights[2] * values[sample.nodes[2]] + sample.weights[3] * values[sample.nodes[3]];
 }
 
-Distance ContactSet::distance(int solid, const Vec3& point, const Vec3& proxy) const {
-  if (solid != kProbe) return obstacles_[solid].distance(point);
-  const Vec3 offset = point - proxy;
-  const double d = offset.norm();
-  return {d - options_.probe_radius, d > 0.0 ? Vec3(offset / d) : Vec3::UnitZ()};
+void ContactSet::startProbe(int probe, const Vec3& proxy, const Quat& before, const Quat& after) {
+  Solid &now = solids_[obstacles_ + probe], &then = before_[obstacles_ + probe];
+  for (Solid* solid : {&now, &then}) solid->place(proxy);
+  now.turn(after);
+  then.turn(before);
 }
 
 void ContactSet::collect(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
-                         const Vec3* proxy, double proxy_reach) {
+                         const std::vector<Reach>& touching) {
   samples_.clear();
   groups_.clear();
   packs_.clear();
   sampleObstacles(mesh, nodes, reach);
-  if (proxy) {
-    beginGroup(kProbe);
-    sampleProbe(mesh, nodes, reach, *proxy, proxy_reach);
+  for (const Reach& probe : touching) {
+    beginGroup(obstacles_ + probe.probe);
+    sampleProbe(mesh, nodes, reach, probe);
     endGroup();
   }
   for (Field* field : {&gradient_, &change_}) field->clear(size());
@@ -94,13 +101,13 @@ double ContactSet::margin(const Patch& patch, const std::vector<double>& reach) 
 
 void ContactSet::sampleObstacles(const ActiveMesh& mesh, const Field& nodes,
                                  const std::vector<double>& reach) {
-  for (int solid = 0; solid < static_cast<int>(obstacles_.size()); ++solid) {
+  for (int solid = 0; solid < obstacles_; ++solid) {
     node_area_.assign(mesh.nodes(), 0.0);
     beginGroup(solid);
     for (const Patch& patch : mesh.patches) {
       const auto [centre, radius] = boundingSphere(patch, nodes);
       const double near = margin(patch, reach);
-      if (obstacles_[solid].distance(centre).value > radius + near) continue;
+      if (solids_[solid].distance(centre).value > radius + near) continue;
       const bool flat = liesFlat(patch, solid, nodes);
       const double corner_area = 0.25 * (flat ? patch.area : grid_.dx * grid_.dy);
       for (const int corner : patch.nodes) node_area_[corner] += corner_area;
@@ -110,7 +117,7 @@ void ContactSet::sampleObstacles(const ActiveMesh& mesh, const Field& nodes,
     beginGroup(solid);
     for (int n = 0; n < mesh.nodes(); ++n) {
       if (node_area_[n] == 0.0) continue;
-      addSample(nodePoint(n, node_area_[n], solid), nodes, law_.range() + reach[n], Vec3::Zero());
+      addSample(nodePoint(n, node_area_[n], solid), nodes, law_.range() + reach[n]);
     }
     endGroup();
   }
@@ -121,9 +128,9 @@ void ContactSet::sampleObstacles(const ActiveMesh& mesh, const Field& nodes,
 bool ContactSet::liesFlat(const Patch& patch, int solid, const Field& nodes) const {
   constexpr double kSameNormal = 1e-3, kShareOfRange = 0.1;
   if (patch.cell.level == 0) return true;
-  const Distance first = obstacles_[solid].distance(nodes[patch.nodes[0]]);
+  const Distance first = solids_[solid].distance(nodes[patch.nodes[0]]);
   for (int c = 1; c < 4; ++c) {
-    const Distance corner = obstacles_[solid].distance(nodes[patch.nodes[c]]);
+    const Distance corner = solids_[solid].distance(nodes[patch.nodes[c]]);
     if (std::abs(corner.value - first.value) > kShareOfRange * law_.range()) return false;
     if ((corner.normal - first.normal).squaredNorm() > kSameNormal * kSameNormal) return false;
   }
@@ -140,37 +147,39 @@ void ContactSet::sampleCell(const Patch& patch, int solid, const Field& nodes, d
       const double share = (i % s == 0 ? 0.5 : 1.0) * (j % s == 0 ? 0.5 : 1.0);
       addSample(surfacePoint(patch, static_cast<double>(i) / s, static_cast<double>(j) / s,
                              share * grid_.dx * grid_.dy, solid),
-                nodes, margin, Vec3::Zero());
+                nodes, margin);
     }
   }
 }
 
 void ContactSet::sampleProbe(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
-                             const Vec3& proxy, double proxy_reach) {
-  const double spacing = options_.probe_radius / 3.0;
+                             const Reach& touching) {
+  const int index = obstacles_ + touching.probe;
+  const Solid& solid = solids_[index];
+  const double spacing = solid.halfWidth() / 3.0;
   for (const Patch& patch : mesh.patches) {
     const auto [centre, radius] = boundingSphere(patch, nodes);
-    const double near = margin(patch, reach) + proxy_reach, from_centre = options_.probe_radius + near;
-    if ((centre - proxy).norm() > from_centre + radius) continue;
+    const double near = margin(patch, reach) + touching.distance, from_centre = solid.extent() + near;
+    if (solid.distance(centre).value > radius + near) continue;
     const auto& n = patch.nodes;
     const Vec3 u = 0.5 * (nodes[n[3]] + nodes[n[1]] - nodes[n[2]] - nodes[n[0]]),
                v = 0.5 * (nodes[n[3]] + nodes[n[2]] - nodes[n[1]] - nodes[n[0]]);
-    const Window columns(patch.cell.span() * grid_.dx, spacing, u, proxy - centre, from_centre);
-    const Window rows(patch.cell.span() * grid_.dy, spacing, v, proxy - centre, from_centre);
+    const Window columns(patch.cell.span() * grid_.dx, spacing, u, solid.position() - centre, from_centre);
+    const Window rows(patch.cell.span() * grid_.dy, spacing, v, solid.position() - centre, from_centre);
     const double area = patch.area / (static_cast<double>(columns.count) * rows.count);
     for (int j = rows.first; j < rows.last; ++j) {
       for (int i = columns.first; i < columns.last; ++i) {
-        addSample(surfacePoint(patch, (i + 0.5) / columns.count, (j + 0.5) / rows.count, area, kProbe), nodes,
-                  near, proxy);
+        addSample(surfacePoint(patch, (i + 0.5) / columns.count, (j + 0.5) / rows.count, area, index), nodes,
+                  near);
       }
     }
   }
 }
 
-bool ContactSet::isClear(const ActiveMesh& mesh, const Field& nodes, const Vec3& proxy) {
+bool ContactSet::isClear(const ActiveMesh& mesh, const Field& nodes, int probe) {
   samples_.clear();
   still_.assign(mesh.nodes(), 0.0);
-  sampleProbe(mesh, nodes, still_, proxy, 0.0);
+  sampleProbe(mesh, nodes, still_, {probe, 0.0});
   const bool clear = samples_.empty();
   samples_.clear();
   return clear;
@@ -195,17 +204,22 @@ ContactSample ContactSet::surfacePoint(const Patch& patch, double u, double v, d
   return sample;
 }
 
-void ContactSet::addSample(ContactSample sample, const Field& nodes, double margin, const Vec3& proxy) {
-  const int solid = sample.solid;
+void ContactSet::addSample(ContactSample sample, const Field& nodes, double margin) {
+  const Solid &now = solids_[sample.solid], &then = before_[sample.solid];
   const Vec3 position = samplePosition(sample, nodes);
-  const Distance d = distance(solid, position, proxy);
-  if (d.value > margin) return;
+  const double gap = now.distance(position).value;
+  if (gap > margin) return;
+  // What a moving solid presses on only at the end of the step does not rub yet.
+  const Distance d = then.distance(position);
   sample.raised = d.value < 0.0 ? law_.firmGap() - d.value : 0.0;
-  const double friction = solid == kProbe ? options_.probe_friction : obstacles_[solid].friction();
-  sample.friction_force = friction * sample.area * law_(d.value + sample.raised).pressure;
-  sample.start = solid == kProbe ? Vec3(position - proxy) : position;
-  sample.start_normal = d.normal;
-  sample.clearance = d.value - law_.range();
+  sample.friction_force = now.friction() * sample.area * law_(d.value + sample.raised).pressure;
+  const bool still = now.position() == then.position() && now.rotation() == then.rotation();
+  const Eigen::Matrix3d turn = now.rotation() * then.rotation().transpose();
+  const Vec3 carried = still ? position : now.position() + turn * (position - then.position());
+  sample.start = carried - origin(sample.solid);
+  sample.carry = carried - position;
+  sample.start_normal = still ? d.normal : turn * d.normal;
+  sample.clearance = gap - law_.range() - sample.carry.norm();
   samples_.push_back(sample);
 }
 

@@ -18,11 +18,12 @@ struct ContactSample {
   std::array<int, 4> nodes;       ///< corners of its cell
   std::array<double, 4> weights;  ///< bilinear, sum 1
   double area;                    ///< of cloth it stands for [m²]
-  int solid;                      ///< index of the obstacle; kProbe: the probe
+  int solid;                      ///< obstacles first, then probes
   double raised;          ///< by this much its gap counts larger: it began the step inside a solid [m]
   double clearance;       ///< its gap at the start of the step beyond that at which contact begins [m]
   double friction_force;  ///< μ times the normal force at the start of the step [N]
-  Vec3 start;             ///< position relative to the solid at the start of the step [m]
+  Vec3 start;  ///< where it gets to if the solid carries it along; for a probe relative to the proxy [m]
+  Vec3 carry;  ///< how far that is from where it starts [m]
   Vec3 start_normal;
 };
 
@@ -31,26 +32,41 @@ struct ContactSample {
 /// ones; the probe at points of at most a third of its radius apart. Model: docs/design.md.
 class ContactSet {
  public:
-  static constexpr int kProbe = -1;
-
   struct Options {
-    double range;         ///< gap at which contact begins [m]
-    double slip_speed;    ///< below it friction grows in from zero [m/s]
-    double time_step;     ///< [s]
-    double probe_radius;  ///< [m]
-    double probe_friction;
+    double range;       ///< gap at which contact begins [m]
+    double slip_speed;  ///< below it friction grows in from zero [m/s]
+    double time_step;   ///< [s]
   };
 
-  ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles, const Options& options);
+  /// A probe in the step to come.
+  struct Reach {
+    int probe;
+    double distance;  ///< its proxy may move so far [m]
+  };
+
+  ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
+             const std::vector<ProbeOptions>& probes, const Options& options);
+
+  /// The obstacles take one step towards where moveObstacle() sent them.
+  void advance();
+  void moveObstacle(int obstacle, const Pose& pose) { targets_[obstacle] = pose; }
+  bool obstaclesMove() const;  ///< some have not arrived
+  const Solid& obstacle(int k) const { return solids_[k]; }
+
+  /// A probe at the start of a step: its proxy [m] and how it turns meanwhile.
+  void startProbe(int probe, const Vec3& proxy, const Quat& before, const Quat& after);
+
+  /// What is evaluated next has the probe's proxy there [m].
+  void placeProbe(int probe, const Vec3& proxy) { solids_[obstacles_ + probe].place(proxy); }
 
   /// Finds samples that may touch within a step and freezes their friction.
   /// @param nodes positions of all nodes [m]  @param reach how far each may move in the step [m]
-  /// @param proxy null: no probe  @param proxy_reach how far that may move [m]
+  /// @param touching the probes that count, started
   void collect(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
-               const Vec3* proxy, double proxy_reach);
+               const std::vector<Reach>& touching);
 
-  /// True where a probe at `proxy` would not touch the cloth.
-  bool isClear(const ActiveMesh& mesh, const Field& nodes, const Vec3& proxy);
+  /// True where the probe would not touch the cloth. @pre it was started
+  bool isClear(const ActiveMesh& mesh, const Field& nodes, int probe);
 
   /// Length of the range that evaluate() and curvature() share out, in steps of kLanes.
   int size() const { return static_cast<int>(samples_.size()); }
@@ -65,10 +81,10 @@ class ContactSet {
   using Energy = ContactEnergy;
 
   /// Energy of samples begin..end; leaves force and stiffness behind.
-  Energy evaluate(int begin, int end, const Field& nodes, const Vec3& proxy);
+  Energy evaluate(int begin, int end, const Field& nodes);
 
-  /// d · H⁺ d of samples begin..end at the last evaluation.
-  double curvature(int begin, int end, const Field& d, const Vec3& d_proxy) const;
+  /// d · H⁺ d of samples begin..end at the last evaluation. @param d_proxies of all probes
+  double curvature(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies) const;
 
   /// Adds the energy gradient [N] at nodes begin..end, and the diagonal of H⁺ [N/m] at all nodes.
   void addGradient(int begin, int end, Field& gradient) const;
@@ -76,24 +92,29 @@ class ContactSet {
 
   /// Leaves in the slots how the gradient changes along d from `nodes`, the last evaluated point, exactly:
   /// the solids' curvature included. addChange() and proxyChange() then give it.
-  void linearise(int begin, int end, const Field& nodes, const Vec3& proxy, const Field& d,
-                 const Vec3& d_proxy);
+  void linearise(int begin, int end, const Field& nodes, const Field& d, const std::vector<Vec3>& d_proxies);
   void addChange(int begin, int end, Field& change) const;
-  Vec3 proxyChange() const;
+  Vec3 proxyChange(int probe) const;
 
-  /// Gradient and diagonal at the proxy, from all probe samples.
-  Vec3 proxyGradient() const;
-  Vec3 proxyDiagonal() const;
+  /// Gradient and diagonal at a proxy, from all of its samples.
+  Vec3 proxyGradient(int probe) const;
+  Vec3 proxyDiagonal(int probe) const;
 
   /// Force of the obstacles on the cloth [N], at the last evaluation.
   Vec3 obstacleForce() const;
 
+  /// What moving obstacles have worked on the cloth in the step, by the forces of the last evaluation [J].
+  double obstacleWork() const;
+
   /// Largest factor of the step d from the last evaluated point that lets no probe sample come nearer than a
   /// tenth of its gap.
-  double maxStep(const Field& d, const Vec3& d_proxy) const;
+  double maxStep(const Field& d, const std::vector<Vec3>& d_proxies) const;
 
-  bool probeTouched() const;  ///< some probe sample carries force
-  double deepest() const;     ///< deepest penetration at the last evaluation [m]
+  /// Appends the nodes of cells that press on a probe, some more than once.
+  void touchedNodes(int probe, std::vector<int>& nodes) const;
+
+  bool probeTouched(int probe) const;  ///< some sample of it carries force
+  double deepest() const;              ///< deepest penetration at the last evaluation [m]
 
  private:
   /// Samples of one solid in a row, as packs.
@@ -106,21 +127,27 @@ class ContactSet {
     double weight;
   };
 
+  bool isProbe(int solid) const { return solid >= obstacles_; }
+  Vec3 origin(int solid) const { return isProbe(solid) ? solids_[solid].position() : Vec3::Zero(); }
+  Vec3 motionOf(int solid, const std::vector<Vec3>& d_proxies) const {
+    return isProbe(solid) ? d_proxies[solid - obstacles_] : Vec3::Zero();
+  }
+  template <class Value>
+  Vec3 sumOf(int probe, const Value& value) const;
   Vec3 samplePosition(const ContactSample& sample, const Field& values) const;
-  Distance distance(int solid, const Vec3& point, const Vec3& proxy) const;
   void sampleObstacles(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach);
   bool liesFlat(const Patch& patch, int solid, const Field& nodes) const;
   void sampleCell(const Patch& patch, int solid, const Field& nodes, double margin);
   void sampleProbe(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
-                   const Vec3& proxy, double proxy_reach);
+                   const Reach& touching);
   double margin(const Patch& patch, const std::vector<double>& reach) const;
   static ContactSample nodePoint(int node, double area, int solid);
   static ContactSample surfacePoint(const Patch& patch, double u, double v, double area, int solid);
-  void addSample(ContactSample sample, const Field& nodes, double margin, const Vec3& proxy);
+  void addSample(ContactSample sample, const Field& nodes, double margin);
   void beginGroup(int solid);
   void endGroup();
   void packGroup(const Group& group);
-  SampleContext context(const Group& group, const Vec3& proxy) const;
+  SampleContext context(const Group& group) const;
   template <class Visit>
   void forGroups(int begin, int end, const Visit& visit) const;
   Vec3 normal(int sample) const;
@@ -130,7 +157,10 @@ class ContactSet {
   Options options_;
   ContactLaw law_;
   Grid grid_;
-  std::vector<Solid> obstacles_;
+  int obstacles_;              ///< how many of the solids are; the others are probes
+  std::vector<Solid> solids_;  ///< at the end of the step in hand
+  std::vector<Solid> before_;  ///< at its start
+  std::vector<Pose> targets_;  ///< of the obstacles
   std::vector<ContactSample> samples_;
   std::vector<Group> groups_;
   std::vector<SamplePack> packs_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "contact/solid_lanes.h"
 
@@ -48,6 +49,45 @@ Solid::Solid(const Obstacle& obstacle)
       friction_(obstacle.friction),
       position_(obstacle.pose.position),
       rotation_(obstacle.pose.orientation.toRotationMatrix()) {}
+
+Solid::Solid(const ProbeOptions& probe)
+    : shape_(probe.length > 0.0 ? Shape::Capsule : Shape::Sphere),
+      half_size_(Vec3::Zero()),
+      radius_(probe.radius),
+      half_length_(0.5 * probe.length),
+      friction_(probe.friction),
+      position_(Vec3::Zero()),
+      rotation_(Eigen::Matrix3d::Identity()) {}
+
+double Solid::halfWidth() const {
+  switch (shape_) {
+    case Shape::Box:
+      return half_size_.minCoeff();
+    case Shape::Cylinder:
+      return std::min(radius_, half_length_);
+    case Shape::Sphere:
+    case Shape::Capsule:
+      return radius_;
+    case Shape::Plane:
+      break;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+double Solid::extent() const {
+  switch (shape_) {
+    case Shape::Box:
+      return half_size_.norm();
+    case Shape::Cylinder:
+      return std::hypot(radius_, half_length_);
+    case Shape::Sphere:
+    case Shape::Capsule:
+      return radius_ + half_length_;
+    case Shape::Plane:
+      break;
+  }
+  return 0.0;
+}
 
 Distance Solid::distance(const Vec3& point) const {
   if (shape_ == Shape::Sphere) return fromPoint(point - position_, radius_);

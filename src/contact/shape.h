@@ -16,10 +16,22 @@ struct SolidLanes;
 class Solid {
  public:
   explicit Solid(const Obstacle& obstacle);
+  explicit Solid(const ProbeOptions& probe);
 
   Distance distance(const Vec3& point) const;
 
   double friction() const { return friction_; }
+
+  void place(const Vec3& position) { position_ = position; }
+  void turn(const Quat& orientation) { rotation_ = orientation.toRotationMatrix(); }
+  const Vec3& position() const { return position_; }
+  const Eigen::Matrix3d& rotation() const { return rotation_; }
+
+  /// Of its narrowest part, half the way through [m]; infinite for a plane.
+  double halfWidth() const;
+
+  /// Farthest its surface reaches from its centre [m]; zero for a plane.
+  double extent() const;
 
   /// For loops over lanes.
   SolidLanes lanes() const;

@@ -134,20 +134,28 @@ Vec3 YamlValue::vector() const {
   return Vec3(value[0], value[1], value[2]);
 }
 
+std::vector<std::pair<std::string, YamlValue>> YamlValue::entries() const {
+  if (!isMap()) fail("must be a mapping");
+  std::vector<std::pair<std::string, YamlValue>> found;
+  for (const auto& entry : node_) {
+    const std::string name = entry.first.IsScalar() ? entry.first.Scalar() : describe(entry.first);
+    const auto same = [&](const auto& other) { return other.first == name; };
+    if (std::any_of(found.begin(), found.end(), same)) failAt(name, entry.first, "must not stand here twice");
+    found.emplace_back(name, child(entry.second, name));
+  }
+  return found;
+}
+
 YamlMap::YamlMap(const YamlValue& value, std::vector<std::string> known)
     : value_(value), known_(std::move(known)) {
   if (!value_.isMap()) value_.fail("must be a mapping with keys out of: " + joined(known_));
-  std::vector<std::string> seen;
   for (const auto& entry : value_.node()) {
     const std::string name = entry.first.IsScalar() ? entry.first.Scalar() : describe(entry.first);
     if (std::find(known_.begin(), known_.end(), name) == known_.end()) {
       value_.failAt(name, entry.first, "unknown key; known here: " + joined(known_));
     }
-    if (std::find(seen.begin(), seen.end(), name) != seen.end()) {
-      value_.failAt(name, entry.first, "must not stand here twice");
-    }
-    seen.push_back(name);
   }
+  value_.entries();  // refuses a key that stands there twice
 }
 
 std::optional<YamlValue> YamlMap::find(const std::string& name) const {

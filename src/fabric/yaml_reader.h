@@ -42,6 +42,8 @@ class YamlValue {
   template <std::size_t N>
   std::array<int, N> integers() const;
   Vec3 vector() const;
+  /// Names and values of a mapping whose keys are free, in their order.
+  std::vector<std::pair<std::string, YamlValue>> entries() const;
   /// One of the given names.
   template <class T>
   T choice(const std::vector<std::pair<std::string, T>>& names) const;

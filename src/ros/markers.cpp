@@ -57,7 +57,7 @@ MarkerBuilder::MarkerBuilder(const Scene& scene, const std::string& frame_id, do
     : columns_(scene.cloth.particles[0]),
       rows_(scene.cloth.particles[1]),
       stride_(surfaceStride(columns_, rows_)),
-      probe_radius_(scene.probe.radius),
+      probe_radius_(scene.probes[0].radius),
       force_scale_(force_scale),
       frame_id_(frame_id) {
   add("surface", Marker::TRIANGLE_LIST);

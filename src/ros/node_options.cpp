@@ -47,8 +47,8 @@ NodeOptions parseNodeOptions(const XmlRpcValue& parameters, const std::string& o
   double& budget = options.scene.solver.minimizer.time_budget;
   if (options.step_budget > 0.0 && (budget == 0.0 || budget > options.step_budget))
     budget = options.step_budget;
-  options.haptics.coupling_stiffness = options.scene.probe.coupling_stiffness;
-  options.haptics.coupling_damping = options.scene.probe.coupling_damping;
+  options.haptics.coupling_stiffness = options.scene.probes[0].coupling_stiffness;
+  options.haptics.coupling_damping = options.scene.probes[0].coupling_damping;
   validateHapticOptions(options.haptics, origin);
   return options;
 }

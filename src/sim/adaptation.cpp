@@ -29,7 +29,7 @@ bool Adaptation::coarsens() const {
   return options_.strategy == Strategy::Amrc || options_.strategy == Strategy::Coarsen;
 }
 
-bool Adaptation::plan(long step, const Field& nodes, const InternalEnergy& internal, const FineRegion* fine,
+bool Adaptation::plan(long step, const Field& nodes, const InternalEnergy& internal, const FineRegions& fine,
                       const LeafMesh& leaves, const ActiveMesh& mesh, const ParticleState& state) {
   if ((!refines() && !coarsens()) || step % options_.interval != 0) return false;
   measureCurvature(nodes, internal, mesh);
@@ -48,7 +48,7 @@ bool Adaptation::plan(long step, const Field& nodes, const InternalEnergy& inter
          });
 }
 
-void Adaptation::apply(long step, const FineRegion* fine, LeafMesh& leaves, ActiveMesh& mesh,
+void Adaptation::apply(long step, const FineRegions& fine, LeafMesh& leaves, ActiveMesh& mesh,
                        ParticleState& state) {
   merged_.clear();
   split_.clear();
@@ -58,11 +58,15 @@ void Adaptation::apply(long step, const FineRegion* fine, LeafMesh& leaves, Acti
 
 double Adaptation::length(const Cell& cell) const { return cell.span() * std::max(grid_.dx, grid_.dy); }
 
-bool Adaptation::touches(const FineRegion* fine, const Cell& cell, const std::vector<Vec3>& positions) const {
-  if (!fine) return false;
+bool Adaptation::touches(const FineRegions& fine, const Cell& cell,
+                         const std::vector<Vec3>& positions) const {
+  if (fine.empty()) return false;
   const auto c = cell.corners(grid_);
   const Vec3 centre = 0.25 * (positions[c[0]] + positions[c[1]] + positions[c[2]] + positions[c[3]]);
-  return (centre - fine->centre).norm() < fine->radius + 0.71 * length(cell);
+  const double reach = 0.71 * length(cell);
+  return std::any_of(fine.begin(), fine.end(), [&](const FineRegion& region) {
+    return (centre - region.centre).norm() < region.radius + reach;
+  });
 }
 
 void Adaptation::measureCurvature(const Field& nodes, const InternalEnergy& internal,
@@ -124,7 +128,7 @@ double Adaptation::strainDifference(const Cell& cell, int parts) const {
 
 /// Parent that may take the place of `cell` and its three siblings, of level 0 where there is none; seen from
 /// its lower left child only.
-Cell Adaptation::parentToMerge(const Cell& cell, long step, const FineRegion* fine, const LeafMesh& leaves,
+Cell Adaptation::parentToMerge(const Cell& cell, long step, const FineRegions& fine, const LeafMesh& leaves,
                                const ParticleState& state) const {
   const Cell parent{cell.i, cell.j, cell.level + 1};
   const int mask = parent.span() - 1;
@@ -133,7 +137,7 @@ Cell Adaptation::parentToMerge(const Cell& cell, long step, const FineRegion* fi
   return may ? parent : Cell{cell.i, cell.j, 0};
 }
 
-void Adaptation::mergeCells(long step, const FineRegion* fine, LeafMesh& leaves, ActiveMesh& mesh,
+void Adaptation::mergeCells(long step, const FineRegions& fine, LeafMesh& leaves, ActiveMesh& mesh,
                             ParticleState& state) {
   for (const Cell& cell : leaves_) {
     const Cell parent = parentToMerge(cell, step, fine, leaves, state);
@@ -148,7 +152,7 @@ void Adaptation::mergeCells(long step, const FineRegion* fine, LeafMesh& leaves,
   merge_transfer_.apply(leaves, mesh, state);
 }
 
-bool Adaptation::mayMerge(const Cell& parent, long step, const FineRegion* fine, const LeafMesh& leaves,
+bool Adaptation::mayMerge(const Cell& parent, long step, const FineRegions& fine, const LeafMesh& leaves,
                           const ParticleState& state) const {
   const int half = parent.span() / 2;
   for (const int j : {parent.j, parent.j + half}) {

@@ -17,6 +17,7 @@ struct FineRegion {
   Vec3 centre;
   double radius;  ///< [m]
 };
+using FineRegions = std::vector<FineRegion>;
 
 /// The bending cost of a triple, ½ B κ² A, is compared in a form that suits any fabric, size and resolution:
 /// as the turning angle κ l over the cell it would be judged on. The stretch cost enters as the difference of
@@ -37,28 +38,28 @@ class Adaptation {
   static int startLevel(const AdaptOptions& options);
 
   /// Looks at the mesh every `interval` steps. @return whether apply() has something to do
-  /// @param nodes positions of the nodes [m]  @param fine null: none
-  bool plan(long step, const Field& nodes, const InternalEnergy& internal, const FineRegion* fine,
+  /// @param nodes positions of the nodes [m]
+  bool plan(long step, const Field& nodes, const InternalEnergy& internal, const FineRegions& fine,
             const LeafMesh& leaves, const ActiveMesh& mesh, const ParticleState& state);
 
   /// Does what was planned: rebuilds `mesh` and hands the state over.
-  void apply(long step, const FineRegion* fine, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
+  void apply(long step, const FineRegions& fine, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
 
  private:
   void measureCurvature(const Field& nodes, const InternalEnergy& internal, const ActiveMesh& mesh);
   void measureStrain(const Field& nodes, const ActiveMesh& mesh);
   double turning(const Cell& cell, int parts) const;
   double strainDifference(const Cell& cell, int parts) const;
-  void mergeCells(long step, const FineRegion* fine, LeafMesh& leaves, ActiveMesh& mesh,
+  void mergeCells(long step, const FineRegions& fine, LeafMesh& leaves, ActiveMesh& mesh,
                   ParticleState& state);
   void splitCells(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
-  Cell parentToMerge(const Cell& cell, long step, const FineRegion* fine, const LeafMesh& leaves,
+  Cell parentToMerge(const Cell& cell, long step, const FineRegions& fine, const LeafMesh& leaves,
                      const ParticleState& state) const;
   bool refines() const;
   bool coarsens() const;
-  bool mayMerge(const Cell& parent, long step, const FineRegion* fine, const LeafMesh& leaves,
+  bool mayMerge(const Cell& parent, long step, const FineRegions& fine, const LeafMesh& leaves,
                 const ParticleState& state) const;
-  bool touches(const FineRegion* fine, const Cell& cell, const std::vector<Vec3>& positions) const;
+  bool touches(const FineRegions& fine, const Cell& cell, const std::vector<Vec3>& positions) const;
   double length(const Cell& cell) const;
 
   AdaptOptions options_;

@@ -17,20 +17,23 @@ double ClothWorld::guardEnergy(double left) {
   return scale;
 }
 
-/// What the device does: it works on spring and damper of the coupling; taking it away takes the spring's
-/// energy with it. What is missing in the balance at the end of a step was dissipated, in a failed step too.
+/// What the devices do: they work on spring and damper of their couplings; taking one away takes the spring's
+/// energy with it. Moving obstacles work, too. What is missing in the balance at the end of a step was
+/// dissipated, in a failed step too.
 void ClothWorld::account() {
-  if (probe_step_.present) {
-    const ProbeStep& made = objective.probeStep();
-    const double spring =
-        0.5 * scene.probe.coupling_stiffness * (made.device - made.proxy).squaredNorm() - coupling_;
-    const double damper = scene.probe.coupling_damping * scene.solver.time_step *
-                          (made.device_velocity - probe.velocity).dot(made.device_velocity);
-    supplied_ += spring + damper;
-  } else {
-    supplied_ -= coupling_;
+  for (int k = 0; k < static_cast<int>(probes.size()); ++k) {
+    const ProbeStep& made = objective.probeSteps()[k];
+    double& coupling = memories_[k].coupling;
+    supplied_ -= coupling;
+    coupling = 0.0;
+    if (!made.present) continue;
+    const ProbeOptions& options = scene.probes[k];
+    supplied_ += 0.5 * options.coupling_stiffness * (made.device - made.proxy).squaredNorm() +
+                 options.coupling_damping * scene.solver.time_step *
+                     (made.device_velocity - probes[k].velocity).dot(made.device_velocity);
+    coupling = objective.couplingEnergy(k);
   }
-  coupling_ = objective.couplingEnergy();
+  supplied_ += contacts.obstacleWork();
 }
 
 double ClothWorld::kineticEnergy() const {

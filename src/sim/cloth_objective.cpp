@@ -25,8 +25,13 @@ ClothObjective::ClothObjective(const Scene& scene, const ActiveMesh& mesh, Inter
       preconditioner_(scene.solver.minimizer.preconditioner),
       h_(scene.solver.time_step),
       air_damping_(scene.air_damping),
-      coupling_stiffness_(scene.probe.coupling_stiffness),
-      coupling_damping_(scene.probe.coupling_damping) {
+      probes_(scene.probes.size()) {
+  for (const ProbeOptions& probe : scene.probes) {
+    couplings_.push_back({probe.coupling_stiffness, probe.coupling_damping});
+  }
+  for (Proxies* list : {&proxies_, &proxy_motions_, &hold_forces_})
+    list->assign(probes_.size(), Vec3::Zero());
+  held_.reserve(mesh.grid.particles());
   for (auto* list : {&start_, &inertial_, &nodes_, &motion_, &gradient_, &diagonal_}) {
     list->reserve(mesh.grid.particles());
   }
@@ -38,16 +43,27 @@ ClothObjective::ClothObjective(const Scene& scene, const ActiveMesh& mesh, Inter
   residual_weight_.setZero(capacity());
 }
 
-void ClothObjective::begin(const Field& positions, const Field& velocities, const ProbeStep& probe) {
-  probe_ = probe;
+template <class Visit>
+void ClothObjective::forPresent(const Visit& visit) const {
+  for (int k = 0; k < static_cast<int>(probes_.size()); ++k) {
+    if (probes_[k].present) visit(k);
+  }
+}
+
+void ClothObjective::begin(const Field& positions, const Field& velocities,
+                           const std::vector<ProbeStep>& probes, const std::vector<HeldNode>& held) {
+  probes_ = probes;
+  held_ = held;
+  present_ = 0;
+  forPresent([this](int k) { probes_[k].unknown = present_++; });
   start_ = positions;
   inertial_.clear(mesh_.nodes());
   for (auto* list : {&motion_, &gradient_, &diagonal_}) list->clear(mesh_.nodes());
   const double share = h_ / (1.0 + air_damping_ * h_);
   for (int n = 0; n < mesh_.nodes(); ++n) inertial_.set(n, positions[n] + share * velocities[n]);
   nodes_ = positions;
-  proxy_ = probe.proxy;
-  proxy_motion_ = Vec3::Zero();
+  for (std::size_t k = 0; k < probes_.size(); ++k) proxies_[k] = probes_[k].proxy;
+  for (Proxies* list : {&proxy_motions_, &hold_forces_}) std::fill(list->begin(), list->end(), Vec3::Zero());
   mass_.assign(padded(mesh_.nodes()), 0.0);
   moving_mass_ = mass_;
   std::copy(mesh_.mass.begin(), mesh_.mass.end(), mass_.begin());
@@ -55,15 +71,16 @@ void ClothObjective::begin(const Field& positions, const Field& velocities, cons
 
   double total_mass = 0.0;
   for (int n = 0; n < mesh_.free; ++n) total_mass += mesh_.mass[n];
-  // The proxy has no mass; its coupling answers over a step as this one would.
-  const double proxy_mass = h_ * h_ * coupling_stiffness_ + h_ * coupling_damping_;
-  if (mesh_.free == 0) total_mass = proxy_mass;
+  // A proxy has no mass; its coupling answers over a step as this one would.
+  const auto proxy_mass = [this](int k) { return h_ * h_ * couplingStiffness(k); };
+  if (mesh_.free == 0) forPresent([&](int k) { total_mass += proxy_mass(k); });
   const double g = referenceAcceleration(gravity_);
   reference_ = total_mass * g * g;
   reference_acceleration_ = g * g;
   const auto weight = [&](double mass) { return 1.0 / (mass * reference_); };
   for (int k = 0; k < 3 * mesh_.free; ++k) residual_weight_[k] = weight(mesh_.mass[k % mesh_.free]);
-  if (probe.present) residual_weight_.segment<3>(3 * mesh_.free).setConstant(weight(proxy_mass));
+  forPresent(
+      [&](int k) { residual_weight_.segment<3>(proxyAt(probes_[k])).setConstant(weight(proxy_mass(k))); });
   awake_.assign(mesh_.nodes(), 1);
   disturbed_.assign(mesh_.nodes(), 0);
   all_awake_ = true;
@@ -147,9 +164,9 @@ void ClothObjective::listAwake() {
   }
 }
 
-void ClothObjective::pack(const Field& nodes, const Vec3& proxy, Vector& x) const {
+void ClothObjective::pack(const Field& nodes, Vector& x) const {
   packFree(nodes, x);
-  if (probe_.present) x.segment<3>(3 * mesh_.free) = proxy;
+  forPresent([&](int k) { x.segment<3>(proxyAt(probes_[k])) = probes_[k].proxy; });
 }
 
 void ClothObjective::packFree(const Field& nodes, Vector& x) const {
@@ -158,11 +175,11 @@ void ClothObjective::packFree(const Field& nodes, Vector& x) const {
   }
 }
 
-void ClothObjective::unpack(const Vector& values, Field& nodes, Vec3& proxy) const {
+void ClothObjective::unpack(const Vector& values, Field& nodes, Proxies& proxies) const {
   for (int c = 0; c < 3; ++c) {
     std::copy_n(values.data() + c * mesh_.free, mesh_.free, nodes.coordinate(c).begin());
   }
-  if (probe_.present) proxy = values.segment<3>(3 * mesh_.free);
+  forPresent([&](int k) { proxies[k] = values.segment<3>(proxyAt(probes_[k])); });
   mesh_.interpolateGhosts(nodes);
 }
 
@@ -172,7 +189,9 @@ Motion ClothObjective::motion() const {
 }
 
 double ClothObjective::evaluate(const Vector& x, Vector& gradient) {
-  unpack(x, nodes_, proxy_);
+  unpack(x, nodes_, proxies_);
+  carryHeld(proxies_, true, nodes_);
+  placeProbes();
   energies_ = team_.sum(awake_elements_.size(), [this](int from, int to) {
     Sums sums = Sums::Zero();
     awake_elements_.forPart(from, to, [&](int begin, int end) { sums += evaluateElements(begin, end); });
@@ -185,31 +204,62 @@ double ClothObjective::evaluate(const Vector& x, Vector& gradient) {
     return sums;
   });
   mesh_.handOverGhosts(gradient_);
+  const double coupling = evaluateProbes(gradient);
   packFree(gradient_, gradient);
   for (int n = 0; !all_awake_ && n < mesh_.free; ++n) {
     if (awake_[n]) continue;
     for (int c = 0; c < 3; ++c) gradient[c * mesh_.free + n] = 0.0;
   }
-  double value = energies_.head<5>().sum() + motion[0];
-  if (probe_.present) {
-    const Vec3 slip = (proxy_ - probe_.proxy) / h_ - probe_.device_velocity;
-    gradient.segment<3>(3 * mesh_.free) = couplingGradient(proxy_) + contacts_.proxyGradient();
-    value += couplingEnergy() + 0.5 * coupling_damping_ * h_ * slip.squaredNorm();
+  return energies_.head<5>().sum() + motion[0] + coupling;
+}
+
+/// The proxies' part of the gradient, that of the nodes they hold included. @return energy and loss of the
+/// couplings [J]
+double ClothObjective::evaluateProbes(Vector& gradient) {
+  std::fill(hold_forces_.begin(), hold_forces_.end(), Vec3::Zero());
+  for (const HeldNode& held : held_) {
+    hold_forces_[held.probe] -= gradient_[held.node];
+    gradient_.set(held.node, Vec3::Zero());
   }
+  double value = 0.0;
+  forPresent([&](int k) {
+    gradient.segment<3>(proxyAt(probes_[k])) =
+        couplingGradient(k, proxies_[k]) + contacts_.proxyGradient(k) - hold_forces_[k];
+    value += couplingEnergy(k) + 0.5 * couplings_[k].damping * h_ * slip(k).squaredNorm();
+  });
   return value;
 }
 
-Vec3 ClothObjective::couplingGradient(const Vec3& proxy) const {
-  const Vec3 stretch = proxy - probe_.device, slip = (proxy - probe_.proxy) / h_ - probe_.device_velocity;
-  return coupling_stiffness_ * stretch + coupling_damping_ * slip;
+/// Held nodes go where their proxy goes, or, for directions, as it does.
+void ClothObjective::carryHeld(const Proxies& proxies, bool offsets, Field& nodes) const {
+  if (held_.empty()) return;
+  for (const HeldNode& held : held_) {
+    nodes.set(held.node, offsets ? Vec3(proxies[held.probe] + held.offset) : proxies[held.probe]);
+  }
+  mesh_.interpolateGhosts(nodes);
+}
+
+void ClothObjective::placeProbes() {
+  forPresent([this](int k) { contacts_.placeProbe(k, proxies_[k]); });
+}
+
+/// Velocity of the proxy against its device [m/s].
+Vec3 ClothObjective::slip(int probe) const {
+  return (proxies_[probe] - probes_[probe].proxy) / h_ - probes_[probe].device_velocity;
+}
+
+Vec3 ClothObjective::couplingGradient(int probe, const Vec3& proxy) const {
+  const ProbeStep& step = probes_[probe];
+  const Vec3 slip = (proxy - step.proxy) / h_ - step.device_velocity;
+  return couplings_[probe].stiffness * (proxy - step.device) + couplings_[probe].damping * slip;
 }
 
 Sums ClothObjective::evaluateElements(int begin, int end) {
   const int internal = internal_.size();
   const InternalEnergy::Energy e =
       internal_.evaluate(std::min(begin, internal), std::min(end, internal), nodes_);
-  const ContactSet::Energy c = contacts_.evaluate(std::max(begin, internal) - internal,
-                                                  std::max(end, internal) - internal, nodes_, proxy_);
+  const ContactSet::Energy c =
+      contacts_.evaluate(std::max(begin, internal) - internal, std::max(end, internal) - internal, nodes_);
   Sums sums = Sums::Zero();
   sums[kStretch] = e.stretch;
   sums[kBend] = e.bend;
@@ -228,8 +278,9 @@ double ClothObjective::gatherNodes(int begin, int end) {
 }
 
 Objective::Along ClothObjective::along(const Vector& d) {
-  unpack(d, motion_, proxy_motion_);
-  return {curvature(), probe_.present ? contacts_.maxStep(motion_, proxy_motion_) : 1e300};
+  unpack(d, motion_, proxy_motions_);
+  carryHeld(proxy_motions_, false, motion_);
+  return {curvature(), present_ > 0 ? contacts_.maxStep(motion_, proxy_motions_) : 1e300};
 }
 
 double ClothObjective::curvature() {
@@ -239,7 +290,7 @@ double ClothObjective::curvature() {
     awake_elements_.forPart(from, to, [&](int begin, int end) {
       sums[0] += internal_.curvature(std::min(begin, internal), std::min(end, internal), motion_) +
                  contacts_.curvature(std::max(begin, internal) - internal, std::max(end, internal) - internal,
-                                     motion_, proxy_motion_);
+                                     motion_, proxy_motions_);
     });
     return sums;
   });
@@ -251,27 +302,34 @@ double ClothObjective::curvature() {
     return sums;
   });
   double value = elements[0] + moving[0];
-  if (probe_.present) value += couplingStiffness() * proxy_motion_.squaredNorm();
+  forPresent([&](int k) { value += couplingStiffness(k) * proxy_motions_[k].squaredNorm(); });
   return value;
 }
 
 void ClothObjective::fitPreconditioner() {
   diagonal_.fill(0.0);
-  Vec3 proxy = Vec3::Constant(couplingStiffness());
   if (preconditioner_ == Preconditioner::Jacobi) {
     internal_.addDiagonal(diagonal_);
     contacts_.addDiagonal(diagonal_);
     mesh_.handOverGhosts(diagonal_, 0.25);
-    proxy += contacts_.proxyDiagonal();
   }
+  forPresent([this](int k) {
+    Vec3 diagonal = Vec3::Constant(couplingStiffness(k));
+    if (preconditioner_ == Preconditioner::Jacobi) diagonal += contacts_.proxyDiagonal(k);
+    for (const HeldNode& held : held_) {
+      if (held.probe == k)
+        diagonal += (diagonal_[held.node].array() + mesh_.mass[held.node] * inertia()).matrix();
+    }
+    inverse_diagonal_.segment<3>(proxyAt(probes_[k])) = diagonal.cwiseInverse();
+  });
   for (int n = 0; n < mesh_.free; ++n) {
     diagonal_.set(n, (diagonal_[n].array() + mesh_.mass[n] * inertia()).inverse());
   }
   for (int n = 0; n < mesh_.free; ++n) {
     if (!awake_[n]) diagonal_.set(n, Vec3::Zero());
   }
+  for (const HeldNode& held : held_) diagonal_.set(held.node, Vec3::Zero());
   packFree(diagonal_, inverse_diagonal_);
-  if (probe_.present) inverse_diagonal_.segment<3>(3 * mesh_.free) = proxy.cwiseInverse();
 }
 
 void ClothObjective::precondition(const Vector& gradient, Vector& z) const {
@@ -287,16 +345,19 @@ double ClothObjective::internalEnergy(Sums& parts) const {
   return energies_.head<4>().sum();
 }
 
+double ClothObjective::couplingEnergy(int probe) const {
+  return 0.5 * couplings_[probe].stiffness * (proxies_[probe] - probes_[probe].device).squaredNorm();
+}
+
 double ClothObjective::couplingEnergy() const {
-  return probe_.present ? 0.5 * coupling_stiffness_ * (proxy_ - probe_.device).squaredNorm() : 0.0;
+  double energy = 0.0;
+  forPresent([&](int k) { energy += couplingEnergy(k); });
+  return energy;
 }
 
 double ClothObjective::lossPotential() const {
   double loss = energies_[kFriction];
-  if (probe_.present) {
-    const Vec3 slip = (proxy_ - probe_.proxy) / h_ - probe_.device_velocity;
-    loss += 0.5 * coupling_damping_ * h_ * slip.squaredNorm();
-  }
+  forPresent([&](int k) { loss += 0.5 * couplings_[k].damping * h_ * slip(k).squaredNorm(); });
   return loss;
 }
 

@@ -17,13 +17,22 @@
 
 namespace haptic_cloth {
 
-/// The probe in one step.
+/// A probe in one step.
 struct ProbeStep {
   bool present = false;
+  int unknown = 0;                      ///< its number among those that are present
   Vec3 device = Vec3::Zero();           ///< where the device is at the end of the step [m]
   Vec3 device_velocity = Vec3::Zero();  ///< [m/s]
   Vec3 proxy = Vec3::Zero();            ///< where the proxy is at the start of the step [m]
 };
+
+/// A node that moves with a probe's proxy.
+struct HeldNode {
+  int node, probe;
+  Vec3 offset;  ///< from the proxy [m]
+};
+
+using Proxies = std::vector<Vec3>;  ///< a position or way for each probe of the scene [m]
 
 /// Φ(X, y) = Σ m (1 + c h)/(2h²) |x - x⁰ - h v⁰/(1 + c h)|² - m g · (x - x⁰)            motion, air, gravity
 ///         + Σ A ψ_s(ε) + Σ A ψ_b(κ) + Σ A ψ_h(γ)                                       internal energy
@@ -35,10 +44,12 @@ class ClothObjective : public Objective {
                  Team& team);
 
   /// Largest size() can get.
-  int capacity() const { return 3 * (mesh_.grid.particles() + 1); }
+  int capacity() const { return 3 * (mesh_.grid.particles() + static_cast<int>(probes_.size())); }
 
   /// Starts a step from node positions and velocities (ghosts included).
-  void begin(const Field& positions, const Field& velocities, const ProbeStep& probe);
+  /// @param probes of the scene  @param held free nodes that a present probe has grasped
+  void begin(const Field& positions, const Field& velocities, const std::vector<ProbeStep>& probes,
+             const std::vector<HeldNode>& held = {});
 
   /// Nodes may sleep: they and the elements around them are left out of the solve and stay where they are.
   /// begin() wakes all.
@@ -59,21 +70,21 @@ class ClothObjective : public Objective {
   bool isAwake(int node) const { return awake_[node] != 0; }
   bool isDisturbed(int node) const { return disturbed_[node] != 0; }  ///< its force woke it in this step
 
-  int size() const override { return 3 * (mesh_.free + (probe_.present ? 1 : 0)); }
+  int size() const override { return 3 * (mesh_.free + present_); }
   double evaluate(const Vector& x, Vector& gradient) override;
   Along along(const Vector& d) override;
   void fitPreconditioner() override;
   void precondition(const Vector& gradient, Vector& z) const override;
   double residual(const Vector& gradient) const override;
 
-  /// Unknowns from node values and proxy, for begin()'s mesh.
-  void pack(const Field& nodes, const Vec3& proxy, Vector& x) const;
+  /// Unknowns from node values and proxies as begin() has them, for its mesh.
+  void pack(const Field& nodes, Vector& x) const;
 
   /// The free nodes' vectors, as a solver's Vector has them: all x, all y, all z.
   void packFree(const Field& nodes, Vector& x) const;
 
-  /// Node values and proxy from unknowns; ghosts follow their masters.
-  void unpack(const Vector& values, Field& nodes, Vec3& proxy) const;
+  /// Node values and proxies from unknowns; ghosts follow their masters.
+  void unpack(const Vector& values, Field& nodes, Proxies& proxies) const;
 
   /// Of the energy of motion, air and gravity by a node at x [N]; per mass it stiffens by inertia() [1/s²].
   Vec3 motionGradient(int node, const Vec3& x) const {
@@ -83,9 +94,11 @@ class ClothObjective : public Objective {
   }
   double inertia() const { return (1.0 + air_damping_ * h_) / (h_ * h_); }
 
-  /// Of the coupling's energy by the proxy [N], and its stiffness [N/m].
-  Vec3 couplingGradient(const Vec3& proxy) const;
-  double couplingStiffness() const { return coupling_stiffness_ + coupling_damping_ / h_; }
+  /// Of the coupling's energy by a proxy [N], and its stiffness [N/m].
+  Vec3 couplingGradient(int probe, const Vec3& proxy) const;
+  double couplingStiffness(int probe) const {
+    return couplings_[probe].stiffness + couplings_[probe].damping / h_;
+  }
 
   double timeStep() const { return h_; }
   Preconditioner preconditioner() const { return preconditioner_; }
@@ -95,16 +108,29 @@ class ClothObjective : public Objective {
 
   /// At the last evaluated point:
   const Field& nodes() const { return nodes_; }
-  const Vec3& proxy() const { return proxy_; }
-  const ProbeStep& probeStep() const { return probe_; }  ///< as begin() was given it
+  const Vec3& proxy(int probe) const { return proxies_[probe]; }
+  const std::vector<ProbeStep>& probeSteps() const { return probes_; }  ///< as begin() was given them
+  int proxyAt(const ProbeStep& probe) const { return 3 * (mesh_.free + probe.unknown); }  ///< in x
+  Vec3 holdForce(int probe) const { return hold_forces_[probe]; }  ///< of the nodes it holds on it [N]
   double internalEnergy(
       Sums& parts) const;         ///< stretch, bend, shear, contact [J] as parts 0..3; returns their sum
-  double couplingEnergy() const;  ///< spring between device and proxy [J]
-  double lossPotential() const;   ///< friction and coupling damper: what the step dissipates there [J]
-  double motionCost() const;      ///< E^n = Σ h²/(2m) |residual force|² [J]
-  Vec3 pinForce() const;          ///< of the pins on the cloth [N]
+  double couplingEnergy() const;  ///< springs between devices and proxies [J]
+  double couplingEnergy(int probe) const;
+  double lossPotential() const;  ///< friction and coupling damper: what the step dissipates there [J]
+  double motionCost() const;     ///< E^n = Σ h²/(2m) |residual force|² [J]
+  Vec3 pinForce() const;         ///< of the pins on the cloth [N]
 
  private:
+  struct Coupling {
+    double stiffness, damping;  ///< [N/m], [N·s/m]
+  };
+
+  template <class Visit>
+  void forPresent(const Visit& visit) const;
+  Vec3 slip(int probe) const;
+  void carryHeld(const Proxies& proxies, bool offsets, Field& nodes) const;
+  void placeProbes();
+  double evaluateProbes(Vector& gradient);
   void spread();
   void listAwake();
   Sums evaluateElements(int begin, int end);
@@ -118,18 +144,21 @@ class ClothObjective : public Objective {
   Team& team_;
   Vec3 gravity_;
   Preconditioner preconditioner_;
-  double h_, air_damping_, coupling_stiffness_, coupling_damping_;
+  double h_, air_damping_;
+  std::vector<Coupling> couplings_;      ///< of the scene's probes
   double reference_acceleration_ = 1.0;  ///< |gravity|² [m²/s⁴]
   double reference_ = 1.0;  ///< mass times |gravity|², what residuals are measured in [kg m²/s⁴]
 
-  ProbeStep probe_;
+  std::vector<ProbeStep> probes_;
+  std::vector<HeldNode> held_;
+  int present_ = 0;                                       ///< probes
   std::vector<char> awake_, disturbed_, seen_, reached_;  ///< a node each
   bool all_awake_ = true;
   Runs awake_elements_, awake_nodes_;       ///< what evaluate() and along() look at
   Field start_, inertial_;                  ///< x⁰ and x⁰ + h v⁰/(1 + c h) of the nodes [m]
   std::vector<double> mass_, moving_mass_;  ///< of all nodes; of the free ones, zero for others; padded [kg]
   Field nodes_, motion_, gradient_, diagonal_;
-  Vec3 proxy_ = Vec3::Zero(), proxy_motion_ = Vec3::Zero();
+  Proxies proxies_, proxy_motions_, hold_forces_;
   Sums energies_ = Sums::Zero();
   Vector inverse_diagonal_, residual_weight_;
 };

@@ -27,23 +27,42 @@ void ClothWorld::solve(StepReport& report) {
     reach_[n] =
         2.0 * h * (velocities_[n].norm() + h * scene.gravity.norm()) + 0.1 * std::min(grid.dx, grid.dy);
   }
-  double proxy_reach = (probe_step_.device - probe_step_.proxy).norm() + 2.0 * h * probe.velocity.norm();
+  for (std::size_t k = 0; k < probes.size(); ++k) {
+    proxy_reach_[k] =
+        (probe_steps_[k].device - probe_steps_[k].proxy).norm() + 2.0 * h * probes[k].velocity.norm();
+  }
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    findContacts(proxy_reach);
+    findContacts(proxy_reach_);
     const MinimizerReport last = minimise();
     report.minimizer = attempt == 0 ? last : sum(report.minimizer, last);
-    const double proxy_moved = (objective.proxy() - probe_step_.proxy).norm();
-    const bool proxy_covered = !probe_step_.present || !(proxy_moved > proxy_reach);
-    if ((covered() && proxy_covered) || last.why == Termination::TimeBudget) return;
-    proxy_reach = std::max(proxy_reach, 2.0 * proxy_moved);
+    const bool nodes_covered = covered(), proxies_covered = proxiesCovered(proxy_reach_);
+    if ((nodes_covered && proxies_covered) || last.why == Termination::TimeBudget) return;
   }
 }
 
-void ClothWorld::findContacts(double proxy_reach) {
-  if (probe_step_.present && !probe_entered_)
-    probe_entered_ = contacts.isClear(mesh, nodes_, probe_step_.proxy);
-  const bool touches = probe_step_.present && probe_entered_;
-  contacts.collect(mesh, nodes_, reach_, touches ? &probe_step_.proxy : nullptr, proxy_reach);
+void ClothWorld::findContacts(const std::vector<double>& proxy_reach) {
+  touching_.clear();
+  for (int k = 0; k < static_cast<int>(probe_steps_.size()); ++k) {
+    const ProbeStep& probe = probe_steps_[k];
+    ProbeMemory& memory = memories_[k];
+    if (!probe.present) continue;
+    contacts.startProbe(k, probe.proxy, memory.before, memory.after);
+    if (!memory.entered) memory.entered = contacts.isClear(mesh, nodes_, k);
+    if (memory.entered) touching_.push_back({k, proxy_reach[k]});
+  }
+  contacts.collect(mesh, nodes_, reach_, touching_);
+}
+
+/// covered() for the proxies.
+bool ClothWorld::proxiesCovered(std::vector<double>& proxy_reach) const {
+  bool all = true;
+  for (int k = 0; k < static_cast<int>(probe_steps_.size()); ++k) {
+    if (!probe_steps_[k].present) continue;
+    const double moved = (objective.proxy(k) - probe_steps_[k].proxy).norm();
+    all = all && !(moved > proxy_reach[k]);
+    proxy_reach[k] = std::max(proxy_reach[k], 2.0 * moved);
+  }
+  return all;
 }
 
 /// Whether no node moved farther in the step just solved than contacts were sought; else widens the reach of
@@ -62,7 +81,7 @@ bool ClothWorld::covered() {
 MinimizerReport ClothWorld::minimise() {
   constexpr int kLooks = 4;
   constexpr double kDisturbed = 3.0;  // change of force that wakes, over what a solve may leave anyway
-  objective.begin(nodes_, velocities_, probe_step_);
+  objective.begin(nodes_, velocities_, probe_steps_, held_nodes_);
   lookAtRest();
   if (joint_) {
     chooseStart();
@@ -73,10 +92,10 @@ MinimizerReport ClothWorld::minimise() {
   const double change = kDisturbed * scene.solver.minimizer.tolerance;
   objective.forcesAtRest(velocities_, forces_);
   rest_.look(mesh, forces_);
-  if (rest_.possible()) objective.sleepAll();
+  if (rest_.possible() && held_nodes_.empty()) objective.sleepAll();
   for (int look = 0; look < kLooks; ++look) {
     const bool moves = objective.allAwake() ? look == 0 : objective.wake(rest_, forces_, change);
-    if (!moves && !(look == 0 && probe_step_.present)) break;
+    if (!moves && !(look == 0 && objective.size() > 3 * mesh.free)) break;
     const double start = look == 0 ? chooseStart() : objective.evaluate(x_, gradient_);
     report = sum(report, minimizer_.minimize(objective, x_, start, gradient_, team));
     const bool ended = report.why == Termination::NotFinite || report.why == Termination::TimeBudget;
@@ -92,7 +111,7 @@ MinimizerReport ClothWorld::minimise() {
 /// Φ and its gradient with all at rest, the proxy included; the solve starts there.
 void ClothWorld::lookAtRest() {
   const int size = objective.size();
-  objective.pack(nodes_, probe_step_.proxy, start_);
+  objective.pack(nodes_, start_);
   at_rest_ = objective.evaluate(start_, gradient_);
   Sums parts;
   energy_before_ = objective.internalEnergy(parts) + objective.couplingEnergy() + objective.lossPotential() -
@@ -140,9 +159,11 @@ std::array<double, 2> ClothWorld::stepsAlongWays() {
     if (objective.isAwake(n)) continue;
     for (int c = 0; c < 3; ++c) ways_[0][c * mesh.free + n] = ways_[1][c * mesh.free + n] = 0.0;
   }
-  if (probe_step_.present) {
-    ways_[0].segment<3>(3 * mesh.free) = h * probe.velocity;
-    ways_[1].segment<3>(3 * mesh.free).setZero();
+  for (std::size_t k = 0; k < probes.size(); ++k) {
+    const ProbeStep& probe = objective.probeSteps()[k];
+    if (!probe.present) continue;
+    ways_[0].segment<3>(objective.proxyAt(probe)) = h * probes[k].velocity;
+    ways_[1].segment<3>(objective.proxyAt(probe)).setZero();
   }
   motion_.head(size) = ways_[0].head(size) + ways_[1].head(size);
   const double a = objective.along(ways_[0]).curvature, b = objective.along(ways_[1]).curvature,

@@ -29,8 +29,7 @@ ParticleState flatState(const Scene& scene, const Grid& grid) {
 }
 
 ContactSet::Options contactOptions(const Scene& scene) {
-  return {scene.cloth.fabric.thickness, kSlipSpeed, scene.solver.time_step, scene.probe.radius,
-          scene.probe.friction};
+  return {scene.cloth.fabric.thickness, kSlipSpeed, scene.solver.time_step};
 }
 
 }  // namespace
@@ -42,12 +41,24 @@ ClothWorld::ClothWorld(const Scene& s)
       mesh(leaves, s.cloth.fabric.areal_density),
       state(flatState(s, grid)),
       internal(s.cloth.fabric, mesh),
-      contacts(grid, s.obstacles, contactOptions(s)),
+      contacts(grid, s.obstacles, s.probes, contactOptions(s)),
       team(s.solver.threads),
       objective(s, mesh, internal, contacts, team),
+      probes(s.probes.size()),
       adaptation_(s.adapt, grid),
       rest_(grid, s.solver.cost == Cost::Condensed ? s.solver.sleep_speed : 0.0),
-      minimizer_(s.solver.minimizer) {
+      minimizer_(s.solver.minimizer),
+      probe_steps_(s.probes.size()),
+      memories_(s.probes.size()),
+      touched_by_(s.probes.size()),
+      proxy_reach_(s.probes.size()) {
+  idle_probes_.reserve(s.probes.size());
+  fine_.reserve(s.probes.size());
+  touching_.reserve(s.probes.size());
+  held_.reserve(grid.particles());
+  for (auto& list : touched_by_) list.reserve(grid.particles());
+  held_nodes_.reserve(grid.particles());
+  touched_.reserve(4 * grid.particles());
   if (internal.hasMemory()) history_.emplace(grid);
   nodes_.reserve(grid.particles());
   reach_.reserve(grid.particles());
@@ -63,37 +74,51 @@ ClothWorld::ClothWorld(const Scene& s)
   gatherNodes();
   internal.setNormals(nodes_);
   reach_.assign(mesh.nodes(), 0.0);
-  findContacts(0.0);  // a cloth that starts in contact has energy there
-  objective.begin(nodes_, velocities_, probe_step_);
-  objective.pack(nodes_, probe_step_.proxy, start_);
+  findContacts(proxy_reach_);  // a cloth that starts in contact has energy there
+  objective.begin(nodes_, velocities_, probe_steps_);
+  objective.pack(nodes_, start_);
   objective.evaluate(start_, gradient_);
   supplied_ = energy().total();
 }
 
-void ClothWorld::setDevice(const Vec3& position, const Vec3& velocity) {
-  if (!position.allFinite() || !velocity.allFinite()) return;
-  if (!probe_step_.present) {
-    probe_step_.proxy = position;
-    probe.proxy = position;
-    probe.velocity = Vec3::Zero();
-    probe_entered_ = false;
+void ClothWorld::setDevice(int k, const DeviceState& device) {
+  const bool finite = device.position.allFinite() && device.velocity.allFinite() &&
+                      device.orientation.coeffs().allFinite() && device.orientation.norm() > 0.0;
+  if (!finite) return;
+  ProbeStep& step = probe_steps_[k];
+  memories_[k].after = device.orientation.normalized();
+  if (!step.present) {
+    step.proxy = device.position;
+    probes[k].proxy = device.position;
+    probes[k].velocity = Vec3::Zero();
+    memories_[k].entered = false;
+    memories_[k].before = memories_[k].after;
   }
-  probe_step_.present = true;
-  probe_step_.device = position;
-  probe_step_.device_velocity = velocity;
-  probe.present = true;
-  probe.device = position;
+  step.present = true;
+  step.device = device.position;
+  step.device_velocity = device.velocity;
+  probes[k].present = true;
+  probes[k].device = device.position;
 }
 
-void ClothWorld::removeDevice() {
-  probe_step_ = ProbeStep();
-  probe = ProbeReport();
+void ClothWorld::removeDevice(int k) {
+  probe_steps_[k] = ProbeStep();
+  probes[k] = ProbeReport();
+  setGrasp(k, false);
+}
+
+void ClothWorld::setGrasp(int k, bool closed) {
+  memories_[k].closed = closed;
+  const auto let_go = [&](const HeldParticle& held) { return held.probe == k; };
+  if (!closed) held_.erase(std::remove_if(held_.begin(), held_.end(), let_go), held_.end());
 }
 
 StepReport ClothWorld::step() {
   StepReport report;
   if (isIdle()) return idle();
+  contacts.advance();
   adapt(report);
+  takeHold();
   solve(report);
   if (report.minimizer.why == Termination::NotFinite) {
     report.failed = true;
@@ -110,10 +135,18 @@ StepReport ClothWorld::step() {
   return report;
 }
 
-/// All sleeps, and the device is where it was then: nothing would change.
+/// All sleeps, and the devices are where they were then: nothing would change.
 bool ClothWorld::isIdle() const {
-  return idle_ && probe_step_.present == idle_present_ &&
-         (!idle_present_ || (probe_step_.device == idle_device_ && probe_step_.device_velocity.isZero(0.0)));
+  if (!idle_ || contacts.obstaclesMove()) return false;
+  for (std::size_t k = 0; k < probe_steps_.size(); ++k) {
+    const ProbeStep &now = probe_steps_[k], &then = idle_probes_[k];
+    if (now.present != then.present) return false;
+    if (!now.present) continue;
+    if (now.device != then.device || !now.device_velocity.isZero(0.0)) return false;
+    const ProbeMemory& memory = memories_[k];
+    if (memory.closed || memory.after.coeffs() != memory.before.coeffs()) return false;
+  }
+  return true;
 }
 
 StepReport ClothWorld::idle() {
@@ -127,12 +160,13 @@ StepReport ClothWorld::idle() {
 
 /// Whether the next steps may be left out if no input changes.
 void ClothWorld::noteIdle(const StepReport& report) {
-  const bool proxy_rests = !probe_step_.present || probe.velocity.norm() < scene.solver.sleep_speed;
+  const bool proxies_rest = std::all_of(probes.begin(), probes.end(), [this](const ProbeReport& probe) {
+    return !probe.present || probe.velocity.norm() < scene.solver.sleep_speed;
+  });
   const bool changed = report.refined > 0 || report.coarsened > 0 || report.failed;
-  quiet_ = objective.awake() == 0 && proxy_rests && !changed ? quiet_ + 1 : 0;
+  quiet_ = objective.awake() == 0 && proxies_rest && !changed ? quiet_ + 1 : 0;
   idle_ = quiet_ >= Rest::kSteps;  // the mesh has had time to want a change
-  idle_present_ = probe_step_.present;
-  idle_device_ = probe_step_.device;
+  idle_probes_ = probe_steps_;
   idle_residual_ = report.minimizer.residual;
 }
 
@@ -149,18 +183,22 @@ void ClothWorld::gatherNodes() {
 }
 
 void ClothWorld::adapt(StepReport& report) {
-  const double spacing = std::max(grid.dx, grid.dy);
-  const double ahead = std::min((probe_step_.device - probe_step_.proxy).norm(), kFineReach * spacing);
-  const FineRegion fine{probe_step_.proxy, scene.probe.radius + kFineReach * spacing + ahead};
-  const FineRegion* near = probe_step_.present ? &fine : nullptr;
+  const double reach = kFineReach * std::max(grid.dx, grid.dy);
+  fine_.clear();
+  for (std::size_t k = 0; k < probe_steps_.size(); ++k) {
+    const ProbeStep& probe = probe_steps_[k];
+    const double ahead = std::min((probe.device - probe.proxy).norm(), reach),
+                 size = scene.probes[k].radius + 0.5 * scene.probes[k].length;
+    if (probe.present) fine_.push_back({probe.proxy, size + reach + ahead});
+  }
   created_ = 0.0;
-  if (!adaptation_.plan(steps, nodes_, internal, near, leaves, mesh, state)) {
+  if (!adaptation_.plan(steps, nodes_, internal, fine_, leaves, mesh, state)) {
     internal.setNormals(nodes_);
     return;
   }
   const double before = cohesion();
   if (history_) internal.remember(nodes_, *history_);
-  adaptation_.apply(steps, near, leaves, mesh, state);
+  adaptation_.apply(steps, fine_, leaves, mesh, state);
   report.refined = static_cast<int>(adaptation_.split().size());
   report.coarsened = static_cast<int>(adaptation_.merged().size());
   for (const Cell& cell : adaptation_.merged()) rest_.disturb(grid, cell);
@@ -174,6 +212,27 @@ void ClothWorld::adapt(StepReport& report) {
     internal.recall(nodes_, *history_);
   }
   created_ = cohesion() - before;
+}
+
+/// Closed probes take hold of the cloth they touched at the end of the last step, once; what left the mesh is
+/// let go.
+void ClothWorld::takeHold() {
+  const auto free_node = [this](int particle) {
+    return mesh.node[particle] >= 0 && mesh.node[particle] < mesh.free;
+  };
+  for (int k = 0; k < static_cast<int>(memories_.size()) && !joint_; ++k) {
+    const auto own = [k](const HeldParticle& held) { return held.probe == k; };
+    if (!memories_[k].closed || std::any_of(held_.begin(), held_.end(), own)) continue;
+    for (const int particle : touched_by_[k]) {
+      const auto same = [particle](const HeldParticle& held) { return held.particle == particle; };
+      if (!free_node(particle) || std::any_of(held_.begin(), held_.end(), same)) continue;
+      held_.push_back({particle, k, state.position[particle] - probe_steps_[k].proxy});
+    }
+  }
+  held_nodes_.clear();
+  for (const HeldParticle& held : held_) {
+    if (free_node(held.particle)) held_nodes_.push_back({mesh.node[held.particle], held.probe, held.offset});
+  }
 }
 
 void ClothWorld::accept(StepReport& report) {
@@ -199,13 +258,7 @@ void ClothWorld::accept(StepReport& report) {
     state.position[mesh.particle[n]] = nodes_[n];
     state.velocity[mesh.particle[n]] = velocities_[n];
   }
-  if (probe_step_.present) {
-    probe.proxy = objective.proxy();
-    probe.velocity = (objective.proxy() - probe_step_.proxy) / h;
-    probe.force = Vec3::Zero() - contacts.proxyGradient();
-    probe.contact = contacts.probeTouched();
-    probe_step_.proxy = probe.proxy;
-  }
+  for (std::size_t k = 0; k < probes.size(); ++k) acceptProbe(static_cast<int>(k));
   if (history_) {
     team.forRange(internal.elements(), [this](int begin, int end) { internal.commit(begin, end, nodes_); });
   }
@@ -213,15 +266,36 @@ void ClothWorld::accept(StepReport& report) {
   report.max_penetration = contacts.deepest();
 }
 
+void ClothWorld::acceptProbe(int k) {
+  if (!probe_steps_[k].present) return;
+  ProbeReport& probe = probes[k];
+  probe.proxy = objective.proxy(k);
+  probe.velocity = (probe.proxy - probe_steps_[k].proxy) / scene.solver.time_step;
+  probe.force = objective.holdForce(k) - contacts.proxyGradient(k);
+  probe.grasps = std::any_of(held_nodes_.begin(), held_nodes_.end(),
+                             [k](const HeldNode& held) { return held.probe == k; });
+  probe.contact = probe.grasps || contacts.probeTouched(k);
+  probe_steps_[k].proxy = probe.proxy;
+  memories_[k].before = memories_[k].after;
+  if (!memories_[k].closed) return;
+  touched_.clear();
+  contacts.touchedNodes(k, touched_);
+  for (int& n : touched_) n = mesh.particle[n];
+  std::sort(touched_.begin(), touched_.end());
+  touched_by_[k].assign(touched_.begin(), std::unique(touched_.begin(), touched_.end()));
+}
+
 /// Back to the start of the step, at rest: the one state known to be good.
 void ClothWorld::restore() {
   velocities_.fill(0.0);
   for (int n = 0; n < mesh.nodes(); ++n) state.velocity[mesh.particle[n]] = Vec3::Zero();
-  objective.pack(nodes_, probe_step_.proxy, start_);
+  objective.pack(nodes_, start_);
   objective.evaluate(start_, gradient_);
-  probe.velocity = Vec3::Zero();
-  probe.force = Vec3::Zero();
-  probe.contact = false;
+  for (ProbeReport& probe : probes) {
+    probe.velocity = Vec3::Zero();
+    probe.force = Vec3::Zero();
+    probe.contact = false;
+  }
 }
 
 double ClothWorld::mass() const {

@@ -23,8 +23,10 @@ class ClothWorld {
   /// @pre scene is valid
   explicit ClothWorld(const Scene& scene);
 
-  void setDevice(const Vec3& position, const Vec3& velocity);
-  void removeDevice();
+  void setDevice(int probe, const DeviceState& device);
+  void removeDevice(int probe);
+  void setGrasp(int probe, bool closed);
+  void moveObstacle(int obstacle, const Pose& pose) { contacts.moveObstacle(obstacle, pose); }
   StepReport step();
 
   /// How the mesh follows the shape from the next step on. @pre the same levels
@@ -40,7 +42,7 @@ class ClothWorld {
   Team team;
   ClothObjective objective;
   CostReport cost;  ///< of the last solve
-  ProbeReport probe;
+  std::vector<ProbeReport> probes;
   Vec3 support_force = Vec3::Zero();
   long steps = 0;
 
@@ -57,14 +59,18 @@ class ClothWorld {
   void gatherNodes();
   void adapt(StepReport& report);
   void solve(StepReport& report);
-  void findContacts(double proxy_reach);
+  void takeHold();
+  double wayAhead(int probe) const;
+  void findContacts(const std::vector<double>& proxy_reach);
   MinimizerReport minimise();
   MinimizerReport minimiseJoint();
   void lookAtRest();
   double chooseStart();
   std::array<double, 2> stepsAlongWays();
   bool covered();
+  bool proxiesCovered(std::vector<double>& proxy_reach) const;
   void accept(StepReport& report);
+  void acceptProbe(int probe);
   void restore();
   double guardEnergy(double left);
   void account();
@@ -77,16 +83,32 @@ class ClothWorld {
   Field forces_;                         ///< on the nodes at rest, for rest_ [N]
   int quiet_ = 0;                        ///< steps in a row in which all slept
   bool idle_ = false;                    ///< enough of them
-  bool idle_present_ = false;            ///< the probe then,
-  Vec3 idle_device_ = Vec3::Zero();      ///< and its device [m]
+  std::vector<ProbeStep> idle_probes_;   ///< as they were then
   double idle_residual_ = 0.0;           ///< of the last step that was solved
   std::optional<ForceHistory> history_;  ///< of a fabric with hysteresis
   std::optional<JointObjective> joint_;  ///< where the scene asks for that cost
   Minimizer minimizer_;
-  ProbeStep probe_step_;
-  bool probe_entered_ = false;  ///< the probe has been clear of the cloth once; before, it touches nothing
+  /// What the cloth knows of a probe from step to step.
+  struct ProbeMemory {
+    bool entered = false;  ///< it has been clear of the cloth once; before, it touches nothing
+    bool closed = false;   ///< it grasps what it touches
+    Quat before = Quat::Identity(), after = Quat::Identity();  ///< how it turns in the step in hand
+    double coupling = 0.0;                                     ///< energy at the end of the last step [J]
+  };
+  struct HeldParticle {
+    int particle, probe;
+    Vec3 offset;  ///< from the proxy [m]
+  };
+  std::vector<ProbeStep> probe_steps_;
+  std::vector<ProbeMemory> memories_;
+  std::vector<HeldParticle> held_;
+  std::vector<HeldNode> held_nodes_;          ///< the same by node, of the step in hand
+  std::vector<std::vector<int>> touched_by_;  ///< particles that pressed on a closed probe in the last step
+  std::vector<int> touched_;                  ///< scratch of acceptProbe()
+  std::vector<double> proxy_reach_;           ///< [m]
+  std::vector<ContactSet::Reach> touching_;
+  FineRegions fine_;
   double supplied_ = 0.0;       ///< energy at the start and what the device has worked since [J]
-  double coupling_ = 0.0;       ///< of the coupling at the end of the last step [J]
   double created_ = 0.0;        ///< by the mesh change of the step in hand [J]
   double at_rest_ = 0.0;        ///< Φ of the step in hand with all at rest [J]
   double energy_before_ = 0.0;  ///< Φ's energies at the start of the step in hand, with its inputs [J]

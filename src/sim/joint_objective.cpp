@@ -12,6 +12,17 @@ JointObjective::JointObjective(ClothObjective& step, const ActiveMesh& mesh, con
   }
   weight_.reserve(mesh.grid.particles());
   inverse_diagonal_.setZero(capacity());
+  for (Proxies* list : {&proxies_, &proxy_motions_, &proxy_residuals_}) {
+    list->assign(step.probeSteps().size(), Vec3::Zero());
+  }
+}
+
+template <class Visit>
+void JointObjective::forPresent(const Visit& visit) const {
+  const std::vector<ProbeStep>& probes = step_.probeSteps();
+  for (int k = 0; k < static_cast<int>(probes.size()); ++k) {
+    if (probes[k].present) visit(k, step_.proxyAt(probes[k]));
+  }
 }
 
 void JointObjective::begin(const Vector& start, const Vector& positions, Vector& unknowns) {
@@ -21,20 +32,21 @@ void JointObjective::begin(const Vector& start, const Vector& positions, Vector&
   for (auto* list : {&residual_, &gradient_, &diagonal_, &stiffness_}) list->clear(mesh_.nodes());
   weight_.assign(mesh_.nodes(), 0.0);
   for (int n = 0; n < mesh_.free; ++n) weight_[n] = h * h / mesh_.mass[n];
-  step_.unpack(start, nodes_, proxy_);
+  step_.unpack(start, nodes_, proxies_);
   elements_.begin(nodes_, unknowns.data() + step_.size());
   unknowns.head(step_.size()) = positions.head(step_.size());
 }
 
 double JointObjective::evaluate(const Vector& x, Vector& gradient) {
-  step_.unpack(x, nodes_, proxy_);
+  step_.unpack(x, nodes_, proxies_);
+  forPresent([this](int k, int) { contacts_.placeProbe(k, proxies_[k]); });
   evaluateElements(x.data() + step_.size());
   costs_.motion = residualForces();
   double* by_force = gradient.data() + step_.size();
   team_.forRange(elements_.size(),
                  [&](int begin, int end) { elements_.gradient(begin, end, nodes_, residual_, by_force); });
   team_.forRange(contacts_.size(), [&](int begin, int end) {
-    contacts_.linearise(begin, end, nodes_, proxy_, residual_, proxy_residual_);
+    contacts_.linearise(begin, end, nodes_, residual_, proxy_residuals_);
   });
   gatherGradient(gradient);
   return costs_.total();
@@ -49,8 +61,7 @@ void JointObjective::evaluateElements(const double* forces) {
     sums[2] = c.shear;
     return sums;
   });
-  team_.forRange(contacts_.size(),
-                 [&](int begin, int end) { contacts_.evaluate(begin, end, nodes_, proxy_); });
+  team_.forRange(contacts_.size(), [&](int begin, int end) { contacts_.evaluate(begin, end, nodes_); });
   costs_.stretch = costs[0];
   costs_.bend = costs[1];
   costs_.shear = costs[2];
@@ -73,12 +84,11 @@ double JointObjective::residualForces() {
     return sums;
   })[0];
   mesh_.interpolateGhosts(residual_);
-  proxy_residual_.setZero();
-  if (step_.probeStep().present) {  // no mass: it answers over a step as h² times its coupling would
-    const Vec3 force = step_.couplingGradient(proxy_) + contacts_.proxyGradient();
-    proxy_residual_ = force / step_.couplingStiffness();
-    cost += 0.5 * force.dot(proxy_residual_);
-  }
+  forPresent([&](int k, int) {  // no mass: it answers over a step as h² times its coupling would
+    const Vec3 force = step_.couplingGradient(k, proxies_[k]) + contacts_.proxyGradient(k);
+    proxy_residuals_[k] = force / step_.couplingStiffness(k);
+    cost += 0.5 * force.dot(proxy_residuals_[k]);
+  });
   return cost;
 }
 
@@ -91,14 +101,14 @@ void JointObjective::gatherGradient(Vector& gradient) {
   });
   mesh_.handOverGhosts(gradient_);
   step_.packFree(gradient_, gradient);
-  if (!step_.probeStep().present) return;
-  gradient.segment<3>(3 * mesh_.free) = step_.couplingStiffness() * proxy_residual_ + contacts_.proxyChange();
+  forPresent([&](int k, int at) {
+    gradient.segment<3>(at) = step_.couplingStiffness(k) * proxy_residuals_[k] + contacts_.proxyChange(k);
+  });
 }
 
 Objective::Along JointObjective::along(const Vector& d) {
-  step_.unpack(d, motion_, proxy_motion_);
-  const bool probe = step_.probeStep().present;
-  return {changeOfForces(d.data() + step_.size()), probe ? contacts_.maxStep(motion_, proxy_motion_) : 1e300};
+  step_.unpack(d, motion_, proxy_motions_);
+  return {changeOfForces(d.data() + step_.size()), contacts_.maxStep(motion_, proxy_motions_)};
 }
 
 /// Curvature along (motion_, proxy_motion_, d_forces), to Gauss and Newton.
@@ -109,7 +119,7 @@ double JointObjective::changeOfForces(const double* d_forces) {
     return sums;
   });
   team_.forRange(contacts_.size(), [&](int begin, int end) {
-    contacts_.linearise(begin, end, nodes_, proxy_, motion_, proxy_motion_);
+    contacts_.linearise(begin, end, nodes_, motion_, proxy_motions_);
   });
   team_.forRange(mesh_.nodes(), [&](int begin, int end) {
     for (int n = begin; n < end; ++n) gradient_.set(n, mesh_.mass[n] * step_.inertia() * motion_[n]);
@@ -122,10 +132,10 @@ double JointObjective::changeOfForces(const double* d_forces) {
     for (int n = begin; n < end; ++n) sums[0] += weight_[n] * gradient_[n].squaredNorm();
     return sums;
   })[0];
-  if (step_.probeStep().present) {
-    const Vec3 change = step_.couplingStiffness() * proxy_motion_ + contacts_.proxyChange();
-    curvature += change.squaredNorm() / step_.couplingStiffness();
-  }
+  forPresent([&](int k, int) {
+    const Vec3 change = step_.couplingStiffness(k) * proxy_motions_[k] + contacts_.proxyChange(k);
+    curvature += change.squaredNorm() / step_.couplingStiffness(k);
+  });
   return curvature;
 }
 
@@ -148,9 +158,10 @@ void JointObjective::fitPreconditioner() {
     diagonal_.set(n, (diagonal_[n] + weight_[n] * force.cwiseAbs2()).cwiseInverse());
   }
   step_.packFree(diagonal_, inverse_diagonal_);
-  if (!step_.probeStep().present) return;
-  const Vec3 force = contacts_.proxyDiagonal().array() + step_.couplingStiffness();
-  inverse_diagonal_.segment<3>(3 * mesh_.free) = step_.couplingStiffness() * force.cwiseAbs2().cwiseInverse();
+  forPresent([this](int k, int at) {
+    const Vec3 force = contacts_.proxyDiagonal(k).array() + step_.couplingStiffness(k);
+    inverse_diagonal_.segment<3>(at) = step_.couplingStiffness(k) * force.cwiseAbs2().cwiseInverse();
+  });
 }
 
 void JointObjective::precondition(const Vector& gradient, Vector& z) const {

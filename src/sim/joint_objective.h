@@ -37,6 +37,8 @@ class JointObjective : public Objective {
   const CostReport& costs() const { return costs_; }  ///< at the last evaluated point
 
  private:
+  template <class Visit>
+  void forPresent(const Visit& visit) const;
   void evaluateElements(const double* forces);
   double residualForces();
   void gatherGradient(Vector& gradient);
@@ -50,7 +52,7 @@ class JointObjective : public Objective {
   CostReport costs_;
   Field nodes_, motion_, residual_, gradient_, diagonal_, stiffness_;
   std::vector<double> weight_;  ///< h²/m of the nodes, zero for those without a law of motion [m/N]
-  Vec3 proxy_ = Vec3::Zero(), proxy_motion_ = Vec3::Zero(), proxy_residual_ = Vec3::Zero();
+  Proxies proxies_, proxy_motions_, proxy_residuals_;
   Vector inverse_diagonal_;
 };
 

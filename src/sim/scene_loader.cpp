@@ -87,6 +87,15 @@ std::vector<std::string> shapeKeys(Shape shape) {
   return {};
 }
 
+std::vector<PathPoint> readPath(const YamlValue& value) {
+  std::vector<PathPoint> path;
+  for (const YamlValue& row : value.list()) {
+    const auto [t, x, y, z] = row.numbers<4>();
+    path.push_back({t, Vec3(x, y, z)});
+  }
+  return path;
+}
+
 Obstacle readObstacle(const YamlValue& value) {
   const std::vector<std::pair<std::string, Shape>> shapes{{"box", Shape::Box},
                                                           {"sphere", Shape::Sphere},
@@ -94,11 +103,12 @@ Obstacle readObstacle(const YamlValue& value) {
                                                           {"capsule", Shape::Capsule},
                                                           {"plane", Shape::Plane}};
   Obstacle obstacle;
-  const YamlMap any(value, {"shape", "size", "radius", "length", "position", "orientation", "friction"});
+  const YamlMap any(
+      value, {"name", "shape", "size", "radius", "length", "position", "orientation", "friction", "path"});
   obstacle.shape = any.require("shape").choice(shapes);
 
   const std::vector<std::string> own = shapeKeys(obstacle.shape);
-  std::vector<std::string> known{"shape", "position", "orientation", "friction"};
+  std::vector<std::string> known{"name", "shape", "position", "orientation", "friction", "path"};
   known.insert(known.end(), own.begin(), own.end());
   const YamlMap map(value, known);
   for (const std::string& key : own) map.require(key, "is required for this shape");
@@ -108,22 +118,46 @@ Obstacle readObstacle(const YamlValue& value) {
     map.read("radius", obstacle.radius);
     if (obstacle.shape != Shape::Sphere) map.read("length", obstacle.length);
   }
+  if (const auto name = map.find("name")) obstacle.name = name->text();
+  if (const auto path = map.find("path")) obstacle.path = readPath(*path);
   readPose(map, obstacle.pose);
   map.read("friction", obstacle.friction);
   return obstacle;
 }
 
 void readProbe(const YamlValue& value, ProbeOptions& probe) {
-  const YamlMap map(value, {"radius", "friction", "coupling_stiffness", "coupling_damping", "path"});
+  const YamlMap map(value, {"shape", "radius", "length", "friction", "coupling_stiffness", "coupling_damping",
+                            "path", "orientation", "grasp"});
+  Shape shape = Shape::Sphere;
+  map.readChoice<Shape>("shape", shape, {{"sphere", Shape::Sphere}, {"capsule", Shape::Capsule}});
   map.read("radius", probe.radius);
+  if (shape == Shape::Capsule) {
+    map.require("length", "is required for this shape");
+    map.read("length", probe.length);
+  } else if (const auto length = map.find("length")) {
+    length->fail("is for shape: capsule");
+  }
   map.read("friction", probe.friction);
   map.read("coupling_stiffness", probe.coupling_stiffness);
   map.read("coupling_damping", probe.coupling_damping);
-  const auto path = map.find("path");
-  if (!path) return;
-  for (const YamlValue& row : path->list()) {
-    const auto [t, x, y, z] = row.numbers<4>();
-    probe.path.push_back({t, Vec3(x, y, z)});
+  if (const auto path = map.find("path")) probe.path = readPath(*path);
+  if (const auto orientation = map.find("orientation")) probe.orientation = readOrientation(*orientation);
+  const auto grasp = map.find("grasp");
+  if (!grasp) return;
+  for (const YamlValue& times : grasp->list()) probe.grasp.push_back(times.numbers<2>());
+}
+
+/// One as `probe`, or several by name as `probes`.
+void readProbes(const YamlMap& root, std::vector<ProbeOptions>& probes) {
+  const auto one = root.find("probe"), several = root.find("probes");
+  if (one && several) several->fail("and probe exclude one another");
+  if (one) readProbe(*one, probes.front());
+  if (!several) return;
+  probes.clear();
+  for (const auto& [name, value] : several->entries()) {
+    probes.emplace_back();
+    probes.back().name = name;
+    readProbe(value, probes.back());
   }
 }
 
@@ -168,8 +202,8 @@ void readStop(const YamlValue& value, StopOptions& stop) {
 Scene readScene(YamlDocument document, const std::string& base_directory,
                 const std::vector<std::string>& overrides) {
   for (const std::string& assignment : overrides) document.override(assignment);
-  const YamlMap root(document.root(),
-                     {"cloth", "gravity", "air_damping", "obstacles", "probe", "solver", "adapt", "stop"});
+  const YamlMap root(document.root(), {"cloth", "gravity", "air_damping", "obstacles", "probe", "probes",
+                                       "solver", "adapt", "stop"});
   Scene scene;
   readCloth(root, base_directory, scene.cloth);
   root.read("gravity", scene.gravity);
@@ -177,7 +211,7 @@ Scene readScene(YamlDocument document, const std::string& base_directory,
   if (const auto obstacles = root.find("obstacles")) {
     for (const YamlValue& obstacle : obstacles->list()) scene.obstacles.push_back(readObstacle(obstacle));
   }
-  if (const auto probe = root.find("probe")) readProbe(*probe, scene.probe);
+  readProbes(root, scene.probes);
   if (const auto solver = root.find("solver")) readSolver(*solver, scene.solver);
   if (const auto adapt = root.find("adapt")) readAdapt(*adapt, scene.adapt);
   if (const auto stop = root.find("stop")) readStop(*stop, scene.stop);

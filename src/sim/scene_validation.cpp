@@ -1,6 +1,7 @@
 #include "sim/scene_validation.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <locale>
 #include <sstream>
@@ -94,6 +95,17 @@ void checkPins(const Check& check, const ClothOptions& cloth) {
   }
 }
 
+void checkPath(const Check& check, const std::string& prefix, const std::vector<PathPoint>& path) {
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const std::string key = indexed(prefix, i);
+    const double time = path[i].time;
+    check.finite(key, path[i].position);
+    check.that(std::isfinite(time), key + "[0]", time, "must be finite");
+    check.that(i == 0 || time > path[i - 1].time, key + "[0]", time,
+               "times must increase strictly from row to row");
+  }
+}
+
 void checkObstacle(const Check& check, const std::string& key, const Obstacle& obstacle) {
   switch (obstacle.shape) {
     case Shape::Box:
@@ -114,20 +126,41 @@ void checkObstacle(const Check& check, const std::string& key, const Obstacle& o
   }
   check.pose(key, obstacle.pose);
   check.notNegative(key + ".friction", obstacle.friction);
+  checkPath(check, key + ".path", obstacle.path);
 }
 
-void checkProbe(const Check& check, const ProbeOptions& probe) {
-  check.positive("probe.radius", probe.radius);
-  check.notNegative("probe.friction", probe.friction);
-  check.positive("probe.coupling_stiffness", probe.coupling_stiffness);
-  check.notNegative("probe.coupling_damping", probe.coupling_damping);
-  for (std::size_t i = 0; i < probe.path.size(); ++i) {
-    const std::string key = indexed("probe.path", i);
-    const double time = probe.path[i].time;
-    check.finite(key, probe.path[i].position);
-    check.that(std::isfinite(time), key + "[0]", time, "must be finite");
-    check.that(i == 0 || time > probe.path[i - 1].time, key + "[0]", time,
-               "times must increase strictly from row to row");
+/// Topics and files carry these names.
+template <class Named>
+void checkNames(const Check& check, const std::string& prefix, const std::vector<Named>& items,
+                bool required) {
+  const auto part = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const std::string& name = items[i].name;
+    if (name.empty() && !required) continue;
+    const bool good = !name.empty() && std::isalpha(static_cast<unsigned char>(name.front())) != 0 &&
+                      std::all_of(name.begin(), name.end(), part);
+    check.that(good, prefix, name, "a name must be a letter, then letters, digits and underscores");
+    for (std::size_t k = 0; k < i; ++k) {
+      check.that(items[k].name != name, prefix, name, "a name must not be used twice");
+    }
+  }
+}
+
+/// @param prefix the probe's key
+void checkProbe(const Check& check, const std::string& prefix, const ProbeOptions& probe, double spacing) {
+  check.positive(prefix + ".radius", probe.radius);
+  check.that(probe.radius >= kFinestProbe * spacing, prefix + ".radius", probe.radius,
+             "must be at least a fiftieth of the finest spacing");
+  check.notNegative(prefix + ".length", probe.length);
+  check.notNegative(prefix + ".friction", probe.friction);
+  check.positive(prefix + ".coupling_stiffness", probe.coupling_stiffness);
+  check.notNegative(prefix + ".coupling_damping", probe.coupling_damping);
+  check.pose(prefix, {Vec3::Zero(), probe.orientation});
+  checkPath(check, prefix + ".path", probe.path);
+  for (std::size_t i = 0; i < probe.grasp.size(); ++i) {
+    const auto [from, to] = probe.grasp[i];
+    check.that(std::isfinite(from) && from < to, indexed(prefix + ".grasp", i), from,
+               "must be [from, to] with from < to");
   }
 }
 
@@ -175,11 +208,15 @@ void checkScene(const Scene& scene, const Locate& locate) {
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     checkObstacle(check, indexed("obstacles", i), scene.obstacles[i]);
   }
-  checkProbe(check, scene.probe);
+  checkNames(check, "obstacles", scene.obstacles, false);
+  checkNames(check, "probes", scene.probes, true);
+  check.that(!scene.probes.empty(), "probes", "{}", "must name at least one probe");
   const double spacing = std::min(scene.cloth.size[0] / (scene.cloth.particles[0] - 1),
                                   scene.cloth.size[1] / (scene.cloth.particles[1] - 1));
-  check.that(scene.probe.radius >= kFinestProbe * spacing, "probe.radius", scene.probe.radius,
-             "must be at least a fiftieth of the finest spacing");
+  for (const ProbeOptions& probe : scene.probes) {
+    const bool only = scene.probes.size() == 1 && probe.name == ProbeOptions().name;
+    checkProbe(check, only ? "probe" : "probes." + probe.name, probe, spacing);
+  }
   checkOptions(check, scene);
 }
 

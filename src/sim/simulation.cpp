@@ -23,11 +23,24 @@ Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 
-void Simulation::setDevice(const Vec3& position, const Vec3& velocity) {
-  implementation_->world.setDevice(position, velocity);
+void Simulation::setDevice(int probe, const DeviceState& device) {
+  implementation_->world.setDevice(probe, device);
 }
 
-void Simulation::removeDevice() { implementation_->world.removeDevice(); }
+void Simulation::removeDevice(int probe) { implementation_->world.removeDevice(probe); }
+
+void Simulation::setGrasp(int probe, bool closed) { implementation_->world.setGrasp(probe, closed); }
+
+void Simulation::moveObstacle(int obstacle, const Pose& pose) {
+  const Eigen::Vector4d turn = pose.orientation.coeffs();
+  if (!pose.position.allFinite() || !turn.allFinite() || !(turn.norm() > 0.0)) return;
+  implementation_->world.moveObstacle(obstacle, {pose.position, pose.orientation.normalized()});
+}
+
+Pose Simulation::obstaclePose(int obstacle) const {
+  const Solid& solid = implementation_->world.contacts.obstacle(obstacle);
+  return {solid.position(), Quat(solid.rotation())};
+}
 
 StepReport Simulation::step() { return implementation_->world.step(); }
 
@@ -38,7 +51,7 @@ double Simulation::time() const { return implementation_->world.time(); }
 int Simulation::threads() const { return implementation_->world.team.threads(); }
 double Simulation::mass() const { return implementation_->world.mass(); }
 int Simulation::activeParticles() const { return implementation_->world.mesh.active(); }
-ProbeReport Simulation::probe() const { return implementation_->world.probe; }
+ProbeReport Simulation::probe(int probe) const { return implementation_->world.probes[probe]; }
 EnergyReport Simulation::energy() const { return implementation_->world.energy(); }
 double Simulation::maxSpeed() const { return implementation_->world.maxSpeed(); }
 Vec3 Simulation::supportForce() const { return implementation_->world.support_force; }
@@ -62,7 +75,7 @@ std::uint64_t Simulation::stateHash() const {
     add(world.state.position[p].data(), 3 * sizeof(double));
     add(world.state.velocity[p].data(), 3 * sizeof(double));
   }
-  add(world.probe.proxy.data(), 3 * sizeof(double));
+  for (const ProbeReport& probe : world.probes) add(probe.proxy.data(), 3 * sizeof(double));
   add(&world.steps, sizeof(world.steps));
   return hash;
 }

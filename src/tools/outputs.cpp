@@ -121,7 +121,11 @@ void prepareDirectory(const fs::path& directory) {
 void writeOutputs(const fs::path& directory, const Simulation& simulation, const RunRecord& record,
                   bool succeeded) {
   writeFile(directory / "steps.csv", [&](std::ostream& stream) { writeSteps(stream, record.steps); });
-  writeFile(directory / "probe.csv", [&](std::ostream& stream) { writeProbe(stream, record.probe); });
+  for (std::size_t k = 0; k < record.probes.size(); ++k) {
+    const std::string& name = simulation.scene().probes[k].name;
+    const std::string file = name == ProbeOptions().name ? name + ".csv" : "probe_" + name + ".csv";
+    writeFile(directory / file, [&](std::ostream& stream) { writeProbe(stream, record.probes[k]); });
+  }
   writeFile(directory / "particles.csv", [&](std::ostream& stream) { writeParticles(stream, simulation); });
   writeFile(directory / "mesh.ply", [&](std::ostream& stream) { writeMesh(stream, simulation); });
   writeFile(directory / "summary.json", [&](std::ostream& stream) {

@@ -11,13 +11,25 @@ double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-void moveDevice(Simulation& simulation) {
+/// Probes and obstacles take their places on their paths at the end of the next step.
+void followPaths(Simulation& simulation) {
   const Scene& scene = simulation.scene();
-  if (scene.probe.path.empty()) return;
-  const double step = scene.solver.time_step;
-  const Vec3 from = pathPosition(scene.probe.path, simulation.time());
-  const Vec3 to = pathPosition(scene.probe.path, simulation.time() + step);
-  simulation.setDevice(to, (to - from) / step);
+  const double step = scene.solver.time_step, end = simulation.time() + step;
+  for (std::size_t k = 0; k < scene.probes.size(); ++k) {
+    const ProbeOptions& probe = scene.probes[k];
+    if (probe.path.empty()) continue;
+    const Vec3 from = pathPosition(probe.path, simulation.time()), to = pathPosition(probe.path, end);
+    simulation.setDevice(static_cast<int>(k), {to, (to - from) / step, probe.orientation});
+    const bool closed = std::any_of(probe.grasp.begin(), probe.grasp.end(),
+                                    [&](const auto& times) { return times[0] <= end && end < times[1]; });
+    simulation.setGrasp(static_cast<int>(k), closed);
+  }
+  for (std::size_t k = 0; k < scene.obstacles.size(); ++k) {
+    const Obstacle& obstacle = scene.obstacles[k];
+    if (obstacle.path.empty()) continue;
+    simulation.moveObstacle(static_cast<int>(k),
+                            {pathPosition(obstacle.path, end), obstacle.pose.orientation});
+  }
 }
 
 void add(const StepReport& report, double wall_time, RunTotals& totals) {
@@ -42,18 +54,21 @@ RunRecord runScene(Simulation& simulation, bool keep_rows, const StepCallback& a
   const StopOptions stop = simulation.scene().stop;
   const double step = simulation.scene().solver.time_step;
   RunRecord record;
+  record.probes.resize(simulation.scene().probes.size());
   double slow_since = simulation.time();
   // Half a step of slack: the sum of many time steps may end a rounding error short of stop.time.
   while (simulation.time() < stop.time - 0.5 * step) {
-    moveDevice(simulation);
+    followPaths(simulation);
     const auto start = std::chrono::steady_clock::now();
     const StepReport report = simulation.step();
     const double wall_time = secondsSince(start);
     add(report, wall_time, record.totals);
     if (keep_rows) {
       record.steps.push_back({report, simulation.energy(), wall_time});
-      const ProbeReport probe = simulation.probe();
-      if (probe.present) record.probe.push_back({simulation.time(), probe});
+      for (std::size_t k = 0; k < record.probes.size(); ++k) {
+        const ProbeReport probe = simulation.probe(static_cast<int>(k));
+        if (probe.present) record.probes[k].push_back({simulation.time(), probe});
+      }
     }
     if (after_step) after_step(simulation, record.totals);
     if (!(simulation.maxSpeed() < stop.rest_speed)) slow_since = simulation.time();

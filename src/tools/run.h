@@ -15,7 +15,7 @@ struct StepRecord {
   double wall_time = 0.0;  ///< of this step [s]
 };
 
-/// A row of probe.csv.
+/// A row of a probe's file.
 struct ProbeRecord {
   double time = 0.0;  ///< [s]
   ProbeReport probe;
@@ -39,7 +39,7 @@ struct RunTotals {
 struct RunRecord {
   RunTotals totals;
   std::vector<StepRecord> steps;
-  std::vector<ProbeRecord> probe;
+  std::vector<std::vector<ProbeRecord>> probes;  ///< of each probe of the scene
 };
 
 /// The fastest particle has to stay below stop.rest_speed for this long before a run ends early: cloth that
@@ -49,9 +49,10 @@ constexpr double kRestDuration = 0.1;
 /// Called after each step.
 using StepCallback = std::function<void(const Simulation&, const RunTotals&)>;
 
-/// Runs the simulation from its present time to its scene's stop rule. The device follows probe.path: at each
-/// step it stands where the path is at the end of the step, with the step's mean velocity.
-/// @param keep_rows fill `steps` and `probe` of the result
+/// Runs the simulation from its present time to its scene's stop rule. Devices and obstacles follow their
+/// paths: at each step they stand where the path is at the end of the step; devices have the step's mean
+/// velocity.
+/// @param keep_rows fill `steps` and `probes` of the result
 RunRecord runScene(Simulation& simulation, bool keep_rows, const StepCallback& after_step);
 
 /// Every position and energy is finite.

@@ -35,7 +35,7 @@ constexpr const char* kFooter =
     "Files in DIR (SI units):\n"
     "  summary.json   times, counts, energies, forces, hash of the final state\n"
     "  steps.csv      a row for each step: iterations, termination, energies, mesh events\n"
-    "  probe.csv      time, device x y z, proxy x y z, force on the probe x y z\n"
+    "  probe.csv      time, device x y z, proxy x y z, force on the probe x y z; of several, probe_NAME.csv\n"
     "  particles.csv  i,j,active,x,y,z for every particle of the finest grid\n"
     "  mesh.ply       the active mesh as triangles\n"
     "Exit status: 0 success; 2 bad input, nothing written; 3 the simulation failed (a final state\n"

@@ -60,6 +60,10 @@ std::string summaryJson(const Simulation& simulation, const RunTotals& totals, b
   summary["max_speed"] = simulation.maxSpeed();
   summary["max_penetration"] = totals.max_penetration;
   summary["probe_force"] = toJson(simulation.probe().force);
+  const std::vector<ProbeOptions>& probes = simulation.scene().probes;
+  for (std::size_t k = 0; k < probes.size() && probes.size() > 1; ++k) {
+    summary["probe_forces"][probes[k].name] = toJson(simulation.probe(static_cast<int>(k)).force);
+  }
   summary["support_force"] = toJson(simulation.supportForce());
   summary["mass"] = simulation.mass();
   summary["state_hash"] = hexadecimal(simulation.stateHash());

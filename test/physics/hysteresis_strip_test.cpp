@@ -100,8 +100,8 @@ TEST_P(WoolStrip, StaysOverbentAfterAPress) {
   const DroopedTip least = droopedStrip(kLength, kWeight, lowered),
                    most = droopedStrip(kLength, kWeight, released);
   Scene scene = woolStrip(kLength, 32, GetParam(), 20.0);
-  scene.probe.radius = 0.008;
-  scene.probe.friction = 0.0;
+  scene.probes[0].radius = 0.008;
+  scene.probes[0].friction = 0.0;
   Simulation simulation(scene);
   const double h = scene.solver.time_step;
   const auto move = [&](const Vec3& from, const Vec3& to, double seconds) {

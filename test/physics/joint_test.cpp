@@ -19,7 +19,7 @@ Fabric winterSuiting() { return loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabr
 Scene pressed(Strategy strategy) {
   Scene scene = sheetScene(winterSuiting(), 13, 13, 0.1, 0.1);
   pinAllSides(scene);
-  scene.probe.radius = 0.01;
+  scene.probes[0].radius = 0.01;
   quasiStatic(scene, 5.0, 1e-3, 0.02);
   setStrategy(scene, strategy, 2);
   return scene;

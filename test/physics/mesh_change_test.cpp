@@ -70,7 +70,7 @@ class Shadow {
   const std::vector<int>& particles() const { return particles_; }
 
   /// To be called once before each step. @return nothing where the mesh stays as it is
-  std::optional<Change> change(const ClothWorld& world, const FineRegion* fine = nullptr) {
+  std::optional<Change> change(const ClothWorld& world, const FineRegions& fine = {}) {
     if (!adaptation_.plan(world.steps, world.nodes(), world.internal, fine, world.leaves, world.mesh,
                           world.state)) {
       return std::nullopt;
@@ -243,13 +243,14 @@ TEST(MeshChange, RestSurvivesRoundTrips) {
 }
 
 /// Where the probe asks for the finest cells, as docs/model.md says.
-FineRegion moveProbe(ClothWorld& world) {
+FineRegions moveProbe(ClothWorld& world) {
   const double h = world.scene.solver.time_step, t = world.time();
-  const Vec3 from = pathPosition(world.scene.probe.path, t), to = pathPosition(world.scene.probe.path, t + h);
-  world.setDevice(to, (to - from) / h);
+  const Vec3 from = pathPosition(world.scene.probes[0].path, t),
+             to = pathPosition(world.scene.probes[0].path, t + h);
+  world.setDevice(0, {to, (to - from) / h});
   const double spacing = std::max(world.grid.dx, world.grid.dy);
-  const double ahead = std::min((to - world.probe.proxy).norm(), 2.0 * spacing);
-  return {world.probe.proxy, world.scene.probe.radius + 2.0 * spacing + ahead};
+  const double ahead = std::min((to - world.probes[0].proxy).norm(), 2.0 * spacing);
+  return {{world.probes[0].proxy, world.scene.probes[0].radius + 2.0 * spacing + ahead}};
 }
 
 struct Shipped {
@@ -269,9 +270,9 @@ TEST_P(ShippedScene, NothingSeenPops) {
   double largest = 0.0;
   int merged = 0, split = 0;
   while (world.time() < shipped.time) {
-    std::optional<FineRegion> fine;
-    if (!scene.probe.path.empty()) fine = moveProbe(world);
-    const std::optional<Change> change = shadow.change(world, fine ? &*fine : nullptr);
+    FineRegions fine;
+    if (!scene.probes[0].path.empty()) fine = moveProbe(world);
+    const std::optional<Change> change = shadow.change(world, fine);
     const StepReport report = world.step();
     ASSERT_EQ(report.coarsened, change ? change->merged : 0);
     ASSERT_EQ(report.refined, change ? change->split : 0);

@@ -23,9 +23,9 @@ Scene membrane(Strategy strategy, double shear = 0.5, double radius = kRadius) {
   Scene scene = sheetScene(makeFabric(linear), 65, 65, 2.0 * kHalfSide, 2.0 * kHalfSide);
   setStrategy(scene, strategy, 2);
   pinAllSides(scene);
-  scene.probe.radius = radius;
-  scene.probe.friction = 0.0;
-  scene.probe.coupling_stiffness = 2000.0;
+  scene.probes[0].radius = radius;
+  scene.probes[0].friction = 0.0;
+  scene.probes[0].coupling_stiffness = 2000.0;
   quasiStatic(scene, 10.0, 2e-3, 1e-3);
   return scene;
 }
@@ -33,7 +33,7 @@ Scene membrane(Strategy strategy, double shear = 0.5, double radius = kRadius) {
 /// Lowers the device to `depth` [m] of its lowest point below the flat sheet in 0.2 s and waits for rest.
 void press(Simulation& simulation, double depth) {
   const double h = simulation.scene().solver.time_step, duration = 0.2;
-  const double radius = simulation.scene().probe.radius;
+  const double radius = simulation.scene().probes[0].radius;
   const double from = radius + 0.002, to = radius - depth;
   const Vec3 velocity(0.0, 0.0, (to - from) / duration);
   for (double t = h; t < duration + 0.5 * h; t += h) {
@@ -58,7 +58,7 @@ TEST_P(PressedMembrane, ForcesBalance) {
   EXPECT_NEAR(simulation.supportForce().z(), total, tolerance(0.01 * total));
   EXPECT_NEAR(probe.force.head<2>().norm(), 0.0, tolerance(0.01 * total));
   // At rest the virtual coupling carries the same force.
-  const Vec3 spring = scene.probe.coupling_stiffness * (probe.proxy - probe.device);
+  const Vec3 spring = scene.probes[0].coupling_stiffness * (probe.proxy - probe.device);
   EXPECT_NEAR((spring - probe.force).norm(), 0.0, tolerance(0.01 * total));
 }
 

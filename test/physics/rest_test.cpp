@@ -21,7 +21,7 @@ Scene sagging(double sleep_speed) {
   pin(scene, 32, 32, 0, 32);
   setStrategy(scene, Strategy::Amrc, 2);
   scene.air_damping = 5.0;
-  scene.probe.radius = 0.01;
+  scene.probes[0].radius = 0.01;
   scene.solver.sleep_speed = sleep_speed;
   return scene;
 }

@@ -29,8 +29,8 @@ inline Scene pressedSheet() {
   ball.pose.position = Vec3(0.01, 0.0, -0.0201);
   ball.friction = 0.4;
   scene.obstacles.push_back(ball);
-  scene.probe.radius = 0.008;
-  scene.probe.friction = 0.3;
+  scene.probes[0].radius = 0.008;
+  scene.probes[0].friction = 0.3;
   return scene;
 }
 
@@ -43,7 +43,7 @@ class ObjectiveTest : public ::testing::Test {
         leaves_(mixed(grid_, scene_)),
         mesh_(leaves_, scene_.cloth.fabric.areal_density),
         internal_(scene_.cloth.fabric, mesh_),
-        contacts_(grid_, scene_.obstacles, {5e-4, 1e-3, 1e-3, scene_.probe.radius, scene_.probe.friction}),
+        contacts_(grid_, scene_.obstacles, scene_.probes, {5e-4, 1e-3, 1e-3}),
         team_(1),
         objective_(scene_, mesh_, internal_, contacts_, team_) {
     for (Field* field : {&nodes_, &velocities_}) field->clear(mesh_.nodes());
@@ -59,11 +59,12 @@ class ObjectiveTest : public ::testing::Test {
     mesh_.interpolateGhosts(nodes_);
     mesh_.interpolateGhosts(velocities_);
     internal_.setNormals(nodes_);
-    const ProbeStep probe{true, Vec3(-0.01, 0.01, 0.0078), Vec3(0.1, 0, -0.2), Vec3(-0.01, 0.01, 0.0083)};
-    contacts_.collect(mesh_, nodes_, std::vector<double>(mesh_.nodes(), 1e-3), &probe.proxy, 1e-3);
-    objective_.begin(nodes_, velocities_, probe);
+    const ProbeStep probe{true, 0, Vec3(-0.01, 0.01, 0.0078), Vec3(0.1, 0, -0.2), Vec3(-0.01, 0.01, 0.0083)};
+    contacts_.startProbe(0, probe.proxy, Quat::Identity(), Quat::Identity());
+    contacts_.collect(mesh_, nodes_, std::vector<double>(mesh_.nodes(), 1e-3), {{0, 1e-3}});
+    objective_.begin(nodes_, velocities_, {probe});
     start_.setZero(objective_.capacity());
-    objective_.pack(nodes_, probe.proxy, start_);
+    objective_.pack(nodes_, start_);
   }
 
   static LeafMesh mixed(const Grid& grid, const Scene& scene) {

@@ -54,7 +54,7 @@ TEST_F(JointTest, GradientIsTheDerivative) {
     x.head(positions_) += 3e-5 * fixedRandom(positions_, seed);
     x.segment(positions_, forces_).array() *= 1.0 + 0.3 * fixedRandom(forces_, seed + 10).array();
     value(x);
-    ASSERT_TRUE(contacts_.probeTouched());
+    ASSERT_TRUE(contacts_.probeTouched(0));
     ASSERT_GT(contacts_.obstacleForce().norm(), 0.0);
     ASSERT_GT(joint_.costs().stretch, 0.0);
     ASSERT_GT(joint_.costs().bend, 0.0);
@@ -74,7 +74,7 @@ TEST_F(JointTest, FollowsTheLawsWhereForcesDo) {
   EXPECT_EQ(joint_.costs().stretch + joint_.costs().bend + joint_.costs().shear, 0.0);
   // The condensed cost has no law for the proxy.
   const double proxy =
-      gradient.segment<3>(positions_ - 3).squaredNorm() / (2.0 * objective_.couplingStiffness());
+      gradient.segment<3>(positions_ - 3).squaredNorm() / (2.0 * objective_.couplingStiffness(0));
   EXPECT_NEAR(joint, motion + proxy, tolerance(1e-12 * joint));
   EXPECT_NEAR(joint_.residual(gradient), residual, tolerance(1e-12 * residual));
 }

@@ -43,7 +43,7 @@ TEST_F(ObjectiveTest, GradientIsTheDerivative) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const Eigen::VectorXd x = start_.head(n) + 3e-5 * fixedRandom(n, seed);
     value(x);
-    ASSERT_TRUE(contacts_.probeTouched());
+    ASSERT_TRUE(contacts_.probeTouched(0));
     ASSERT_GT(contacts_.obstacleForce().norm(), 0.0);
     EXPECT_LT(gradientError(value, derivative, x, 1e-9), tolerance(1e-5)) << seed;
   }
@@ -58,7 +58,7 @@ TEST_F(ObjectiveTest, ProbeAndClothFeelOppositeForces) {
   contacts_.addGradient(0, mesh_.nodes(), by_contact);
   Vec3 on_cloth = Vec3::Zero();
   for (int n = 0; n < mesh_.nodes(); ++n) on_cloth -= by_contact[n];
-  const Vec3 on_probe = -contacts_.proxyGradient();
+  const Vec3 on_probe = -contacts_.proxyGradient(0);
   ASSERT_GT(on_probe.norm(), 1e-3);
   EXPECT_LT((on_cloth - contacts_.obstacleForce() + on_probe).norm(), tolerance(1e-13) * on_probe.norm());
 }

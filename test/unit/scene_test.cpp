@@ -57,7 +57,7 @@ TEST(Scene, DefaultsAreThoseOfTheStructs) {
   EXPECT_EQ(scene.gravity, plain.gravity);
   EXPECT_EQ(scene.air_damping, plain.air_damping);
   EXPECT_TRUE(scene.obstacles.empty());
-  EXPECT_EQ(scene.probe.radius, plain.probe.radius);
+  EXPECT_EQ(scene.probes[0].radius, plain.probes[0].radius);
   EXPECT_EQ(scene.solver.time_step, plain.solver.time_step);
   EXPECT_EQ(scene.solver.minimizer.max_iterations, plain.solver.minimizer.max_iterations);
   EXPECT_EQ(scene.adapt.refine_above, plain.adapt.refine_above);
@@ -95,13 +95,13 @@ stop: {time: 4, rest_speed: 0.001}
   EXPECT_EQ(scene.cloth.pins[1].j1, 4);
   EXPECT_EQ(scene.gravity, Vec3(0, 1, -2));
   EXPECT_EQ(scene.air_damping, 0.25);
-  EXPECT_EQ(scene.probe.radius, 0.01);
-  EXPECT_EQ(scene.probe.friction, 0.5);
-  EXPECT_EQ(scene.probe.coupling_stiffness, 300);
-  EXPECT_EQ(scene.probe.coupling_damping, 2);
-  ASSERT_EQ(scene.probe.path.size(), 2U);
-  EXPECT_EQ(scene.probe.path[1].time, 1);
-  EXPECT_EQ(scene.probe.path[1].position, Vec3(4, 5, 6));
+  EXPECT_EQ(scene.probes[0].radius, 0.01);
+  EXPECT_EQ(scene.probes[0].friction, 0.5);
+  EXPECT_EQ(scene.probes[0].coupling_stiffness, 300);
+  EXPECT_EQ(scene.probes[0].coupling_damping, 2);
+  ASSERT_EQ(scene.probes[0].path.size(), 2U);
+  EXPECT_EQ(scene.probes[0].path[1].time, 1);
+  EXPECT_EQ(scene.probes[0].path[1].position, Vec3(4, 5, 6));
   EXPECT_EQ(scene.solver.time_step, 0.002);
   EXPECT_EQ(scene.solver.minimizer.preconditioner, Preconditioner::None);
   EXPECT_EQ(scene.solver.minimizer.tolerance, 0.3);
@@ -193,7 +193,8 @@ TEST(Scene, UnknownAndDuplicateKeysAreNamed) {
         "scene: cloth.partciles: unknown key; known here: particles, size, position, orientation, fabric, "
         "pins"},
        {ok + "gravty: 1",
-        "scene: gravty: unknown key; known here: cloth, gravity, air_damping, obstacles, probe, solver, "
+        "scene: gravty: unknown key; known here: cloth, gravity, air_damping, obstacles, probe, probes, "
+        "solver, "
         "adapt, stop"},
        {ok + "solver: {dt: 1}",
         "scene: solver.dt: unknown key; known here: time_step, cost, preconditioner, tolerance, "
@@ -202,15 +203,17 @@ TEST(Scene, UnknownAndDuplicateKeysAreNamed) {
         "scene: adapt.level: unknown key; known here: strategy, levels, interval, refine_above, "
         "coarsen_below, refine_above_strain, coarsen_below_strain, minimum_age"},
        {ok + "probe: {r: 1}",
-        "scene: probe.r: unknown key; known here: radius, friction, coupling_stiffness, coupling_damping, "
-        "path"},
+        "scene: probe.r: unknown key; known here: shape, radius, length, friction, "
+        "coupling_stiffness, coupling_damping, path, orientation, grasp"},
        {ok + "stop: {t: 1}", "scene: stop.t: unknown key; known here: time, rest_speed"},
        {ok + "obstacles: [{shape: plane, radius: 1}]",
-        "scene: obstacles[0].radius: unknown key; known here: shape, position, orientation, friction"},
+        "scene: obstacles[0].radius: unknown key; known here: name, shape, position, orientation, friction, "
+        "path"},
        {ok + "obstacles: [{shape: sphere}]", "scene: obstacles[0].radius: is required for this shape"},
        {ok + "obstacles: [{radius: 1}]", "scene: obstacles[0].shape: is required"},
        {ok + "? [a, b]\n: 1\n",
-        "scene: [a, b]: unknown key; known here: cloth, gravity, air_damping, obstacles, probe, solver, "
+        "scene: [a, b]: unknown key; known here: cloth, gravity, air_damping, obstacles, probe, probes, "
+        "solver, "
         "adapt, stop"},
        {ok + "air_damping: 1\nair_damping: 2\n", "scene: air_damping: must not stand here twice"}});
 }
@@ -228,8 +231,8 @@ TEST(Scene, WrongTypesAreNamed) {
        {ok + "air_damping:", "scene: air_damping = (nothing): must be a finite number"},
        {ok + "obstacles: {}", "scene: obstacles = {}: must be a list"},
        {ok + "obstacles: [box]",
-        "scene: obstacles[0] = box: must be a mapping with keys out of: shape, size, radius, length, "
-        "position, orientation, friction"},
+        "scene: obstacles[0] = box: must be a mapping with keys out of: name, shape, size, radius, "
+        "length, position, orientation, friction, path"},
        {ok + "obstacles: [{shape: cone}]",
         "scene: obstacles[0].shape = cone: must be one of box, sphere, cylinder, capsule, plane"},
        {ok + "solver: 3",
@@ -394,7 +397,7 @@ TEST(ValidateScene, ChecksWhatIsBuiltInCode) {
   broken.cloth.fabric.thickness = 0.0;
   EXPECT_EQ(fails(broken), "code: cloth.fabric.thickness = 0: must be > 0");
   broken = scene;
-  broken.probe.radius = 1e-5;
+  broken.probes[0].radius = 1e-5;
   EXPECT_EQ(fails(broken), "code: probe.radius = 1e-05: must be at least a fiftieth of the finest spacing");
   broken = scene;
   broken.stop.time = nan;
@@ -403,7 +406,7 @@ TEST(ValidateScene, ChecksWhatIsBuiltInCode) {
   broken.cloth.pose.orientation.coeffs() *= 1.01;
   EXPECT_NE(fails(broken).find("code: cloth.orientation = "), std::string::npos);
   broken = scene;
-  broken.probe.path = {{nan, Vec3::Zero()}};
+  broken.probes[0].path = {{nan, Vec3::Zero()}};
   EXPECT_EQ(fails(broken), "code: probe.path[0][0] = nan: must be finite");
 }
 

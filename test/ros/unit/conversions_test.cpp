@@ -191,7 +191,7 @@ TEST(NodeOptions, SceneByParametersOrByFile) {
   file["probe"]["coupling_stiffness"] = 250.0;
   const NodeOptions loaded = parseNodeOptions(file, "test");
   EXPECT_EQ(loaded.scene.cloth.particles[0], 17);
-  EXPECT_EQ(loaded.scene.probe.coupling_stiffness, 250.0);
+  EXPECT_EQ(loaded.scene.probes[0].coupling_stiffness, 250.0);
   EXPECT_EQ(loaded.haptics.coupling_stiffness, 250.0);
 }
 
