@@ -28,7 +28,10 @@ void digest(const unsigned char* block, Words& state) {
                                 : round == 1 ? (d & b) | (~d & c)
                                 : round == 2 ? b ^ c ^ d
                                              : c ^ (b | ~d);
-    const std::uint32_t at = round == 0 ? i : round == 1 ? (5 * i + 1) % 16 : round == 2 ? (3 * i + 5) % 16 : (7 * i) % 16;
+    const std::uint32_t at = round == 0   ? i
+                             : round == 1 ? (5 * i + 1) % 16
+                             : round == 2 ? (3 * i + 5) % 16
+                                          : (7 * i) % 16;
     const auto sine = static_cast<std::uint32_t>(std::floor(std::abs(std::sin(i + 1.0)) * 4294967296.0));
     const std::uint32_t next = b + rotated(a + mixed + sine + input[at], kRotations[round][i % 4]);
     a = d;

@@ -13,6 +13,7 @@ namespace haptic_cloth {
 namespace {
 
 constexpr char kHeader[] = "std_msgs/Header";
+constexpr int kDeepest = 32;  ///< messages within messages
 
 std::string trimmed(const std::string& text) {
   const char* spaces = " \t\r\n";
@@ -82,12 +83,12 @@ NumberType numberType() {
 /// @return nullptr for what is not a number
 const NumberType* findNumber(const std::string& type) {
   static const std::map<std::string, NumberType> kNumbers = {
-      {"bool", numberType<std::uint8_t>()},     {"byte", numberType<std::int8_t>()},
-      {"char", numberType<std::uint8_t>()},     {"int8", numberType<std::int8_t>()},
-      {"uint8", numberType<std::uint8_t>()},    {"int16", numberType<std::int16_t>()},
-      {"uint16", numberType<std::uint16_t>()},  {"int32", numberType<std::int32_t>()},
-      {"uint32", numberType<std::uint32_t>()},  {"int64", numberType<std::int64_t>()},
-      {"uint64", numberType<std::uint64_t>()},  {"float32", numberType<float>()},
+      {"bool", numberType<std::uint8_t>()},    {"byte", numberType<std::int8_t>()},
+      {"char", numberType<std::uint8_t>()},    {"int8", numberType<std::int8_t>()},
+      {"uint8", numberType<std::uint8_t>()},   {"int16", numberType<std::int16_t>()},
+      {"uint16", numberType<std::uint16_t>()}, {"int32", numberType<std::int32_t>()},
+      {"uint32", numberType<std::uint32_t>()}, {"int64", numberType<std::int64_t>()},
+      {"uint64", numberType<std::uint64_t>()}, {"float32", numberType<float>()},
       {"float64", numberType<double>()}};
   const auto entry = kNumbers.find(type);
   return entry == kNumbers.end() ? nullptr : &entry->second;
@@ -95,7 +96,8 @@ const NumberType* findNumber(const std::string& type) {
 
 }  // namespace
 
-MessageLayout::MessageLayout(const std::string& datatype, const std::string& definition) : datatype_(datatype) {
+MessageLayout::MessageLayout(const std::string& datatype, const std::string& definition)
+    : datatype_(datatype) {
   std::istringstream lines(definition);
   std::string name = datatype, text;
   for (std::string line; std::getline(lines, line);) {
@@ -149,14 +151,14 @@ bool MessageLayout::hasHeader() const {
   return !members.empty() && members[0].type == kHeader && members[0].count == MessageField::kSingle;
 }
 
-std::string MessageLayout::fingerprint(const std::string& type) const {
+std::string MessageLayout::fingerprint(const std::string& type, int depth) const {
+  if (depth > kDeepest) throw InputError("definition of " + datatype_, "type", type, "contains itself");
   std::string text;
   const std::vector<MessageField>& members = fields(type);
   for (const MessageField& field : members) {
     std::string word = field.type;
     if (!isBuiltin(field.type)) {
-      if (field.type == type) throw InputError("definition of " + datatype_, "type", type, "contains itself");
-      word = fingerprint(field.type);
+      word = fingerprint(field.type, depth + 1);
     } else if (field.count != MessageField::kSingle) {
       word += field.count == MessageField::kVariable ? "[]" : "[" + std::to_string(field.count) + "]";
     }
@@ -173,7 +175,9 @@ std::size_t builtinSize(const std::string& type) {
 
 bool isNumber(const std::string& type) { return findNumber(type) != nullptr; }
 
-double readNumber(const std::string& type, const unsigned char* bytes) { return findNumber(type)->read(bytes); }
+double readNumber(const std::string& type, const unsigned char* bytes) {
+  return findNumber(type)->read(bytes);
+}
 
 void writeNumber(const std::string& type, double value, unsigned char* bytes) {
   findNumber(type)->write(value, bytes);

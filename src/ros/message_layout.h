@@ -1,5 +1,5 @@
-/// The layout of a ROS message whose type is known only at run time, from the definition that comes with every
-/// connection.
+/// The layout of a ROS message whose type is known only at run time, from the definition that comes with
+/// every connection.
 #pragma once
 
 #include <map>
@@ -21,8 +21,8 @@ struct MessageField {
 class MessageLayout {
  public:
   /// @param datatype package/Name
-  /// @param definition as in a connection header: the message's text, then "===" lines, "MSG: package/Name" and text
-  /// of each type in it
+  /// @param definition as in a connection header: the message's text, then "===" lines, "MSG: package/Name"
+  /// and text of each type in it
   /// @throws InputError where it cannot be understood
   MessageLayout(const std::string& datatype, const std::string& definition);
 
@@ -36,7 +36,7 @@ class MessageLayout {
   bool hasHeader() const;
 
   /// The fingerprint that publishers and subscribers compare, as genmsg computes it.
-  std::string fingerprint() const { return fingerprint(datatype_); }
+  std::string fingerprint() const { return fingerprint(datatype_, 0); }
 
  private:
   struct Type {
@@ -44,7 +44,7 @@ class MessageLayout {
     std::vector<MessageField> fields;
   };
   void addType(const std::string& name, const std::string& text);
-  std::string fingerprint(const std::string& type) const;
+  std::string fingerprint(const std::string& type, int depth) const;
 
   std::string datatype_;
   std::map<std::string, Type> types_;

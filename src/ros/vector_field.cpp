@@ -9,9 +9,13 @@
 namespace haptic_cloth {
 namespace {
 
-std::string child(const std::string& path, const std::string& name) { return path.empty() ? name : path + "." + name; }
+std::string child(const std::string& path, const std::string& name) {
+  return path.empty() ? name : path + "." + name;
+}
 
-std::string element(const std::string& path, std::size_t index) { return path + "[" + std::to_string(index) + "]"; }
+std::string element(const std::string& path, std::size_t index) {
+  return path + "[" + std::to_string(index) + "]";
+}
 
 /// The member that a dotted path names; nullptr if there is none or it lies in an array.
 const MessageField* findField(const MessageLayout& layout, const std::string& path) {
@@ -20,7 +24,8 @@ const MessageField* findField(const MessageLayout& layout, const std::string& pa
   for (std::size_t begin = 0; begin <= path.size();) {
     const std::size_t end = std::min(path.find('.', begin), path.size());
     if (found) {
-      if (found->count != MessageField::kSingle || isNumber(found->type) || found->type == "string") return nullptr;
+      if (found->count != MessageField::kSingle || isNumber(found->type) || found->type == "string")
+        return nullptr;
       type = found->type;
     }
     const MessageField* next = nullptr;
@@ -45,7 +50,8 @@ std::vector<std::string> componentPaths(const MessageLayout& layout, const std::
       if (!long_enough) return {};
       return {element(path, 0), element(path, 1), element(path, 2)};
     }
-    if (field->count != MessageField::kSingle || field->type == "string" || builtinSize(field->type) > 0) return {};
+    if (field->count != MessageField::kSingle || field->type == "string" || builtinSize(field->type) > 0)
+      return {};
     type = field->type;
   }
   std::vector<std::string> paths(3);
@@ -143,13 +149,14 @@ class Walk {
 };
 
 void appendWord(std::vector<unsigned char>& bytes, std::uint32_t word) {
-  const auto* begin = reinterpret_cast<const unsigned char*>(&word);
-  bytes.insert(bytes.end(), begin, begin + sizeof word);
+  bytes.resize(bytes.size() + sizeof word);
+  std::memcpy(bytes.data() + bytes.size() - sizeof word, &word, sizeof word);
 }
 
 }  // namespace
 
-std::optional<std::string> findVector(const MessageLayout& layout, const std::vector<std::string>& candidates) {
+std::optional<std::string> findVector(const MessageLayout& layout,
+                                      const std::vector<std::string>& candidates) {
   for (const std::string& path : candidates) {
     if (!componentPaths(layout, path).empty()) return path;
   }
@@ -158,7 +165,7 @@ std::optional<std::string> findVector(const MessageLayout& layout, const std::ve
 
 const std::vector<std::string>& positionPaths() {
   static const std::vector<std::string> kPaths = {
-      "pose.position", "pose.pose.position",    "position",    "vector", "point", "linear", "twist.linear",
+      "pose.position", "pose.pose.position",    "position", "vector", "point", "linear", "twist.linear",
       "translation",   "transform.translation", ""};
   return kPaths;
 }
@@ -198,8 +205,8 @@ VectorWriter::VectorWriter(const MessageLayout& layout, const std::string& path,
   append(layout.datatype(), "", all, layout);
 }
 
-void VectorWriter::append(const std::string& type, const std::string& path, const std::map<std::string, int>& lengths,
-                          const MessageLayout& layout) {
+void VectorWriter::append(const std::string& type, const std::string& path,
+                          const std::map<std::string, int>& lengths, const MessageLayout& layout) {
   bool header = has_header_ && path.empty();
   for (const MessageField& field : layout.fields(type)) {
     if (!header) appendElements(field, child(path, field.name), lengths, layout);
@@ -233,15 +240,17 @@ void VectorWriter::appendElements(const MessageField& field, const std::string& 
 std::vector<unsigned char> VectorWriter::write(const Vec3& value, const MessageHeader& header) const {
   std::vector<unsigned char> bytes;
   if (has_header_) {
-    for (const std::uint32_t word : {std::uint32_t{0}, header.stamp.sec, header.stamp.nsec,
-                                     static_cast<std::uint32_t>(header.frame_id.size())}) {
-      appendWord(bytes, word);
-    }
-    bytes.insert(bytes.end(), header.frame_id.begin(), header.frame_id.end());
+    appendWord(bytes, 0);  // the sequence number
+    appendWord(bytes, header.stamp.sec);
+    appendWord(bytes, header.stamp.nsec);
+    appendWord(bytes, static_cast<std::uint32_t>(header.frame_id.size()));
   }
-  const std::size_t start = bytes.size();
-  bytes.insert(bytes.end(), zero_.begin(), zero_.end());
-  for (int k = 0; k < 3; ++k) writeNumber(targets_[k].type, value[k], bytes.data() + start + targets_[k].offset);
+  const std::size_t name = bytes.size(), body = name + (has_header_ ? header.frame_id.size() : 0);
+  bytes.resize(body + zero_.size());
+  if (has_header_) std::memcpy(bytes.data() + name, header.frame_id.data(), header.frame_id.size());
+  std::memcpy(bytes.data() + body, zero_.data(), zero_.size());
+  for (int k = 0; k < 3; ++k)
+    writeNumber(targets_[k].type, value[k], bytes.data() + body + targets_[k].offset);
   return bytes;
 }
 

@@ -14,14 +14,17 @@
 namespace haptic_cloth {
 
 /// The first of `candidates` that leads to three numbers, empty for the message itself.
-/// A path is dotted: "pose.position". Three numbers are a member with x, y and z (in either case), or an array.
-std::optional<std::string> findVector(const MessageLayout& layout, const std::vector<std::string>& candidates);
+/// A path is dotted: "pose.position". Three numbers are a member with x, y and z (in either case), or an
+/// array.
+std::optional<std::string> findVector(const MessageLayout& layout,
+                                      const std::vector<std::string>& candidates);
 
-/// Where positions stand in messages that devices send: PoseStamped and all with a `pose`, Pose, Vector3Stamped,
-/// PointStamped, Twist, TransformStamped, and Vector3, Point and all with x, y, z themselves.
+/// Where positions stand in messages that devices send: PoseStamped and all with a `pose`, Pose,
+/// Vector3Stamped, PointStamped, Twist, TransformStamped, and Vector3, Point and all with x, y, z themselves.
 const std::vector<std::string>& positionPaths();
 
-/// Where forces stand in messages that devices take: WrenchStamped, Wrench and feedbacks, Vector3Stamped, Vector3.
+/// Where forces stand in messages that devices take: WrenchStamped, Wrench and feedbacks, Vector3Stamped,
+/// Vector3.
 const std::vector<std::string>& forcePaths();
 
 /// What a message begins with, if it has a header.
@@ -52,7 +55,8 @@ class VectorWriter {
  public:
   /// @param lengths of arrays of variable length, by path; the others stay empty
   /// @throws InputError if `path` does not lead to three numbers
-  VectorWriter(const MessageLayout& layout, const std::string& path, const std::map<std::string, int>& lengths);
+  VectorWriter(const MessageLayout& layout, const std::string& path,
+               const std::map<std::string, int>& lengths);
 
   /// The message as bytes. @param header of messages that have one
   std::vector<unsigned char> write(const Vec3& value, const MessageHeader& header) const;
@@ -64,8 +68,8 @@ class VectorWriter {
   };
   void append(const std::string& type, const std::string& path, const std::map<std::string, int>& lengths,
               const MessageLayout& layout);
-  void appendElements(const MessageField& field, const std::string& path, const std::map<std::string, int>& lengths,
-                      const MessageLayout& layout);
+  void appendElements(const MessageField& field, const std::string& path,
+                      const std::map<std::string, int>& lengths, const MessageLayout& layout);
 
   bool has_header_;
   std::map<std::string, int> wanted_;  ///< path of a number → which of the three it is
