@@ -4,10 +4,13 @@
 
 #include <cstdio>
 #include <exception>
+#include <string>
+#include <utility>
 
 #include "haptic_cloth/error.h"
 #include "ros/device_adapter.h"
 #include "ros/shutdown.h"
+#include "ros/topics.h"
 
 namespace {
 
@@ -25,6 +28,13 @@ int run(int argc, char** argv) {
   const haptic_cloth::AdapterOptions options = haptic_cloth::readAdapterOptions(
       haptic_cloth::ParameterGroup(parameters, private_node.getNamespace() + " (parameters)"));
 
+  for (const auto& [ours, drivers] :
+       {std::pair(haptic_cloth::topics::kPose, haptic_cloth::topics::kDevicePose),
+        std::pair(haptic_cloth::topics::kReaction, haptic_cloth::topics::kDeviceForce)}) {
+    if (node.resolveName(ours) != node.resolveName(drivers)) continue;
+    throw haptic_cloth::InputError("remapping", drivers, node.resolveName(drivers),
+                                   std::string("must be another topic than ") + ours);
+  }
   haptic_cloth::PoseAdapter poses(node, options);
   haptic_cloth::ForceAdapter forces(node, options);
   // Two threads: a pose waits for no force.
