@@ -24,7 +24,7 @@ struct AdapterOptions {
       pose_field;  ///< where the position stands, as "pose.position"; empty: the first place that fits
   std::string pose_frame;        ///< frame_id of the pose; empty: that of the driver's header
   std::string force_type;        ///< package/Name; empty: as the driver subscribed to it
-  std::string force_definition;  ///< of a type that is not known here, as `rosmsg show --raw` gives it
+  std::string force_definition;  ///< of a type that is not known here, with the types in it
   std::string force_field;       ///< where the force stands; empty: the first place that fits
   double timeout = 0.05;         ///< after which the force is zero unless the node renews it [s]
 };
