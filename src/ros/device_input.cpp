@@ -1,5 +1,6 @@
 #include "ros/device_input.h"
 
+#include <ros/console.h>
 #include <tf2/exceptions.h>
 
 #include "ros/conversions.h"
@@ -16,10 +17,12 @@ std::string withoutSlash(const std::string& frame) {
 
 DeviceInput::DeviceInput(const NodeOptions& options, const tf2_ros::Buffer& transforms, SharedState& shared)
     : frame_id_(withoutSlash(options.frame_id)),
+      device_(options.device),
       transforms_(transforms),
       shared_(shared),
       gate_(options.max_pose_age),
-      filter_(options.velocity_time_constant, options.haptics.pose_timeout) {}
+      filter_(options.velocity_time_constant, options.haptics.pose_timeout),
+      units_(options.device.workspace_radius) {}
 
 void DeviceInput::accept(const geometry_msgs::PoseStamped& pose) {
   StampedSample sample;
@@ -39,7 +42,11 @@ void DeviceInput::accept(const geometry_msgs::PoseStamped& pose) {
       break;
   }
   if (!isUnit(pose.pose.orientation)) ++counters_.bad_quaternion;
-  if (!toClothFrame(pose, sample.sample.position)) {
+  const Vec3 position = toVec3(pose.pose.position);
+  checkUnits(position, sample.sample.received);
+  sample.frame_id = pose.header.frame_id.empty() ? frame_id_ : pose.header.frame_id;
+  sample.sample.position = placed(device_, position);
+  if (!toClothFrame(withoutSlash(sample.frame_id), sample)) {
     ++counters_.unknown_frame;
     return;
   }
@@ -50,18 +57,26 @@ void DeviceInput::accept(const geometry_msgs::PoseStamped& pose) {
   shared_.device_for_solver.write(sample);
 }
 
-bool DeviceInput::toClothFrame(const geometry_msgs::PoseStamped& pose, Vec3& position) const {
-  const std::string frame = withoutSlash(pose.header.frame_id);
-  position = toVec3(pose.pose.position);
-  if (frame.empty() || frame == frame_id_) return true;
+void DeviceInput::checkUnits(const Vec3& position, double received) {
+  if (counters_.doubt != UnitDoubt::None) return;
+  const UnitDoubt doubt = units_.look(device_.position_unit * position, received);
+  if (doubt == UnitDoubt::None) return;
+  counters_.doubt = doubt;
+  ROS_WARN_STREAM(toText(doubt));
+}
+
+bool DeviceInput::toClothFrame(const std::string& frame, StampedSample& sample) const {
+  if (!device_.use_tf || frame == frame_id_) return true;
   // The newest transform, not that of the stamp: a 1 kHz pose must not wait for a slower transform.
   if (!transforms_.canTransform(frame_id_, frame, ros::Time(0))) return false;
   try {
-    position = transformed(transforms_.lookupTransform(frame_id_, frame, ros::Time(0)), position);
+    const auto transform = transforms_.lookupTransform(frame_id_, frame, ros::Time(0));
+    sample.sample.position = transformed(transform, sample.sample.position);
+    sample.frame_rotation = toQuat(transform.transform.rotation).normalized();
   } catch (const tf2::TransformException&) {
     return false;  // tf2 reports by exception when the buffer was cleared in between (clock set back)
   }
-  return position.allFinite();
+  return sample.sample.position.allFinite() && sample.frame_rotation.coeffs().allFinite();
 }
 
 }  // namespace haptic_cloth

@@ -12,6 +12,7 @@
 #include "ros/node_options.h"
 #include "ros/pose_gate.h"
 #include "ros/shared_state.h"
+#include "ros/unit_check.h"
 
 namespace haptic_cloth {
 
@@ -19,6 +20,7 @@ namespace haptic_cloth {
 struct InputCounters {
   std::atomic<std::uint64_t> received{0}, not_finite{0}, unknown_frame{0}, out_of_order{0}, late{0};
   std::atomic<std::uint64_t> bad_quaternion{0};  ///< taken all the same: a sphere has no orientation
+  std::atomic<UnitDoubt> doubt{UnitDoubt::None};
   std::uint64_t dropped() const { return not_finite + unknown_frame + out_of_order + late; }
 };
 
@@ -32,14 +34,19 @@ class DeviceInput {
   const InputCounters& counters() const { return counters_; }
 
  private:
-  /// Position in the cloth's frame. @return false if there is no transform
-  bool toClothFrame(const geometry_msgs::PoseStamped& pose, Vec3& position) const;
+  /// Warns once when the positions cannot be metres.
+  void checkUnits(const Vec3& position, double received);
+  /// Brings the sample's position from the frame of the pose into the cloth's. @return false without a
+  /// transform
+  bool toClothFrame(const std::string& frame, StampedSample& sample) const;
 
   std::string frame_id_;
+  DeviceOptions device_;
   const tf2_ros::Buffer& transforms_;
   SharedState& shared_;
   PoseGate gate_;
   VelocityFilter filter_;
+  UnitCheck units_;
   InputCounters counters_;
 };
 

@@ -87,8 +87,11 @@ DiagnosticStatus inputStatus(const InputCounters& counters) {
   DiagnosticStatus status;
   status.name = "haptic_cloth: probe input";
   const std::uint64_t dropped = counters.dropped();
+  const UnitDoubt doubt = counters.doubt;
   if (counters.received == 0) {
     judge(status, DiagnosticStatus::OK, "no pose yet");
+  } else if (doubt != UnitDoubt::None) {
+    judge(status, DiagnosticStatus::WARN, toText(doubt));
   } else if (dropped > 0) {
     judge(status, DiagnosticStatus::WARN, std::to_string(dropped) + " poses dropped");
   } else {
@@ -100,6 +103,7 @@ DiagnosticStatus inputStatus(const InputCounters& counters) {
   add(status, "dropped: unknown frame", counters.unknown_frame.load());
   add(status, "dropped: out of order", counters.out_of_order.load());
   add(status, "dropped: late", counters.late.load());
+  add(status, "units", std::string(doubt == UnitDoubt::None ? "plausible" : toText(doubt)));
   add(status, "taken: bad quaternion", counters.bad_quaternion.load());
   return status;
 }

@@ -43,10 +43,11 @@ std::string requestRealTime() {
 
 HapticThread::HapticThread(const NodeOptions& options, const ros::Publisher& reaction, SharedState& shared)
     : frame_id_(options.frame_id),
+      device_(options.device),
       period_(1.0 / options.haptics.rate),
       reaction_(reaction),
       shared_(shared),
-      loop_(options.haptics) {}
+      loop_(limitsAtProbe(options.haptics, options.device)) {}
 
 void HapticThread::run() {
   scheduling_ = requestRealTime();
@@ -66,10 +67,16 @@ void HapticThread::run() {
 void HapticThread::tick(double now, bool paused) {
   const StampedSample& device = shared_.device_for_haptics.read();
   force_ = loop_.tick(device.sample, shared_.snapshot.read(), paused, now);
-  // With the pose's stamp the receiver can tell how old the force is; without a pose, the clock's.
-  const ros::Time stamp = device.sample.received < 0.0 ? ros::Time::now() : device.stamp;
-  reaction_.publish(toWrench(force_, stamp, frame_id_));
+  publish(force_, device);
   shared_.force.write(force_);
+}
+
+void HapticThread::publish(const Vec3& force, const StampedSample& device) {
+  // With the pose's stamp the receiver can tell how old the force is; without a pose, the clock's.
+  const bool answers = device.sample.received >= 0.0;
+  reaction_.publish(toWrench(forceForDriver(device_, device.frame_rotation, force),
+                             answers ? device.stamp : ros::Time::now(),
+                             answers ? device.frame_id : frame_id_));
 }
 
 void HapticThread::record(double now, double lateness) {

@@ -26,15 +26,18 @@ class HapticThread {
 
  private:
   void tick(double now, bool paused);
+  /// Sends the force in the frame, axes and scale of the pose it answers.
+  void publish(const Vec3& force, const StampedSample& device);
   void record(double now, double lateness);
   void endWithZeros();
 
   std::string frame_id_;
+  DeviceOptions device_;
   double period_;  ///< [s]
   ros::Publisher reaction_;
   SharedState& shared_;
   HapticLoop loop_;
-  Vec3 force_ = Vec3::Zero();  ///< last sent [N]
+  Vec3 force_ = Vec3::Zero();  ///< last sent, on the probe in the cloth's frame [N]
   HapticStats window_;
   double window_start_ = -1.0;
   std::string scheduling_;

@@ -32,6 +32,7 @@ NodeOptions parseNodeOptions(const XmlRpcValue& parameters, const std::string& o
   root.read("velocity_time_constant", options.velocity_time_constant, false);
   root.read("step_budget", options.step_budget, true);
   readHaptics(root.group("haptics"), options.haptics);
+  options.device = readDeviceOptions(root.group("device"));
   ParameterGroup markers = root.group("markers");
   markers.read("rate", options.markers_rate, false);
   markers.read("force_scale", options.markers_force_scale, false);

@@ -7,6 +7,7 @@
 
 #include "haptic_cloth/haptics.h"
 #include "haptic_cloth/scene.h"
+#include "ros/device_map.h"
 
 namespace haptic_cloth {
 
@@ -21,7 +22,8 @@ struct NodeOptions {
   double markers_rate = 30.0;         ///< [Hz]
   double markers_force_scale = 0.05;  ///< length of the force arrow [m/N]
   double state_rate = 30.0;           ///< [Hz]
-  HapticOptions haptics;              ///< coupling as in the scene's probe
+  DeviceOptions device;
+  HapticOptions haptics;  ///< limits at the device; coupling as in the scene's probe
   Scene scene;
 };
 

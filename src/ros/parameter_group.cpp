@@ -10,6 +10,12 @@ namespace haptic_cloth {
 
 using XmlRpc::XmlRpcValue;
 
+namespace {
+
+constexpr double kUnitTolerance = 1e-3;  ///< of a quaternion's norm, as in scene files
+
+}  // namespace
+
 ParameterGroup::ParameterGroup(const XmlRpcValue& tree, const std::string& origin, const std::string& path)
     : tree_(tree), origin_(origin), path_(path) {
   if (tree_.getType() == XmlRpcValue::TypeInvalid || tree_.getType() == XmlRpcValue::TypeStruct) return;
@@ -39,17 +45,41 @@ void ParameterGroup::read(const std::string& key, double& value, bool zero_is_go
   value = *number;
 }
 
+void ParameterGroup::read(const std::string& key, bool& value) {
+  known_.insert(key);
+  if (!has(key)) return;
+  XmlRpcValue entry = tree_[key];
+  if (entry.getType() != XmlRpcValue::TypeBoolean) fail(key, "must be true or false");
+  value = static_cast<bool>(entry);
+}
+
 void ParameterGroup::read(const std::string& key, Vec3& value) {
   known_.insert(key);
   if (!has(key)) return;
+  const std::vector<double> entries = numbers(key, 3);
+  value = Vec3(entries[0], entries[1], entries[2]);
+}
+
+void ParameterGroup::read(const std::string& key, Quat& value) {
+  known_.insert(key);
+  if (!has(key)) return;
+  const std::vector<double> entries = numbers(key, 4);
+  const Quat quaternion(entries[3], entries[0], entries[1], entries[2]);
+  if (std::abs(quaternion.norm() - 1.0) > kUnitTolerance) fail(key, "must have norm 1");
+  value = quaternion.normalized();
+}
+
+std::vector<double> ParameterGroup::numbers(const std::string& key, int count) const {
+  const std::string rule = "must be a list of " + std::to_string(count) + " finite numbers";
   const XmlRpcValue entry = tree_[key];
-  if (entry.getType() != XmlRpcValue::TypeArray || entry.size() != 3)
-    fail(key, "must be a list of 3 numbers");
-  for (int k = 0; k < 3; ++k) {
+  if (entry.getType() != XmlRpcValue::TypeArray || entry.size() != count) fail(key, rule);
+  std::vector<double> values;
+  for (int k = 0; k < count; ++k) {
     const std::optional<double> number = toNumber(entry[k]);
-    if (!number || !std::isfinite(*number)) fail(key, "must be a list of 3 finite numbers");
-    value[k] = *number;
+    if (!number || !std::isfinite(*number)) fail(key, rule);
+    values.push_back(*number);
   }
+  return values;
 }
 
 ParameterGroup ParameterGroup::group(const std::string& key) {

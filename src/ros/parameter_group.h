@@ -5,6 +5,7 @@
 
 #include <set>
 #include <string>
+#include <vector>
 
 #include "haptic_cloth/types.h"
 
@@ -23,7 +24,10 @@ class ParameterGroup {
   void read(const std::string& key, std::string& value);
   /// @param zero_is_good whether 0 is allowed beside positive values
   void read(const std::string& key, double& value, bool zero_is_good);
+  void read(const std::string& key, bool& value);
   void read(const std::string& key, Vec3& value);
+  /// A list x y z w. Off from norm 1 by at most 1e-3 it is normalised, as in a scene.
+  void read(const std::string& key, Quat& value);
 
   ParameterGroup group(const std::string& key);
 
@@ -35,6 +39,8 @@ class ParameterGroup {
 
  private:
   bool has(const std::string& key) const;
+  /// `count` finite numbers of a list.
+  std::vector<double> numbers(const std::string& key, int count) const;
   [[noreturn]] void fail(const std::string& key, const std::string& rule) const;
 
   XmlRpc::XmlRpcValue tree_;

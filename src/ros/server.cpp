@@ -63,6 +63,8 @@ class HapticClothServer::Implementation {
         display_(options_, advertise(node_), input_, haptics_, master_, shared_),
         pose_spinner_(1, &pose_queue_),
         service_spinner_(1, &service_queue_) {
+    for (const std::string& warning : deviceWarnings(options_.device, options_.haptics))
+      ROS_WARN_STREAM(warning);
     offerServices();
     subscribe();
     start([this] { solver_.run(); });

@@ -15,10 +15,12 @@
 
 namespace haptic_cloth {
 
-/// A device pose with the exact stamp of its message, for the wrench that answers it.
+/// A device pose with what the wrench that answers it needs: exact stamp and frame of its message.
 struct StampedSample {
   DeviceSample sample;
   ros::Time stamp;
+  std::string frame_id;                    ///< of the message
+  Quat frame_rotation = Quat::Identity();  ///< of that frame in the cloth's
 };
 
 /// A copy of what is shown.

@@ -20,6 +20,10 @@ constexpr int kStateQueue = 1;
 constexpr char kDiagnostics[] = "/diagnostics";
 constexpr int kDiagnosticsQueue = 10;
 
+// The adapter's side of the driver, of any type.
+constexpr char kDevicePose[] = "device/pose";
+constexpr char kDeviceForce[] = "device/force";
+
 // Private services.
 constexpr char kReset[] = "reset";
 constexpr char kPause[] = "pause";

@@ -8,6 +8,7 @@
 #include <tf2_ros/static_transform_broadcaster.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -280,6 +281,18 @@ TEST_F(NodeTest, PosesOfAKnownFrameAreTransformed) {
     return (proxy - Vec3(0.01, -0.02, 0.17)).norm() < 1e-3;
   })) << "proxy at "
       << proxy.transpose();
+
+  // Down in the world is up in this frame; the wrench that answers is stated in it, and pushes back.
+  double height = 0.200 - kAbove.z();
+  EXPECT_TRUE(waitFor([&] {
+    pose.header.stamp = ros::Time::now();
+    pose.pose = toPose(Vec3(0.0, 0.0, height));
+    publisher.publish(pose);
+    if (diagnostics_.value("haptic thread", "status") != "no pose") height = std::min(height + 5e-4, 0.100);
+    return reaction_.force().z() < -0.1;
+  })) << "force "
+      << reaction_.force().transpose();
+  EXPECT_EQ(reaction_.last().header.frame_id, "device_base");
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "ros/markers.h"
 #include "ros/node_options.h"
 #include "ros/pose_gate.h"
+#include "yaml_parameters.h"
 
 namespace haptic_cloth {
 namespace {
@@ -22,34 +23,6 @@ namespace {
 using XmlRpc::XmlRpcValue;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-/// A YAML node as rosparam puts it on the parameter server.
-XmlRpcValue toParameter(const YAML::Node& node) {
-  XmlRpcValue value;
-  if (node.IsMap()) {
-    value.begin();
-    for (const auto& member : node) value[member.first.as<std::string>()] = toParameter(member.second);
-  } else if (node.IsSequence()) {
-    value.setSize(static_cast<int>(node.size()));
-    for (std::size_t i = 0; i < node.size(); ++i) value[static_cast<int>(i)] = toParameter(node[i]);
-  } else {
-    int whole;
-    double number;
-    const std::string text = node.as<std::string>();
-    if (node.Tag() != "!" && YAML::convert<int>::decode(node, whole)) {
-      value = whole;
-    } else if (node.Tag() != "!" && YAML::convert<double>::decode(node, number)) {
-      value = number;
-    } else {
-      value = text;
-    }
-  }
-  return value;
-}
-
-XmlRpcValue sceneParameters() {
-  return toParameter(YAML::LoadFile(std::string(HAPTIC_CLOTH_SOURCE_DIR) + "/test/ros/scene.yaml"));
-}
 
 std::string messageOf(const XmlRpcValue& parameters) {
   try {
@@ -164,6 +137,16 @@ TEST(NodeOptions, TheShippedSettingsAreTheDefaults) {
   EXPECT_EQ(loaded.markers_rate, plain.markers_rate);
   EXPECT_EQ(loaded.markers_force_scale, plain.markers_force_scale);
   EXPECT_EQ(loaded.state_rate, plain.state_rate);
+  EXPECT_EQ(loaded.device.position_unit, plain.device.position_unit);
+  EXPECT_EQ(loaded.device.position_scale, plain.device.position_scale);
+  EXPECT_EQ(loaded.device.force_scale, plain.device.force_scale);
+  EXPECT_EQ(loaded.device.offset, plain.device.offset);
+  EXPECT_EQ(loaded.device.orientation.coeffs(), plain.device.orientation.coeffs());
+  EXPECT_EQ(loaded.device.force_axes.coeffs(), plain.device.force_axes.coeffs());
+  EXPECT_EQ(loaded.device.use_tf, plain.device.use_tf);
+  EXPECT_EQ(loaded.device.max_stiffness, plain.device.max_stiffness);
+  EXPECT_EQ(loaded.device.max_damping, plain.device.max_damping);
+  EXPECT_EQ(loaded.device.workspace_radius, plain.device.workspace_radius);
   EXPECT_EQ(loaded.haptics.rate, plain.haptics.rate);
   EXPECT_EQ(loaded.haptics.max_force, plain.haptics.max_force);
   EXPECT_EQ(loaded.haptics.max_force_rate, plain.haptics.max_force_rate);
@@ -171,8 +154,10 @@ TEST(NodeOptions, TheShippedSettingsAreTheDefaults) {
   EXPECT_EQ(loaded.haptics.pose_timeout, plain.haptics.pose_timeout);
   EXPECT_EQ(loaded.haptics.snapshot_timeout, plain.haptics.snapshot_timeout);
   EXPECT_EQ(loaded.haptics.ramp_time, plain.haptics.ramp_time);
-  // Every key of the code stands in the file: 8 above the groups, of which haptics has 7, markers 2, state 1.
-  EXPECT_EQ(shipped.size(), 9u);
+  // Every key of the code stands in the file: 6 beside the groups, of which device has 10, haptics 7, markers
+  // 2, state 1.
+  EXPECT_EQ(shipped.size(), 10u);
+  EXPECT_EQ(shipped["device"].size(), 10u);
   EXPECT_EQ(shipped["haptics"].size(), 7u);
   EXPECT_EQ(shipped["markers"].size(), 2u);
   EXPECT_EQ(shipped["state"].size(), 1u);

@@ -1,0 +1,74 @@
+#include "ros/device_map.h"
+
+#include <cstdio>
+
+namespace haptic_cloth {
+namespace {
+
+std::string tooHigh(const char* what, const char* unit, double felt, double limit, const char* parameter,
+                    double value) {
+  char text[300];
+  std::snprintf(
+      text, sizeof text,
+      "the hand would feel a %s of %.4g %s (%s x device/position_scale x device/force_scale), more than "
+      "the device renders (%.4g %s): it may buzz. Set %s to %.4g or less",
+      what, felt, unit, parameter, limit, unit, parameter, value);
+  return text;
+}
+
+}  // namespace
+
+DeviceOptions readDeviceOptions(ParameterGroup group) {
+  DeviceOptions device;
+  group.read("position_unit", device.position_unit, false);
+  group.read("position_scale", device.position_scale, false);
+  group.read("force_scale", device.force_scale, false);
+  group.read("offset", device.offset);
+  group.read("orientation", device.orientation);
+  group.read("force_axes", device.force_axes);
+  group.read("use_tf", device.use_tf);
+  group.read("max_stiffness", device.max_stiffness, true);
+  group.read("max_damping", device.max_damping, true);
+  group.read("workspace_radius", device.workspace_radius, true);
+  group.rejectRest();
+  return device;
+}
+
+Vec3 placed(const DeviceOptions& device, const Vec3& position) {
+  return device.offset + device.orientation * (device.position_scale * device.position_unit * position);
+}
+
+Vec3 forceForDriver(const DeviceOptions& device, const Quat& frame, const Vec3& force) {
+  return device.force_scale * ((frame * device.orientation * device.force_axes).conjugate() * force);
+}
+
+HapticOptions limitsAtProbe(HapticOptions haptics, const DeviceOptions& device) {
+  haptics.max_force /= device.force_scale;
+  haptics.max_force_rate /= device.force_scale;
+  return haptics;
+}
+
+double feltStiffness(const DeviceOptions& device, const HapticOptions& haptics) {
+  return haptics.coupling_stiffness * device.position_scale * device.force_scale;
+}
+
+double feltDamping(const DeviceOptions& device, const HapticOptions& haptics) {
+  return haptics.coupling_damping * device.position_scale * device.force_scale;
+}
+
+std::vector<std::string> deviceWarnings(const DeviceOptions& device, const HapticOptions& haptics) {
+  const double scale = device.position_scale * device.force_scale;
+  const double stiffness = feltStiffness(device, haptics), damping = feltDamping(device, haptics);
+  std::vector<std::string> warnings;
+  if (device.max_stiffness > 0.0 && stiffness > device.max_stiffness) {
+    warnings.push_back(tooHigh("stiffness", "N/m", stiffness, device.max_stiffness,
+                               "probe/coupling_stiffness", device.max_stiffness / scale));
+  }
+  if (device.max_damping > 0.0 && damping > device.max_damping) {
+    warnings.push_back(tooHigh("damping", "N s/m", damping, device.max_damping, "probe/coupling_damping",
+                               device.max_damping / scale));
+  }
+  return warnings;
+}
+
+}  // namespace haptic_cloth
