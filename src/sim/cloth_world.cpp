@@ -88,6 +88,7 @@ void ClothWorld::setDevice(const Vec3& position, const Vec3& velocity) {
 void ClothWorld::removeDevice() {
   probe_step_ = ProbeStep();
   probe = ProbeReport();
+  forgetIdle();  // one that comes back at once, where this one stood, is another probe
 }
 
 StepReport ClothWorld::step() {
@@ -128,7 +129,8 @@ StepReport ClothWorld::idle() {
 /// Whether the next steps may be left out if no input changes.
 void ClothWorld::noteIdle(const StepReport& report) {
   const bool proxy_rests = !probe_step_.present || probe.velocity.norm() < scene.solver.sleep_speed;
-  const bool changed = report.refined > 0 || report.coarsened > 0 || report.failed;
+  const bool moved = probe_step_.present != idle_present_ || probe_step_.device != idle_device_;
+  const bool changed = moved || report.refined > 0 || report.coarsened > 0 || report.failed;
   quiet_ = objective.awake() == 0 && proxy_rests && !changed ? quiet_ + 1 : 0;
   idle_ = quiet_ >= Rest::kSteps;  // the mesh has had time to want a change
   idle_present_ = probe_step_.present;

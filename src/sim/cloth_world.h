@@ -28,7 +28,10 @@ class ClothWorld {
   StepReport step();
 
   /// How the mesh follows the shape from the next step on. @pre the same levels
-  void setAdaptOptions(const AdaptOptions& options) { adaptation_.setOptions(options); }
+  void setAdaptOptions(const AdaptOptions& options) {
+    adaptation_.setOptions(options);
+    forgetIdle();
+  }
 
   Scene scene;
   Grid grid;
@@ -54,6 +57,10 @@ class ClothWorld {
   bool isIdle() const;
   StepReport idle();
   void noteIdle(const StepReport& report);
+  void forgetIdle() {
+    quiet_ = 0;
+    idle_ = false;
+  }
   void gatherNodes();
   void adapt(StepReport& report);
   void solve(StepReport& report);
@@ -75,7 +82,7 @@ class ClothWorld {
   Adaptation adaptation_;
   Rest rest_;
   Field forces_;                         ///< on the nodes at rest, for rest_ [N]
-  int quiet_ = 0;                        ///< steps in a row in which all slept
+  int quiet_ = 0;                        ///< steps in a row in which all slept and no input changed
   bool idle_ = false;                    ///< enough of them
   bool idle_present_ = false;            ///< the probe then,
   Vec3 idle_device_ = Vec3::Zero();      ///< and its device [m]
