@@ -117,10 +117,11 @@ TEST(ForceHistory, FreeBordersHaveNoMomentLeftFromEarlierMerges) {
   const LeafMesh leaves(grid, {}, 0);
   const ActiveMesh mesh(leaves, 0.15);
   const Fabric fabric = loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/winter_suiting.yaml");
-  const InternalEnergy internal(fabric, mesh);
+  InternalEnergy internal(fabric, mesh);
   Field x;
   x.clear(mesh.nodes());
   for (int n = 0; n < mesh.nodes(); ++n) x.set(n, Vec3(0.01 * (n % 5), 0.01 * (n / 5), 0.0));
+  internal.setNormals(x);
   ForceHistory history(grid);
   history.moment(grid.particle(1, 0), kWarp) = 1e-3;
   history.merge({0, 0, 1});
