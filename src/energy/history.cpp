@@ -1,5 +1,7 @@
 #include "energy/history.h"
 
+#include <algorithm>
+
 namespace haptic_cloth {
 namespace {
 
@@ -11,6 +13,12 @@ ForceHistory::ForceHistory(const Grid& grid)
     : grid_(grid), sides_(grid.cells(), Sides{}), shear_(grid.cells(), 0.0) {
   for (auto* field : {&moment_, &curvature_}) {
     for (auto& values : *field) values.assign(grid.particles(), 0.0);
+  }
+}
+
+void ForceHistory::clearBending() {
+  for (auto* field : {&moment_, &curvature_}) {
+    for (auto& values : *field) std::fill(values.begin(), values.end(), 0.0);
   }
 }
 

@@ -28,6 +28,9 @@ class ForceHistory {
   /// a kinked surface, at which the loop would not allow the moment and forget it.
   double& curvature(int particle, int direction) { return curvature_[direction][particle]; }
 
+  /// To be called before moments are written down: free borders have none, but merges leave some there.
+  void clearBending();
+
   /// To be called for each merged parent, then for each split cell in the order they were split.
   void merge(const Cell& parent);
   void split(const Cell& parent);

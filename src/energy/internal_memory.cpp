@@ -86,6 +86,7 @@ void InternalEnergy::remember(const Field& x, ForceHistory& history) const {
       }
     }
   }
+  history.clearBending();
   for (int t = 0; triple_steps_.packs() && t < triple_count_; ++t) {
     const Triple& triple = mesh_.triples[t];
     const int particle = mesh_.particle[triple.c];

@@ -1,12 +1,16 @@
+#include <algorithm>
+#include <cmath>
+
 #include "energy/packs.h"
 #include "energy/shear.h"
 
 namespace haptic_cloth {
 namespace {
 
-/// Angle from its tangent. For |t| <= ½, as far as cloth mostly shears, t + t³ P(t²), P fitted to
+/// Angle of tangent t. For |t| <= ½, as far as cloth mostly shears, t + t³ P(t²), P fitted to
 /// (atan t - t)/t³ in the Chebyshev sense: wrong by less than 8e-17 t³; beyond, lane by lane.
-HAPTIC_CLOTH_INLINE Lanes inverseTangent(const Lanes& t) {
+/// @param sine of the angle times some factor  @param square of its cosine, times that factor's
+HAPTIC_CLOTH_INLINE Lanes angleOf(const Lanes& t, const Lanes& sine, const Lanes& square_cosine) {
   constexpr double kFit[] = {-0.33333333333333326, 0.199999999999916,    -0.14285714284106285,
                              0.11111110990139533,  -0.09090904370311348, 0.07692198451257941,
                              -0.06665052856794013, 0.058664967492257074, -0.05157516225552972,
@@ -17,7 +21,7 @@ HAPTIC_CLOTH_INLINE Lanes inverseTangent(const Lanes& t) {
   Lanes angle = t + t * square * fit;
   if (!(greatest(square) <= 0.25)) {
     for (int l = 0; l < kLanes; ++l) {
-      if (!(square[l] <= 0.25)) angle[l] = std::atan(t[l]);
+      if (!(square[l] <= 0.25)) angle[l] = std::atan2(sine[l], std::sqrt(std::max(square_cosine[l], 0.0)));
     }
   }
   return angle;
@@ -37,11 +41,11 @@ HAPTIC_CLOTH_CLONES double evaluateShears(PatchPack* packs, int begin, int end, 
     // With D = u·v and the area S = |u x v|, tan γ = D/S, dγ/du = (v - D/u² u)/S, dγ/dv = (u - D/v² v)/S.
     const Lanes uu = dot(u, u), vv = dot(v, v), both = uu * vv, product = dot(u, v);
     const Mask proper = both > 0.0;
-    const Lanes least = (kLeastCosine * kLeastCosine) * both;
-    const Lanes size = squareRoot(larger(both - product * product, least));
+    const Lanes least = (kLeastCosine * kLeastCosine) * both, square = both - product * product;
+    const Lanes size = squareRoot(larger(square, least));
     const Lanes inverse = proper ? 1.0 / (size * both) : Lanes{};
     const Lanes inverse_size = inverse * both, scaled = inverse * size * product;
-    const LawLanes shear = law(inverseTangent(product * inverse_size), steps ? steps + p : nullptr);
+    const LawLanes shear = law(angleOf(product * inverse_size, product, square), steps ? steps + p : nullptr);
     const Lanes3 du = inverse_size * (v - (scaled * vv) * u), dv = inverse_size * (u - (scaled * uu) * v);
     const Lanes3 by_rising = du + dv, by_falling = du - dv;
     const Lanes area = load(pack.area), force = area * shear.force;

@@ -99,9 +99,10 @@ MinimizerReport ClothWorld::minimise() {
     const double start = look == 0 ? chooseStart() : objective.evaluate(x_, gradient_);
     report = sum(report, minimizer_.minimize(objective, x_, start, gradient_, team));
     const bool ended = report.why == Termination::NotFinite || report.why == Termination::TimeBudget;
-    if (objective.allAwake() || ended) break;
-    objective.lookAtAll();
+    if (objective.allAwake()) break;
+    objective.lookAtAll();  // also where it ended early: energies and forces are counted over all
     objective.evaluate(x_, gradient_);
+    if (ended) break;
     objective.forcesAtRest(velocities_, forces_);
   }
   cost.motion = objective.motionCost();

@@ -105,6 +105,7 @@ void ClothWorld::removeDevice(int k) {
   probe_steps_[k] = ProbeStep();
   probes[k] = ProbeReport();
   setGrasp(k, false);
+  forgetIdle();  // one that comes back at once, where this one stood, is another probe
 }
 
 void ClothWorld::setGrasp(int k, bool closed) {
@@ -137,16 +138,22 @@ StepReport ClothWorld::step() {
 
 /// All sleeps, and the devices are where they were then: nothing would change.
 bool ClothWorld::isIdle() const {
-  if (!idle_ || contacts.obstaclesMove()) return false;
+  if (!idle_ || contacts.obstaclesMove() || !devicesStay()) return false;
   for (std::size_t k = 0; k < probe_steps_.size(); ++k) {
-    const ProbeStep &now = probe_steps_[k], &then = idle_probes_[k];
-    if (now.present != then.present) return false;
-    if (!now.present) continue;
-    if (now.device != then.device || !now.device_velocity.isZero(0.0)) return false;
     const ProbeMemory& memory = memories_[k];
-    if (memory.closed || memory.after.coeffs() != memory.before.coeffs()) return false;
+    const bool turns = memory.after.coeffs() != memory.before.coeffs();
+    if (probe_steps_[k].present && (memory.closed || turns || !probe_steps_[k].device_velocity.isZero(0.0)))
+      return false;
   }
   return true;
+}
+
+/// Those that are there stand where they stood in the last step that was solved, and no other is.
+bool ClothWorld::devicesStay() const {
+  return std::equal(probe_steps_.begin(), probe_steps_.end(), idle_probes_.begin(), idle_probes_.end(),
+                    [](const ProbeStep& now, const ProbeStep& then) {
+                      return now.present == then.present && now.device == then.device;
+                    });
 }
 
 StepReport ClothWorld::idle() {
@@ -163,7 +170,7 @@ void ClothWorld::noteIdle(const StepReport& report) {
   const bool proxies_rest = std::all_of(probes.begin(), probes.end(), [this](const ProbeReport& probe) {
     return !probe.present || probe.velocity.norm() < scene.solver.sleep_speed;
   });
-  const bool changed = report.refined > 0 || report.coarsened > 0 || report.failed;
+  const bool changed = !devicesStay() || report.refined > 0 || report.coarsened > 0 || report.failed;
   quiet_ = objective.awake() == 0 && proxies_rest && !changed ? quiet_ + 1 : 0;
   idle_ = quiet_ >= Rest::kSteps;  // the mesh has had time to want a change
   idle_probes_ = probe_steps_;

@@ -30,7 +30,10 @@ class ClothWorld {
   StepReport step();
 
   /// How the mesh follows the shape from the next step on. @pre the same levels
-  void setAdaptOptions(const AdaptOptions& options) { adaptation_.setOptions(options); }
+  void setAdaptOptions(const AdaptOptions& options) {
+    adaptation_.setOptions(options);
+    forgetIdle();
+  }
 
   Scene scene;
   Grid grid;
@@ -54,8 +57,13 @@ class ClothWorld {
 
  private:
   bool isIdle() const;
+  bool devicesStay() const;
   StepReport idle();
   void noteIdle(const StepReport& report);
+  void forgetIdle() {
+    quiet_ = 0;
+    idle_ = false;
+  }
   void gatherNodes();
   void adapt(StepReport& report);
   void solve(StepReport& report);
@@ -81,7 +89,7 @@ class ClothWorld {
   Adaptation adaptation_;
   Rest rest_;
   Field forces_;                         ///< on the nodes at rest, for rest_ [N]
-  int quiet_ = 0;                        ///< steps in a row in which all slept
+  int quiet_ = 0;                        ///< steps in a row in which all slept and no input changed
   bool idle_ = false;                    ///< enough of them
   std::vector<ProbeStep> idle_probes_;   ///< as they were then
   double idle_residual_ = 0.0;           ///< of the last step that was solved

@@ -4,8 +4,10 @@
 /// asleep it takes no iteration; touched, it answers as if it had never slept.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "sim/cloth_world.h"
 #include "support/record.h"
 #include "support/scenes.h"
 #include "support/tolerance.h"
@@ -68,6 +70,131 @@ TEST(Rest, SleepsWhereItWouldRestAndWakesWhenTouched) {
   EXPECT_GT(expected.z(), 0.02);
   record({"sleep", "force on a probe that wakes it [N]", "amrc", 0.0, felt.z(), expected.z(), expected.z()});
   EXPECT_NEAR(felt.z(), expected.z(), tolerance(0.03 * expected.z()));
+}
+
+/// Sleeps with a device that stands still in it, until steps are not taken at all.
+void pressAndSleep(Simulation& simulation, Vec3& device) {
+  run(simulation, 0.5);
+  press(simulation);
+  device = simulation.probe().device;
+  StepReport report;
+  for (int step = 0; step < 2000; ++step) {
+    simulation.setDevice(device, Vec3::Zero());
+    report = simulation.step();
+  }
+  ASSERT_EQ(report.awake_particles + report.minimizer.evaluations, 0);
+}
+
+TEST(Rest, ADeviceThatGoesAndComesBackWithinAStepLeavesNoDent) {
+  // The probe that comes back is a new one: it begins inside the cloth and touches nothing, so the cloth must
+  // rise from 12 mm below where it hung without any; 1.1 mm of that its hysteresis keeps.
+  Simulation simulation(sagging(3e-4));
+  run(simulation, 0.5);
+  const double hanging = particle(simulation, 16, 16).z();
+  Vec3 device;
+  pressAndSleep(simulation, device);
+  ASSERT_LT(particle(simulation, 16, 16).z(), hanging - 0.010);
+  simulation.removeDevice();
+  simulation.setDevice(device, Vec3::Zero());
+  for (int step = 0; step < 500; ++step) {
+    simulation.setDevice(device, Vec3::Zero());
+    simulation.step();
+  }
+  EXPECT_FALSE(simulation.probe().contact);
+  EXPECT_GT(particle(simulation, 16, 16).z(), hanging - 0.002);
+}
+
+TEST(Rest, ADeviceThatGoesIsNoticed) {
+  Simulation simulation(sagging(3e-4));
+  run(simulation, 0.5);
+  const double hanging = particle(simulation, 16, 16).z();
+  Vec3 device;
+  pressAndSleep(simulation, device);
+  simulation.removeDevice();
+  run(simulation, 0.5);
+  EXPECT_GT(particle(simulation, 16, 16).z(), hanging - 0.001);
+  const Vec3 up = particle(simulation, 16, 16) + Vec3(0.0, 0.0, 0.0115);
+  for (int step = 0; step < 150; ++step) {
+    simulation.setDevice(up - 4e-5 * std::min(step, 100) * Vec3::UnitZ(), Vec3::Zero());
+    simulation.step();
+  }
+  EXPECT_GT(simulation.probe().force.z(), 0.01);
+}
+
+TEST(Rest, ResetFromSleepIsANewStart) {
+  Simulation simulation(sagging(3e-4)), fresh(sagging(3e-4));
+  Vec3 device;
+  pressAndSleep(simulation, device);
+  simulation.reset();
+  run(simulation, 0.1);
+  run(fresh, 0.1);
+  EXPECT_EQ(simulation.stateHash(), fresh.stateHash());
+}
+
+TEST(Rest, EnergyIsThatOfAllElementsHoweverASolveEnds) {
+  // While some sleep, a solve looks at what is awake only. What is reported, and what the energy guard counts
+  // with, is all: to round-off what the elements store at the positions reported, also when time runs out.
+  LinearFabric linear;
+  linear.rigidity = 1e-5;
+  Scene scene = sagging(3e-4);
+  scene.cloth.fabric = makeFabric(linear);
+  setStrategy(scene, Strategy::Coarsest, 1);
+  scene.solver.minimizer.time_budget = 1e-9;  // an iteration each
+  ClothWorld world(scene);
+  for (int step = 0; step < 4000 && (step == 0 || world.maxSpeed() > 0.0); ++step) world.step();
+  ASSERT_EQ(world.maxSpeed(), 0.0);
+  int cut_short = 0;
+  for (int step = 0; step < 100; ++step) {
+    world.setDevice(0, {Vec3(-0.06, 0.05, 0.01 - 2e-4 * step), Vec3(0.0, 0.0, -0.2)});
+    const StepReport report = world.step();
+    const bool partly = report.awake_particles > 0 && report.awake_particles < world.mesh.free;
+    if (!partly || report.minimizer.why != Termination::TimeBudget) continue;
+    ++cut_short;
+    const EnergyReport energy = world.energy();
+    const InternalEnergy::Energy stored = world.internal.stored(world.nodes());
+    const double sum = stored.stretch + stored.bend + stored.shear;
+    EXPECT_NEAR(energy.stretch + energy.bend + energy.shear, sum, tolerance(1e-9) * sum) << step;
+  }
+  EXPECT_GT(cut_short, 0);
+}
+
+TEST(Rest, ACreepingProbeIsFelt) {
+  // At 0.01 mm/s no particle is ever faster than what may sleep. A sleeper hides a change of force of three
+  // times the tolerance, 0.3 g of its mass, and the two solves are wrong by a tolerance each; the contact is
+  // 6 mm wide, so at most 4 x 4 nodes feel it.
+  const Scene scene = sagging(3e-4);
+  const double node_mass = scene.cloth.fabric.areal_density * 0.005 * 0.005;
+  const double hidden = 16 * (3.0 + 2.0) * scene.solver.minimizer.tolerance * 9.81 * node_mass;
+  Simulation awake(sagging(0.0)), sleeper(scene);
+  run(awake, 1.0);
+  run(sleeper, 1.0);
+  ASSERT_EQ(sleeper.maxSpeed(), 0.0);
+  const double top = particle(sleeper, 16, 16).z() + 0.0106;
+  double worst = 0.0;
+  for (int step = 0; step <= 20000; ++step) {
+    for (Simulation* simulation : {&awake, &sleeper}) {
+      simulation->setDevice(Vec3(0.0, 0.0, top - 1e-8 * step), Vec3(0.0, 0.0, -1e-5));
+      simulation->step();
+    }
+    worst = std::max(worst, (awake.probe().force - sleeper.probe().force).norm());
+  }
+  const double force = awake.probe().force.z();
+  EXPECT_GT(force, 3.0 * hidden);
+  record({"sleep", "worst error of a creeping probe's force [N]", "amrc", 0.0, worst, 0.0, force});
+  EXPECT_LT(worst, tolerance(hidden));
+}
+
+TEST(Rest, NewAdaptOptionsAreNotSleptThrough) {
+  ClothWorld world(sagging(3e-4));
+  for (int step = 0; step < 4000; ++step) world.step();
+  ASSERT_LT(world.mesh.active(), 33 * 33);
+  AdaptOptions options = world.scene.adapt;
+  options.refine_above = 1e-6;
+  options.coarsen_below = 1e-7;
+  world.setAdaptOptions(options);
+  int refined = 0;
+  for (int step = 0; step < 10; ++step) refined += world.step().refined;
+  EXPECT_GT(refined, 0);
 }
 
 TEST(Rest, FreeFallNeverSleeps) {

@@ -112,5 +112,27 @@ TEST(ForceHistory, ElementsRecallWhatTheyRemembered) {
   EXPECT_LT(worst, tolerance(1e-9) * scale);
 }
 
+TEST(ForceHistory, FreeBordersHaveNoMomentLeftFromEarlierMerges) {
+  const Grid grid{5, 5, 2, 0.01, 0.01};
+  const LeafMesh leaves(grid, {}, 0);
+  const ActiveMesh mesh(leaves, 0.15);
+  const Fabric fabric = loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/winter_suiting.yaml");
+  InternalEnergy internal(fabric, mesh);
+  Field x;
+  x.clear(mesh.nodes());
+  for (int n = 0; n < mesh.nodes(); ++n) x.set(n, Vec3(0.01 * (n % 5), 0.01 * (n / 5), 0.0));
+  internal.setNormals(x);
+  ForceHistory history(grid);
+  history.moment(grid.particle(1, 0), kWarp) = 1e-3;
+  history.merge({0, 0, 1});
+  const int corner = grid.particle(0, 0);
+  ASSERT_GT(history.moment(corner, kWarp), 0.0);
+  internal.remember(x, history);
+  for (const Direction direction : {kWarp, kWeft}) {
+    EXPECT_EQ(history.moment(corner, direction), 0.0);
+    EXPECT_EQ(history.curvature(corner, direction), 0.0);
+  }
+}
+
 }  // namespace
 }  // namespace haptic_cloth

@@ -107,5 +107,25 @@ TEST_P(SimulationTest, StepsWithoutAllocating) {
 INSTANTIATE_TEST_SUITE_P(Costs, SimulationTest, testing::Values(Cost::Condensed, Cost::Joint),
                          [](const auto& info) { return info.param == Cost::Joint ? "joint" : "condensed"; });
 
+TEST(Drape, FallsOverABoxWithoutAllocating) {
+  // From the first touch on: contacts grow from none to all that there will be, and hysteresis is handed over
+  // at each change of the mesh.
+  Scene scene = boxDrape(41);
+  scene.cloth.fabric = loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/winter_suiting.yaml");
+  Simulation simulation(scene);
+  for (int k = 0; k < 5; ++k) simulation.step();
+  const long before = allocations;
+  int changes = 0;
+  for (int k = 0; k < 200; ++k) {
+    simulation.setDevice(Vec3(1e-4 * k, 0.0, 0.02 - 1e-4 * k), Vec3::Zero());
+    if (k == 150) simulation.removeDevice();
+    const StepReport r = simulation.step();
+    changes += r.refined + r.coarsened;
+  }
+  EXPECT_EQ(allocations, before);
+  EXPECT_GT(changes, 100);
+  EXPECT_GT(simulation.supportForce().norm(), 0.0);
+}
+
 }  // namespace
 }  // namespace haptic_cloth

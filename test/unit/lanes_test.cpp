@@ -1,0 +1,379 @@
+// Loops over lanes against the same formulas for one element, point or deformation at a time. Criteria: equal
+// but for rounding, for these differ only in how multiplications and additions are contracted; the bounds are
+// stated where they are used. Lanes past the last element and entries past the last node must not matter: the
+// latter are poisoned.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "contact/sample_packs.h"
+#include "energy/edge.h"
+#include "energy/internal_energy.h"
+#include "energy/shear.h"
+#include "energy/triple.h"
+#include "energy/twist.h"
+#include "support/derivatives.h"
+#include "support/scenes.h"
+#include "support/tolerance.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+// ---- solids ----
+
+std::vector<Obstacle> solids() {
+  std::vector<Obstacle> all;
+  for (const Shape shape : {Shape::Box, Shape::Sphere, Shape::Cylinder, Shape::Capsule, Shape::Plane}) {
+    Obstacle obstacle;
+    obstacle.shape = shape;
+    obstacle.size = Vec3(0.5, 0.25, 0.125);
+    obstacle.radius = 0.25;
+    obstacle.length = 0.5;
+    all.push_back(obstacle);
+  }
+  return all;
+}
+
+DistanceLanes distances(const Solid& solid, const std::vector<Vec3>& points) {
+  Lanes3 p{};
+  for (int l = 0; l < kLanes; ++l) {
+    p.x[l] = points[l].x();
+    p.y[l] = points[l].y();
+    p.z[l] = points[l].z();
+  }
+  return distance(solid.lanes(), p);
+}
+
+/// @param digits of the coordinates that are lost where distances are small [m]
+void expectSame(const Solid& solid, const std::vector<Vec3>& points, double digits, int shape) {
+  const DistanceLanes lanes = distances(solid, points);
+  for (int l = 0; l < kLanes; ++l) {
+    const Distance one = solid.distance(points[l]);
+    const Vec3 normal(lanes.normal.x[l], lanes.normal.y[l], lanes.normal.z[l]);
+    EXPECT_NEAR(lanes.value[l], one.value, tolerance(digits)) << shape << " at " << points[l].transpose();
+    // A normal is an offset over its length: what the offset loses, over how long it is.
+    const double length = std::max(std::abs(one.value), 1e-3);
+    EXPECT_LT((normal - one.normal).norm(), tolerance(digits) / length + tolerance(1e-14))
+        << shape << " at " << points[l].transpose();
+    EXPECT_NEAR(normal.norm(), 1.0, tolerance(1e-14));
+  }
+}
+
+TEST(SolidLanes, AreTheSolidsAnywhere) {
+  int shape = 0;
+  for (Obstacle obstacle : solids()) {
+    obstacle.pose.position = Vec3(0.3, -0.2, 0.1);
+    obstacle.pose.orientation = Quat(0.3, -0.5, 0.4, 0.7).normalized();
+    const Solid solid(obstacle);
+    for (const double far : {0.3, 1.0, 1e3, 1e6}) {
+      const Eigen::VectorXd noise = fixedRandom(3 * 40 * kLanes, 11 + shape);
+      for (int k = 0; k < 40; ++k) {
+        std::vector<Vec3> points;
+        for (int l = 0; l < kLanes; ++l) {
+          points.push_back(obstacle.pose.position + far * noise.segment<3>(3 * (k * kLanes + l)));
+        }
+        expectSame(solid, points, 16 * kEpsilon * std::max(1.0, far), shape);
+      }
+    }
+    ++shape;
+  }
+}
+
+// Centres, axes, faces, edges, corners and either zero: exact in binary, so that both must decide alike.
+TEST(SolidLanes, AreTheSolidsWhereTheyTurn) {
+  const std::vector<double> at{-1.0, -0.25, -0.125, -0.0625, -0.0, 0.0, 0.0625, 0.125, 0.25, 1.0, 0.5, 2.0};
+  std::vector<Vec3> points;
+  for (const double x : at) {
+    for (const double y : at) {
+      for (const double z : at) points.emplace_back(x, y, z);
+    }
+  }
+  ASSERT_EQ(points.size() % kLanes, 0u);
+  int shape = 0;
+  for (const Obstacle& obstacle : solids()) {
+    const Solid solid(obstacle);
+    for (std::size_t k = 0; k < points.size(); k += kLanes) {
+      expectSame(solid, {points.begin() + k, points.begin() + k + kLanes}, 4 * kEpsilon, shape);
+    }
+    ++shape;
+  }
+}
+
+// ---- laws ----
+
+TEST(LawTable, IsTheLoopOfEveryShippedFabric) {
+  int laws = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics")) {
+    const Fabric fabric = loadFabric(entry.path().string());
+    for (const auto& [loop, range] : {std::pair(fabric.tensile[kWarp], 0.05),
+                                      {fabric.tensile[kWeft], 0.05},
+                                      {fabric.bending[kWarp], 300.0},
+                                      {fabric.bending[kWeft], 300.0},
+                                      {fabric.shear, 0.2}}) {
+      const LawTable table(loop);
+      const double end =
+          std::abs(loop.upper()(range).force) + (loop.hasMemory() ? std::abs(loop.path()(range).force) : 0.0);
+      const Eigen::VectorXd noise = fixedRandom(2 * kLanes, ++laws);
+      for (const double reach : {1e-9, 1e-2, 1.0, 5.0, 1e3, 1e6}) {
+        double s[kLanes];
+        StepLanes steps;
+        for (int l = 0; l < kLanes; ++l) {
+          s[l] = l == 0 ? 0.0 : reach * range * noise[l];
+          steps.set(l, loop.begin(loop.commit(loop.initialPlay(), 2.0 * range * noise[kLanes + l])));
+          if (l == 1) s[l] = steps.get(l).high;  // where the path joins the branches
+          if (l == 2) s[l] = steps.get(l).low;
+        }
+        const LawLanes lanes = table(load(s), &steps);
+        for (int l = 0; l < kLanes; ++l) {
+          const Curve::Point one = loop(steps.get(l), s[l]);
+          // q + r s and p + s (q + r s / 2) lose digits of their terms, which are those of the table's end.
+          const double force = end + std::abs(one.force) + std::abs(one.slope * s[l]);
+          const double energy = force * (range + std::abs(s[l]));
+          const std::string where = entry.path().filename().string() + " at " + std::to_string(s[l]);
+          EXPECT_NEAR(lanes.force[l], one.force, tolerance(8 * kEpsilon) * force) << where;
+          EXPECT_NEAR(lanes.potential[l], one.potential, tolerance(8 * kEpsilon) * energy) << where;
+          if (l <= 2) continue;  // at a kink either slope is right
+          EXPECT_NEAR(lanes.slope[l], one.slope, tolerance(1e-12) * std::abs(one.slope)) << where;
+        }
+      }
+    }
+  }
+  EXPECT_GT(laws, 30);
+}
+
+// ---- shear angles ----
+
+TEST(ShearLanes, AngleIsTheInverseSine) {
+  const std::vector<double> sines{-1.0,
+                                  -1.0 + kEpsilon,
+                                  -0.999999,
+                                  -0.9,
+                                  -0.5 - kEpsilon,
+                                  -0.5,
+                                  -0.1,
+                                  -1e-9,
+                                  -0.0,
+                                  0.0,
+                                  1e-300,
+                                  1e-5,
+                                  0.25,
+                                  0.4999999,
+                                  0.5,
+                                  0.5 + kEpsilon,
+                                  0.50001,
+                                  0.7071,
+                                  0.866,
+                                  0.99,
+                                  0.9999999,
+                                  1.0 - 1e-15,
+                                  1.0 - kEpsilon,
+                                  1.0};
+  ASSERT_EQ(sines.size() % kLanes, 0u);
+  const LawTable law{Loop(Curve::linear(1.0))};
+  for (std::size_t first = 0; first < sines.size(); first += kLanes) {
+    std::vector<Vec3> corners;
+    PatchPack pack{};
+    for (int l = 0; l < kLanes; ++l) {
+      const double s = sines[first + l], c = std::sqrt((1.0 - s) * (1.0 + s));
+      const Vec3 u(1.0, 0.0, 0.0), v(s, c, 0.0);
+      for (const Vec3& x : {Vec3(0.0, 0.0, 0.0), u, v, Vec3(u + v)}) corners.push_back(x);
+      for (int k = 0; k < 4; ++k) pack.corners[k].index[l] = 4 * l + k;
+      pack.area[l] = 1.0;
+    }
+    for (NodeLanes& nodes : pack.corners) nodes.finish();
+    Field x(corners), slots;
+    slots.clear(2 * kLanes);
+    evaluateShears(&pack, 0, 1, law, nullptr, x.arrays(), slots.arrays(), 0, kLanes);
+    for (int l = 0; l < kLanes; ++l) {
+      const double s = sines[first + l], angle = std::asin(s);
+      const auto one =
+          evaluateShear({corners[4 * l], corners[4 * l + 1], corners[4 * l + 2], corners[4 * l + 3]}, 1.0,
+                        Curve::linear(1.0));
+      // The force over the slope is the angle. A sine that is ε wrong gives an angle ε/cos wrong, at worst
+      // √2ε.
+      const Vec3 slope(pack.rising_x[l], pack.rising_y[l], pack.rising_z[l]);
+      const double doubt = tolerance(4 * kEpsilon) / std::max(std::sqrt(1.0 - s * s), 1e-8);
+      ASSERT_TRUE(slots[l].allFinite() && slots[kLanes + l].allFinite()) << s;
+      if (slope.norm() > 1e-6) {
+        EXPECT_NEAR(slots[l].dot(slope) / slope.squaredNorm(), angle, doubt) << s;
+      }
+      // The slope is an offset over the cosine, of which the same sine leaves ε/cos² in doubt.
+      const double cosine_doubt =
+          tolerance(4 * kEpsilon) / std::max(1.0 - s * s, kLeastCosine * kLeastCosine);
+      EXPECT_LT((slots[l] - angle * one.rising).norm(), 1.6 * cosine_doubt * (1.0 + one.rising.norm())) << s;
+    }
+  }
+}
+
+// ---- elements and nodes ----
+
+/// Sets what lies past a field's last entry to something no sum survives.
+void poison(Field& field) {
+  for (int c = 0; c < 3; ++c) {
+    auto& values = field.coordinate(c);
+    std::fill(values.begin() + field.size(), values.end(), std::numeric_limits<double>::quiet_NaN());
+  }
+}
+
+struct Reference {
+  double energy = 0.0;
+  Field gradient, diagonal;
+};
+
+/// Sum of the elements' energies, gradients and diagonals, one at a time. @pre nothing has memory
+Reference sumOfElements(const Fabric& fabric, const ActiveMesh& mesh, const InternalEnergy& internal,
+                        const Field& x) {
+  Reference sum;
+  sum.gradient.clear(mesh.nodes());
+  const auto point = [](const Loop& law) { return [&law](double s) { return law(Loop::Step{}, s); }; };
+  for (const Edge& e : mesh.edges) {
+    const EdgeResult r = evaluateEdge(x[e.a], x[e.b], e.length, e.width, point(fabric.tensile[e.direction]));
+    sum.energy += r.energy;
+    sum.gradient.add(e.b, r.gradient);
+    sum.gradient.add(e.a, -r.gradient);
+  }
+  for (const Triple& t : mesh.triples) {
+    const Vec3 normal = internal.normal(t.c);
+    const TripleResult r = evaluateTriple(x[t.l], x[t.c], x[t.r], normal, t.left, t.right, t.area,
+                                          point(fabric.bending[t.direction]));
+    sum.energy += r.energy;
+    sum.gradient.add(t.l, t.left * r.moment * normal);
+    sum.gradient.add(t.r, t.right * r.moment * normal);
+    sum.gradient.add(t.c, -(t.left + t.right) * r.moment * normal);
+  }
+  for (std::size_t k = 0; k < mesh.patches.size(); ++k) {
+    const auto& n = mesh.patches[k].nodes;
+    const std::array<Vec3, 4> corners{x[n[0]], x[n[1]], x[n[2]], x[n[3]]};
+    const ShearResult r = evaluateShear(corners, mesh.patches[k].area, point(fabric.shear));
+    const Vec3 normal = internal.patchNormal(static_cast<int>(k));
+    const TwistResult twist = evaluateTwist(corners, normal, fabric.twist_rigidity, mesh.patches[k].area);
+    sum.energy += r.energy + twist.energy;
+    sum.gradient.add(n[3], r.force * r.rising + twist.gradient * normal);
+    sum.gradient.add(n[0], -r.force * r.rising + twist.gradient * normal);
+    sum.gradient.add(n[1], r.force * r.falling - twist.gradient * normal);
+    sum.gradient.add(n[2], -r.force * r.falling - twist.gradient * normal);
+  }
+  return sum;
+}
+
+class PackTest : public ::testing::TestWithParam<std::array<int, 4>> {};  // columns, rows, levels, splits
+
+TEST_P(PackTest, AddUpToTheElements) {
+  const auto [columns, rows, levels, splits] = GetParam();
+  LinearFabric linear;
+  linear.rigidity = 1e-5;
+  linear.compression = 0.1;
+  Fabric fabric = makeFabric(linear);
+  fabric.twist_rigidity = 2e-5;
+  const Grid grid{columns, rows, levels, 0.004, 0.005};
+  LeafMesh leaves(grid, {{0, 0, 0, 0}}, levels);
+  std::vector<Cell> done;
+  const Eigen::VectorXd where = fixedRandom(2 * splits + 1, 3);
+  for (int k = 0; k < splits; ++k) {
+    leaves.split(leaves.leafAt(static_cast<int>((0.5 + 0.5 * where[2 * k]) * (columns - 1.001)),
+                               static_cast<int>((0.5 + 0.5 * where[2 * k + 1]) * (rows - 1.001))),
+                 done);
+  }
+  const ActiveMesh mesh(leaves, 0.15);
+  InternalEnergy internal(fabric, mesh);
+  Field x, gradient;
+  x.clear(mesh.nodes());
+  gradient.clear(mesh.nodes());
+  const Eigen::VectorXd noise = fixedRandom(3 * mesh.nodes(), 5);
+  for (int n = 0; n < mesh.nodes(); ++n) {
+    const int p = mesh.particle[n];
+    x.set(n, Vec3(grid.column(p) * 0.004, grid.row(p) * 0.005, 0.0) + 3e-4 * noise.segment<3>(3 * n));
+  }
+  internal.setNormals(x);
+  poison(x);
+  poison(gradient);
+  double energy = 0.0;
+  for (int begin = 0; begin < internal.size(); begin += 2 * kLanes) {  // in parts, as threads take it
+    const auto e = internal.evaluate(begin, std::min(begin + 2 * kLanes, internal.size()), x);
+    energy += e.stretch + e.bend + e.shear;
+  }
+  internal.addGradient(0, mesh.nodes(), gradient);
+  const Reference sum = sumOfElements(fabric, mesh, internal, x);
+  EXPECT_NEAR(energy, sum.energy, tolerance(1e-12) * sum.energy);
+  double largest = 0.0;
+  for (int n = 0; n < mesh.nodes(); ++n) largest = std::max(largest, sum.gradient[n].norm());
+  for (int n = 0; n < mesh.nodes(); ++n) {
+    EXPECT_LT((gradient[n] - sum.gradient[n]).norm(), tolerance(1e-12) * largest) << n;
+  }
+  // The curvature is d · H⁺ d: a sum over all packs as well; nothing past the last node may enter.
+  Field d = x;
+  EXPECT_TRUE(std::isfinite(internal.curvature(0, internal.size(), d)));
+}
+
+INSTANTIATE_TEST_SUITE_P(Meshes, PackTest,
+                         testing::Values(std::array<int, 4>{2, 2, 0, 0}, std::array<int, 4>{2, 129, 0, 0},
+                                         std::array<int, 4>{129, 2, 0, 0}, std::array<int, 4>{3, 5, 0, 0},
+                                         std::array<int, 4>{3, 5, 1, 0}, std::array<int, 4>{3, 5, 1, 1},
+                                         std::array<int, 4>{17, 13, 2, 0}, std::array<int, 4>{17, 13, 2, 5},
+                                         std::array<int, 4>{33, 17, 4, 9}));
+
+// ---- contact samples ----
+
+TEST(SamplePacks, AreTheLawsOfContactAndFriction) {
+  constexpr double kRange = 5e-4, kSlip = 3e-7;
+  int count = 0;
+  for (Obstacle obstacle : solids()) {
+    obstacle.pose.orientation = Quat(0.3, -0.5, 0.4, 0.7).normalized();
+    const Solid solid(obstacle);
+    const SampleContext context{solid.lanes(), {0.0, 0.0, 0.0}, false, ContactLaw(kRange), kSlip};
+    const Eigen::VectorXd noise = fixedRandom(7 * kLanes, 17 + count++);
+    std::vector<Vec3> points;
+    SamplePack pack{};
+    for (int l = 0; l < kLanes; ++l) {
+      // From beyond the range to past the switch, in the lanes' order.
+      const Vec3 from = noise.segment<3>(3 * l);
+      const Distance there = solid.distance(from);
+      points.push_back(from - (there.value - (1.2 - 0.25 * l) * kRange) * there.normal);
+      pack.nodes[0].index[l] = l;
+      pack.weights[0][l] = 1.0;
+      const Distance here = solid.distance(points[l]);
+      for (int c = 0; c < 3; ++c) {
+        pack.start[c][l] = points[l][c] + (l < 4 ? 1.0 : 1e3) * 1e-7 * noise[3 * kLanes + 3 * l + c];
+        pack.start_normal[c][l] = here.normal[c];
+      }
+      pack.area[l] = 1e-6 * (1 + l);
+      pack.friction[l] = 1e-3 * l;
+      pack.raised[l] = here.value < 0.0 ? 1e-5 - here.value : 0.0;
+    }
+    pack.at_nodes = true;
+    pack.nodes[0].finish();
+    Field x(points), slots;
+    slots.clear(kLanes);
+    const ContactEnergy energy = evaluateSamples(&pack, 0, 1, context, x.arrays(), slots.arrays(), 0);
+    double contact = 0.0, friction = 0.0;
+    for (int l = 0; l < kLanes; ++l) {
+      const Distance d = solid.distance(points[l]);
+      const ContactLaw::Point law = ContactLaw(kRange)(d.value + pack.raised[l]);
+      const Vec3 normal(pack.start_normal[0][l], pack.start_normal[1][l], pack.start_normal[2][l]);
+      const Vec3 moved = points[l] - Vec3(pack.start[0][l], pack.start[1][l], pack.start[2][l]);
+      const Vec3 slip = moved - normal.dot(moved) * normal;
+      const SmoothSlip smooth = smoothSlip(slip.norm(), kSlip);
+      contact += pack.area[l] * law.energy;
+      friction += pack.friction[l] * smooth.potential;
+      const Vec3 force = pack.friction[l] * smooth.ratio * slip - pack.area[l] * law.pressure * d.normal;
+      // Distances are ε of a metre wrong: over the range that is 1e-12 of the pressure's u, stiffer when
+      // firm.
+      const double doubt =
+          pack.area[l] * law.stiffness * 8 * kEpsilon + pack.friction[l] / kSlip * 8 * kEpsilon;
+      EXPECT_LE((slots[l] - force).norm(), tolerance(1e-11) * force.norm() + tolerance(1.0) * doubt) << l;
+      EXPECT_NEAR(pack.gap[l], d.value, tolerance(8 * kEpsilon));
+    }
+    EXPECT_GT(contact, 0.0);
+    EXPECT_NEAR(energy.contact, contact, tolerance(1e-9) * contact);
+    EXPECT_NEAR(energy.friction, friction, tolerance(1e-9) * friction);
+  }
+}
+
+}  // namespace
+}  // namespace haptic_cloth
