@@ -16,7 +16,7 @@ ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
   for (const ProbeOptions& probe : probes) solids_.emplace_back(probe);
   before_ = solids_;
   const int solids = static_cast<int>(solids_.size());
-  const int capacity = 2 * grid.particles() * solids + 4 * grid.cells() + 2 * kLanes * solids;
+  const int capacity = 4 * grid.particles() * solids + 4 * grid.cells() + 2 * kLanes * solids;
   samples_.reserve(capacity);
   groups_.reserve(2 * solids);
   packs_.reserve(capacity / kLanes + 1);
@@ -75,19 +75,18 @@ std::pair<Vec3, double> boundingSphere(const Patch& patch, const Field& nodes) {
   return {centre, std::sqrt(radius)};
 }
 
-/// The part of a row of samples across a cell that may lie within reach of the probe.
+/// Samples first..last of `count` evenly spread over a straight row that lie within `reach` of a point.
 struct Window {
-  /// @param length of the cell at rest [m]  @param side its mean side now [m]  @param offset of the probe
-  /// from its centre
-  Window(double length, double spacing, const Vec3& side, const Vec3& offset, double reach)
-      : count(std::max(1, static_cast<int>(std::ceil(length / spacing)))) {
-    // Twice the reach makes up for cells that are not flat rectangles.
-    const double middle = 0.5 + offset.dot(side) / std::max(side.squaredNorm(), 1e-300),
-                 half = 2.0 * reach / std::max(side.norm(), 1e-300);
-    first = static_cast<int>(count * std::clamp(middle - half, 0.0, 1.0));
-    last = static_cast<int>(std::ceil(count * std::clamp(middle + half, 0.0, 1.0)));
+  Window(int count, const Vec3& from, const Vec3& to, const Vec3& point, double reach) {
+    const Vec3 way = to - from;
+    const double length = std::max(way.norm(), 1e-300), middle = (point - from).dot(way) / (length * length);
+    const double aside = (point - from - middle * way).squaredNorm();
+    const double half = std::sqrt(std::max(reach * reach - aside, 0.0)) / length;
+    first = static_cast<int>(std::floor(count * std::clamp(middle - half, 0.0, 1.0)));
+    last = aside > reach * reach ? first
+                                 : static_cast<int>(std::ceil(count * std::clamp(middle + half, 0.0, 1.0)));
   }
-  int count, first, last;
+  int first, last;
 };
 
 }  // namespace
@@ -108,10 +107,10 @@ void ContactSet::sampleObstacles(const ActiveMesh& mesh, const Field& nodes,
       const auto [centre, radius] = boundingSphere(patch, nodes);
       const double near = margin(patch, reach);
       if (solids_[solid].distance(centre).value > radius + near) continue;
-      const bool flat = liesFlat(patch, solid, nodes);
-      const double corner_area = 0.25 * (flat ? patch.area : grid_.dx * grid_.dy);
+      const int parts = partsOf(patch, solid, nodes);
+      const double corner_area = 0.25 * patch.area / (parts * parts);
       for (const int corner : patch.nodes) node_area_[corner] += corner_area;
-      if (!flat) sampleCell(patch, solid, nodes, near);
+      if (parts > 1) sampleCell(patch, parts, solid, nodes, near);
     }
     endGroup();
     beginGroup(solid);
@@ -123,30 +122,35 @@ void ContactSet::sampleObstacles(const ActiveMesh& mesh, const Field& nodes,
   }
 }
 
-/// Whether an obstacle presses on a cell as evenly as its corners say: one normal, and gaps that differ by
-/// less than what the pressure hardly notices.
-bool ContactSet::liesFlat(const Patch& patch, int solid, const Field& nodes) const {
-  constexpr double kSameNormal = 1e-3, kShareOfRange = 0.1;
-  if (patch.cell.level == 0) return true;
+/// How many parts of a cell's side are to be sampled: 1 where an obstacle presses as evenly as the corners
+/// say, with one normal and gaps that differ by less than what the pressure hardly notices; else as many as
+/// there are finest cells, and more where a sharp edge would cut into these by more than a share of the
+/// range.
+int ContactSet::partsOf(const Patch& patch, int solid, const Field& nodes) const {
+  constexpr double kSameNormal = 1e-3, kShareOfRange = 0.1, kCut = 0.5, kMostParts = 4.0;
   const Distance first = solids_[solid].distance(nodes[patch.nodes[0]]);
+  double gaps = 0.0, turn = 0.0;
   for (int c = 1; c < 4; ++c) {
     const Distance corner = solids_[solid].distance(nodes[patch.nodes[c]]);
-    if (std::abs(corner.value - first.value) > kShareOfRange * law_.range()) return false;
-    if ((corner.normal - first.normal).squaredNorm() > kSameNormal * kSameNormal) return false;
+    gaps = std::max(gaps, std::abs(corner.value - first.value));
+    turn = std::max(turn, (corner.normal - first.normal).norm());
   }
-  return true;
+  const bool uneven = gaps > kShareOfRange * law_.range() || turn > kSameNormal;
+  const int finest = uneven ? patch.cell.span() : 1;
+  // A chord of length l under an arc that turns by θ is l θ / 8 away from it.
+  const double cut = turn * std::max(grid_.dx, grid_.dy) / 8.0;
+  return finest * static_cast<int>(std::clamp(std::ceil(cut / (kCut * law_.range())), 1.0, kMostParts));
 }
 
-/// Samples a coarse cell at all points of the finest grid but its corners; each stands for the area around it
-/// within the cell.
-void ContactSet::sampleCell(const Patch& patch, int solid, const Field& nodes, double margin) {
-  const int s = patch.cell.span();
-  for (int j = 0; j <= s; ++j) {
-    for (int i = 0; i <= s; ++i) {
-      if (i % s == 0 && j % s == 0) continue;
-      const double share = (i % s == 0 ? 0.5 : 1.0) * (j % s == 0 ? 0.5 : 1.0);
-      addSample(surfacePoint(patch, static_cast<double>(i) / s, static_cast<double>(j) / s,
-                             share * grid_.dx * grid_.dy, solid),
+/// Samples a cell at parts x parts points but its corners; each stands for the area around it within the
+/// cell.
+void ContactSet::sampleCell(const Patch& patch, int parts, int solid, const Field& nodes, double margin) {
+  for (int j = 0; j <= parts; ++j) {
+    for (int i = 0; i <= parts; ++i) {
+      if (i % parts == 0 && j % parts == 0) continue;
+      const double share = (i % parts == 0 ? 0.5 : 1.0) * (j % parts == 0 ? 0.5 : 1.0);
+      addSample(surfacePoint(patch, static_cast<double>(i) / parts, static_cast<double>(j) / parts,
+                             share * patch.area / (parts * parts), solid),
                 nodes, margin);
     }
   }
@@ -162,15 +166,17 @@ void ContactSet::sampleProbe(const ActiveMesh& mesh, const Field& nodes, const s
     const double near = margin(patch, reach) + touching.distance, from_centre = solid.extent() + near;
     if (solid.distance(centre).value > radius + near) continue;
     const auto& n = patch.nodes;
-    const Vec3 u = 0.5 * (nodes[n[3]] + nodes[n[1]] - nodes[n[2]] - nodes[n[0]]),
-               v = 0.5 * (nodes[n[3]] + nodes[n[2]] - nodes[n[1]] - nodes[n[0]]);
-    const Window columns(patch.cell.span() * grid_.dx, spacing, u, solid.position() - centre, from_centre);
-    const Window rows(patch.cell.span() * grid_.dy, spacing, v, solid.position() - centre, from_centre);
-    const double area = patch.area / (static_cast<double>(columns.count) * rows.count);
-    for (int j = rows.first; j < rows.last; ++j) {
-      for (int i = columns.first; i < columns.last; ++i) {
-        addSample(surfacePoint(patch, (i + 0.5) / columns.count, (j + 0.5) / rows.count, area, index), nodes,
-                  near);
+    const auto count = [&](double length) {
+      return std::max(1, static_cast<int>(std::ceil(length / spacing)));
+    };
+    const int columns = count(patch.cell.span() * grid_.dx), rows = count(patch.cell.span() * grid_.dy);
+    const double area = patch.area / (static_cast<double>(columns) * rows);
+    for (int j = 0; j < rows; ++j) {
+      const double v = (j + 0.5) / rows;  // a cell is bilinear: its rows are straight, however bent it is
+      const Window window(columns, (1 - v) * nodes[n[0]] + v * nodes[n[2]],
+                          (1 - v) * nodes[n[1]] + v * nodes[n[3]], solid.position(), from_centre);
+      for (int i = window.first; i < window.last; ++i) {
+        addSample(surfacePoint(patch, (i + 0.5) / columns, v, area, index), nodes, near);
       }
     }
   }
@@ -204,6 +210,14 @@ ContactSample ContactSet::surfacePoint(const Patch& patch, double u, double v, d
   return sample;
 }
 
+/// What begins the step inside an obstacle was put there: it counts as pressed, no more. A probe came from
+/// outside, so its samples are inside only by what the load asks for, and must not give way to it step by
+/// step.
+double ContactSet::raise(int solid, double gap) const {
+  if (isProbe(solid)) return std::max(0.0, -law_.range() - gap);
+  return gap < 0.0 ? law_.firmGap() - gap : 0.0;
+}
+
 void ContactSet::addSample(ContactSample sample, const Field& nodes, double margin) {
   const Solid &now = solids_[sample.solid], &then = before_[sample.solid];
   const Vec3 position = samplePosition(sample, nodes);
@@ -211,7 +225,7 @@ void ContactSet::addSample(ContactSample sample, const Field& nodes, double marg
   if (gap > margin) return;
   // What a moving solid presses on only at the end of the step does not rub yet.
   const Distance d = then.distance(position);
-  sample.raised = d.value < 0.0 ? law_.firmGap() - d.value : 0.0;
+  sample.raised = raise(sample.solid, d.value);
   sample.friction_force = now.friction() * sample.area * law_(d.value + sample.raised).pressure;
   const bool still = now.position() == then.position() && now.rotation() == then.rotation();
   const Eigen::Matrix3d turn = now.rotation() * then.rotation().transpose();

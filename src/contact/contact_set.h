@@ -29,7 +29,8 @@ struct ContactSample {
 
 /// Samples near solids, collected at the start of each step. Obstacles are sampled at the nodes, and at every
 /// point of the finest grid in coarse cells on which they do not press evenly, so that these rest like fine
-/// ones; the probe at points of at most a third of its radius apart. Model: docs/design.md.
+/// ones, and closer at sharp edges; the probe at points of at most a third of its radius apart. Model:
+/// docs/design.md.
 class ContactSet {
  public:
   struct Options {
@@ -136,13 +137,14 @@ class ContactSet {
   Vec3 sumOf(int probe, const Value& value) const;
   Vec3 samplePosition(const ContactSample& sample, const Field& values) const;
   void sampleObstacles(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach);
-  bool liesFlat(const Patch& patch, int solid, const Field& nodes) const;
-  void sampleCell(const Patch& patch, int solid, const Field& nodes, double margin);
+  int partsOf(const Patch& patch, int solid, const Field& nodes) const;
+  void sampleCell(const Patch& patch, int parts, int solid, const Field& nodes, double margin);
   void sampleProbe(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
                    const Reach& touching);
   double margin(const Patch& patch, const std::vector<double>& reach) const;
   static ContactSample nodePoint(int node, double area, int solid);
   static ContactSample surfacePoint(const Patch& patch, double u, double v, double area, int solid);
+  double raise(int solid, double gap) const;
   void addSample(ContactSample sample, const Field& nodes, double margin);
   void beginGroup(int solid);
   void endGroup();
