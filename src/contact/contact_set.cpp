@@ -24,6 +24,7 @@ ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
   entries_.reserve(4 * capacity);
   rows_.reserve(grid.particles() + 1);
   for (auto* list : {&node_area_, &still_}) list->reserve(grid.particles());
+  node_distances_.reserve(grid.particles());
 }
 
 Vec3 ContactSet::samplePosition(const ContactSample& sample, const Field& values) const {
@@ -102,12 +103,13 @@ void ContactSet::sampleObstacles(const ActiveMesh& mesh, const Field& nodes,
                                  const std::vector<double>& reach) {
   for (int solid = 0; solid < obstacles_; ++solid) {
     node_area_.assign(mesh.nodes(), 0.0);
+    node_distances_.clear();
+    for (int n = 0; n < mesh.nodes(); ++n) node_distances_.push_back(solids_[solid].distance(nodes[n]));
     beginGroup(solid);
     for (const Patch& patch : mesh.patches) {
-      const auto [centre, radius] = boundingSphere(patch, nodes);
       const double near = margin(patch, reach);
-      if (solids_[solid].distance(centre).value > radius + near) continue;
-      const int parts = partsOf(patch, solid, nodes);
+      if (leastGap(patch, nodes) > near) continue;
+      const int parts = partsOf(patch);
       const double corner_area = 0.25 * patch.area / (parts * parts);
       for (const int corner : patch.nodes) node_area_[corner] += corner_area;
       if (parts > 1) sampleCell(patch, parts, solid, nodes, near);
@@ -122,16 +124,28 @@ void ContactSet::sampleObstacles(const ActiveMesh& mesh, const Field& nodes,
   }
 }
 
+/// Lower bound of the gaps between a cell and the obstacle in hand [m]: each point of a cell is within half a
+/// side along warp and half a side along weft of a corner.
+double ContactSet::leastGap(const Patch& patch, const Field& nodes) const {
+  const auto& n = patch.nodes;
+  const auto longer = [&](int a, int b, int c, int d) {
+    return std::sqrt(std::max((nodes[b] - nodes[a]).squaredNorm(), (nodes[d] - nodes[c]).squaredNorm()));
+  };
+  double gap = 1e300;
+  for (const int corner : n) gap = std::min(gap, node_distances_[corner].value);
+  return gap - 0.5 * (longer(n[0], n[1], n[2], n[3]) + longer(n[0], n[2], n[1], n[3]));
+}
+
 /// How many parts of a cell's side are to be sampled: 1 where an obstacle presses as evenly as the corners
 /// say, with one normal and gaps that differ by less than what the pressure hardly notices; else as many as
 /// there are finest cells, and more where a sharp edge would cut into these by more than a share of the
 /// range.
-int ContactSet::partsOf(const Patch& patch, int solid, const Field& nodes) const {
+int ContactSet::partsOf(const Patch& patch) const {
   constexpr double kSameNormal = 1e-3, kShareOfRange = 0.1, kCut = 0.5, kMostParts = 4.0;
-  const Distance first = solids_[solid].distance(nodes[patch.nodes[0]]);
+  const Distance& first = node_distances_[patch.nodes[0]];
   double gaps = 0.0, turn = 0.0;
   for (int c = 1; c < 4; ++c) {
-    const Distance corner = solids_[solid].distance(nodes[patch.nodes[c]]);
+    const Distance& corner = node_distances_[patch.nodes[c]];
     gaps = std::max(gaps, std::abs(corner.value - first.value));
     turn = std::max(turn, (corner.normal - first.normal).norm());
   }

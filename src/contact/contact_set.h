@@ -137,7 +137,8 @@ class ContactSet {
   Vec3 sumOf(int probe, const Value& value) const;
   Vec3 samplePosition(const ContactSample& sample, const Field& values) const;
   void sampleObstacles(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach);
-  int partsOf(const Patch& patch, int solid, const Field& nodes) const;
+  double leastGap(const Patch& patch, const Field& nodes) const;
+  int partsOf(const Patch& patch) const;
   void sampleCell(const Patch& patch, int parts, int solid, const Field& nodes, double margin);
   void sampleProbe(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
                    const Reach& touching);
@@ -169,8 +170,9 @@ class ContactSet {
   Field gradient_;  ///< of the energy by the samples' positions [N]
   Field change_;    ///< of that along a direction [N]
   std::vector<int> rows_;
-  std::vector<double> node_area_;  ///< scratch of sampleObstacles() [m²]
-  std::vector<double> still_;      ///< scratch of isClear(): no reach [m]
+  std::vector<double> node_area_;         ///< scratch of sampleObstacles() [m²]
+  std::vector<Distance> node_distances_;  ///< scratch of sampleObstacles(): of the nodes to one obstacle
+  std::vector<double> still_;             ///< scratch of isClear(): no reach [m]
   std::vector<Entry> entries_;
 };
 
