@@ -16,6 +16,7 @@ from child import Child
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SIMULATE = ROOT / "build/devel/lib/haptic_cloth/simulate"
 SCENES = ROOT / "bench/scenes"
+PEER_SCENES = ROOT / "bench/peers/scenes"
 CACHE = ROOT / "build/bench_cache"
 STRATEGIES = ("finest", "coarsest", "refine", "coarsen", "amrc")
 SIZES = ("full", "quick", "smoke")
