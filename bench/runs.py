@@ -273,6 +273,11 @@ def cores():
     return len(os.sched_getaffinity(0))
 
 
+def wait_policy():
+    """How OpenMP's threads wait for each other; on a busy machine `passive` saves the most."""
+    return os.environ.get("OMP_WAIT_POLICY", "not set")
+
+
 def add_arguments(parser):
     """What all scripts have in common."""
     parser.add_argument("--simulate", metavar="PATH", default=SIMULATE, help="the program (default: %(default)s)")
