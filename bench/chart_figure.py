@@ -16,8 +16,12 @@ MARKERS = (
     ("solver.time_step", "^", "other time step"),
 )
 PLAIN = ("o", "strategy alone")
+# Peers are hollow.
+PEERS = {"explicit": ("<", "#c2185b"), "XPBD": (">", "#00838f"), "Bullet soft": ("h", "#6d4c41"),
+         "Bullet deformable": ("p", "#558b2f")}
 ERRORS = (("rms_mm", "shape error at the end, rms [mm]", "reference_rms_mm"),
           ("force_percent", "probe force error, rms [%]", "reference_force_percent"))
+LEGEND = 1.3  # [inch]
 SHIPPED_STRATEGY = "amrc"
 
 
@@ -34,6 +38,10 @@ def strategy_of(row):
 
 def draw_points(axes, rows, error):
     for row in rows:
+        if row["program"] in PEERS:
+            marker, colour = PEERS[row["program"]]
+            axes.plot(row["wall_per_s"], row[error], marker, color=colour, ms=7, mfc="none", mew=1.4, zorder=4)
+            continue
         axes.plot(row["wall_per_s"], row[error], marker_of(row), color=COLOURS[strategy_of(row)], ms=5, alpha=0.75,
                   mew=0)
         if row["default"]:
@@ -59,6 +67,8 @@ def legend_entries():
     entries = [Line2D([], [], color=colour, marker="o", ls="", label=name) for name, colour in COLOURS.items()]
     markers = [PLAIN] + [(marker, text) for _, marker, text in reversed(MARKERS)]
     entries += [Line2D([], [], color="0.5", marker=marker, ls="", label=text) for marker, text in markers]
+    entries += [Line2D([], [], color=colour, marker=marker, mfc="none", mew=1.4, ls="", label=name)
+                for name, (marker, colour) in PEERS.items()]
     entries.append(Line2D([], [], color="#e8112d", marker="*", ms=12, ls="", label="shipped default"))
     entries.append(Line2D([], [], color="#e8112d", lw=1, label="Pareto front"))
     entries.append(Line2D([], [], color="0.4", lw=0.8, ls=":", label="reference known to"))
@@ -75,14 +85,15 @@ def draw(path, rows, size):
                 panels.append((own, error, label, uncertainty))
     columns = min(3, len(panels))
     lines = -(-len(panels) // columns)
-    figure, all_axes = plt.subplots(lines, columns, figsize=(4.6 * columns, 3.7 * lines + 0.9), squeeze=False)
+    height = 3.7 * lines + LEGEND
+    figure, all_axes = plt.subplots(lines, columns, figsize=(4.6 * columns, height), squeeze=False)
     for axes in all_axes.flat[len(panels):]:
         axes.axis("off")
     for axes, panel in zip(all_axes.flat, panels):
         draw_panel(axes, *panel)
-    figure.legend(handles=legend_entries(), loc="lower center", ncol=6, frameon=False, fontsize=9)
+    figure.legend(handles=legend_entries(), loc="lower center", ncol=max(2, 2 * columns), frameon=False, fontsize=9)
     title = "Error against speed%s: left and below is better" % ("" if size == "full" else " (%s)" % size)
     figure.suptitle(title, fontsize=12)
-    figure.tight_layout(rect=(0, 0.9 / (3.7 * lines + 0.9), 1, 1))
+    figure.tight_layout(rect=(0, LEGEND / height, 1, 1 - 0.3 / height))
     figure.savefig(path, dpi=110)
     plt.close(figure)

@@ -94,3 +94,41 @@ def distance_to_front(points, own):
     if same_time is None or own not in points:
         raise BenchError("the point is none of those that the front is made of")
     return own[0] / same_error, own[1] / same_time if same_time > 0.0 else 1.0
+
+
+def edge_strains(result, size):
+    """Largest stretch, largest compression and mean |strain|, weighted by area, of warp and weft threads of the finest
+    grid at the end, for a cloth of a size [m]; all as shares, none negative."""
+    positions = result.positions()
+    rows, columns = positions.shape[:2]
+    warp = np.linalg.norm(np.diff(positions, axis=1), axis=2) * (columns - 1) / size[0] - 1.0
+    weft = np.linalg.norm(np.diff(positions, axis=0), axis=2) * (rows - 1) / size[1] - 1.0
+    # Threads along a border stand for half a cell.
+    warp_weight, weft_weight = np.ones_like(warp), np.ones_like(weft)
+    warp_weight[[0, -1], :] = 0.5
+    weft_weight[:, [0, -1]] = 0.5
+    strains = np.concatenate([warp.ravel(), weft.ravel()])
+    weights = np.concatenate([warp_weight.ravel(), weft_weight.ravel()])
+    return (max(0.0, float(strains.max())), max(0.0, -float(strains.min())),
+            float(np.average(np.abs(strains), weights=weights)))
+
+
+def box_penetration(result, size, centre, parts=8):
+    """How deep any triangle of the finest grid lies in a box at the end [m], looked at `parts` times along each side."""
+    x = result.positions() - np.asarray(centre)
+    half = 0.5 * np.asarray(size)
+    deepest = 0.0
+    corners = (x[:-1, :-1], x[:-1, 1:], x[1:, 1:], x[1:, :-1])
+    for a, b, c in ((0, 1, 2), (0, 2, 3)):
+        for k in range(parts + 1):
+            for m in range(parts + 1 - k):
+                u, v = k / parts, m / parts
+                point = (1.0 - u - v) * corners[a] + u * corners[b] + v * corners[c]
+                deepest = max(deepest, float(np.min(half - np.abs(point), axis=2).max()))
+    return deepest
+
+
+def tip_drop(result):
+    """How far the end of the warp hangs below the first column [m]."""
+    heights = result.positions()[:, :, 2]
+    return float(heights[:, 0].mean() - heights[:, -1].mean())

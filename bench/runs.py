@@ -2,22 +2,27 @@
 import csv
 import hashlib
 import json
+import os
 import pathlib
+import re
 import shutil
 import statistics
-import subprocess
 import sys
 
 import numpy as np
 
+from child import Child
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SIMULATE = ROOT / "build/devel/lib/haptic_cloth/simulate"
 SCENES = ROOT / "bench/scenes"
+PEER_SCENES = ROOT / "bench/peers/scenes"
 CACHE = ROOT / "build/bench_cache"
 STRATEGIES = ("finest", "coarsest", "refine", "coarsen", "amrc")
 SIZES = ("full", "quick", "smoke")
 HEADER = "# bench "
-HEADER_KEYS = ("chart", "quick", "smoke", "reference", "note")
+HEADER_KEYS = ("chart", "choices", "from", "quick", "smoke", "reference", "note")
+FABRICS = ROOT / "config/fabrics"
 
 
 class BenchError(Exception):
@@ -30,6 +35,8 @@ class Scene:
     quick, smoke   scene keys that make it smaller
     reference      solver.time_step and solver.tolerance of its reference
     chart          false: not drawn by bench/chart
+    choices        a size whose list of choices is enough for bench/chart
+    begin          from when on steps and forces count, where not all do [s]
     note           one sentence on what the scene tests
     """
 
@@ -39,11 +46,25 @@ class Scene:
         header = self._header()
         self.note = header.get("note", "")
         self.chart = header.get("chart", True)
+        self.choices = header.get("choices", "full")
+        self.begin = header.get("from", 0.0)
+        text = self.path.read_text()
+        self.has_probe = re.search(r"^probe:", text, re.M) is not None
+        self.adapts = re.search(r"^adapt:.*\blevels: 0\b", text, re.M) is None
         self.overrides = {} if size == "full" else dict(header.get("quick", {}))
         if size == "smoke":
             self.overrides.update(header.get("smoke", {}))
         self.reference = {"solver.time_step": 0.0005, "solver.tolerance": 0.02}
         self.reference.update(header.get("reference", {}))
+
+    def text(self, overrides):
+        """What makes the scene, its fabric's file included: other text, other results."""
+        texts = [self.path.read_text()]
+        named = re.search(r"^  fabric: *(\S+)", texts[0], re.M)
+        fabric = overrides.get("cloth.fabric", named.group(1) if named else "")
+        places = [self.path.parent / fabric] if fabric.endswith(".yaml") else \
+            [folder / (fabric + ".yaml") for folder in (self.path.parent.parent / "fabrics", FABRICS)]
+        return texts + [place.read_text() for place in places if place.is_file()][:1]
 
     def _header(self):
         header = {}
@@ -61,24 +82,28 @@ class Scene:
         return header
 
 
-def load_scenes(folder, size, names=()):
-    """Scenes of a folder, all of them that have a place in the chart or those named."""
-    scenes = [Scene(path, size) for path in sorted(pathlib.Path(folder).glob("*.yaml"))]
+def load_scenes(folders, size, names=()):
+    """Scenes of one or several folders, all of them that have a place in the chart or those named."""
+    folders = [folders] if isinstance(folders, (str, pathlib.Path)) else folders
+    paths = [path for folder in folders for path in sorted(pathlib.Path(folder).glob("*.yaml"))]
+    # Fabrics may lie beside their scenes.
+    scenes = [Scene(path, size) for path in paths if re.search(r"^cloth:", path.read_text(), re.M)]
     unknown = set(names) - {scene.name for scene in scenes}
     if unknown:
-        raise BenchError("%s: no scene %s" % (folder, ", ".join(sorted(unknown))))
+        raise BenchError("%s: no scene %s" % (", ".join(map(str, folders)), ", ".join(sorted(unknown))))
     return [scene for scene in scenes if (scene.name in names if names else scene.chart)]
 
 
 class Result:
-    """What one run left in its directory; wall times are of all repeats [s]."""
+    """What one run left in its directory; wall times are of all repeats [s]. Peers leave no digest."""
 
-    def __init__(self, directory, wall_times):
+    def __init__(self, directory, wall_times, peak_memory=0):
         self.directory = directory
         self.wall_times = wall_times
+        self.peak_memory = peak_memory  # [bytes]; 0: it ended before it could be looked at
         try:
             self.summary = json.loads((directory / "summary.json").read_text())
-            self.digest = _digest(directory)
+            self.digest = {} if "peer" in self.summary else _digest(directory)
         except (OSError, ValueError, KeyError) as error:
             raise BenchError("%s: malformed results: %r" % (directory, error)) from error
 
@@ -90,6 +115,19 @@ class Result:
     def wall_per_second(self):
         """Wall time of the solver for a simulated second."""
         return self.wall_time / self.summary["simulated_time"]
+
+    def state(self):
+        """The same for the same final state."""
+        text = (self.directory / "particles.csv").read_bytes()
+        return self.summary.get("state_hash") or hashlib.sha256(text).hexdigest()[:16]
+
+    def steps(self):
+        """Columns of steps.csv by name, numbers all but `termination`, of a run that kept it."""
+        with open(self.directory / "steps.csv") as stream:
+            rows = list(csv.reader(stream))
+        columns = dict(zip(rows[0], zip(*rows[1:])))
+        return {name: np.array(cells, dtype=str if name == "termination" else float)
+                for name, cells in columns.items()}
 
     def positions(self):
         """Positions of the finest grid's particles [m], rows along weft."""
@@ -140,29 +178,43 @@ def fingerprint(path):
 class Simulator:
     """Runs scenes one after the other: two at once would spoil each other's times."""
 
-    def __init__(self, program, cache, threads=1, repeat=1, time_limit=None):
+    def __init__(self, program, arguments, time_limit=None, keep_steps=False):
         self.program = pathlib.Path(program).resolve()
         if not self.program.is_file():
             raise BenchError("%s: no such program; build it, or give --simulate PATH" % program)
-        self.cache = pathlib.Path(cache)
-        self.threads = threads
-        self.repeat = repeat
+        self.cache = arguments.cache
+        self.threads = arguments.threads
+        self.repeat = arguments.repeat
+        self.resume = arguments.resume
         self.time_limit = time_limit
+        self.keep_steps = keep_steps
         self._fingerprint = fingerprint(self.program)
 
-    def measure(self, scene, overrides):
-        """Timed run, never from the cache; None where it failed or took too long."""
-        directory = self._directory(scene, overrides, "timed")
-        wall_times, hashes = [], set()
+    def measure(self, scene, overrides, options=()):
+        """Timed run, from the cache only with --resume; None where it failed or took too long.
+
+        options are further ones of the command line.
+        """
+        directory = self._directory(scene, overrides, options, "timed")
+        if self.resume and (directory / "run.json").exists():
+            run = json.loads((directory / "run.json").read_text())
+            if "failed" in run and run["time_limit"] == self.time_limit:
+                print("%s %s: %s" % (scene.name, overrides, run["failed"]), file=sys.stderr)
+                return None
+            if len(run.get("wall_times", ())) >= self.repeat:
+                return Result(directory, run["wall_times"], run["peak_memory"])
+        wall_times, states = [], set()
         for _ in range(self.repeat):
-            result = self._run(scene, overrides, directory, self.time_limit)
+            result = self._run(scene, overrides, options, directory, self.time_limit)
             if result is None:
                 return None
             wall_times += result.wall_times
-            hashes.add(result.summary["state_hash"])
-        if len(hashes) > 1:
+            states.add(result.state())
+        # A clock decides where a step with a budget ends.
+        if len(states) > 1 and "solver.time_budget" not in overrides:
             raise BenchError("%s %s: repeats end in different states" % (scene.name, overrides))
         result.wall_times = wall_times
+        _note(directory, {"wall_times": wall_times, "peak_memory": result.peak_memory})
         return result
 
     def reference(self, scene):
@@ -171,45 +223,63 @@ class Simulator:
         for factor in (1.0, 2.0):
             overrides = {key: value * factor for key, value in scene.reference.items()}
             overrides.update({"adapt.strategy": "finest", "solver.max_iterations": 20000, "stop.rest_speed": 0})
-            directory = self._directory(scene, overrides, "reference")
-            cached = (directory / "digest.json").exists()
-            result = Result(directory, [0.0]) if cached else self._run(scene, overrides, directory, None)
+            directory = self._directory(scene, overrides, (), "reference")
+            if (directory / "digest.json").exists():
+                result = Result(directory, [0.0])
+            else:
+                print("%s: reference with a step of %g s ..." % (scene.name, overrides["solver.time_step"]), flush=True)
+                result = self._run(scene, overrides, (), directory, None)
             if result is None:
                 raise BenchError("%s: the reference run failed" % scene.name)
             results.append(result)
         return results
 
-    def _directory(self, scene, overrides, kind):
-        text = json.dumps([scene.path.read_text(), scene.overrides, overrides, self.threads, self._fingerprint],
-                          sort_keys=True)
+    def _directory(self, scene, overrides, options, kind):
+        # Threads change no bit, so all references are one.
+        timing = [] if kind == "reference" else [self.threads, self.keep_steps]
+        text = json.dumps([scene.text(overrides), scene.overrides, overrides, list(options), timing,
+                           self._fingerprint], sort_keys=True)
         return self.cache / kind / ("%s-%s" % (scene.name, hashlib.sha256(text.encode()).hexdigest()[:16]))
 
-    def _run(self, scene, overrides, directory, time_limit):
+    def _run(self, scene, overrides, options, directory, time_limit):
         shutil.rmtree(directory, ignore_errors=True)
         directory.mkdir(parents=True)
-        settings = dict(scene.overrides, **overrides)
-        settings["solver.threads"] = self.threads
-        command = [str(self.program), str(scene.path), "--out", str(directory)]
+        settings = {"solver.threads": self.threads, **scene.overrides, **overrides}
+        command = [str(self.program), str(scene.path), "--out", str(directory), *options]
         for key, value in settings.items():
             command += ["--set", "%s=%s" % (key, value if isinstance(value, str) else json.dumps(value))]
-        try:
-            done = subprocess.run(command, stderr=subprocess.PIPE, text=True, timeout=time_limit, check=False)
-        except subprocess.TimeoutExpired:
-            print("%s %s: stopped after %g s" % (scene.name, overrides, time_limit), file=sys.stderr)
+        child = Child(command, time_limit)
+        if child.status == 2:
+            raise BenchError(child.errors)
+        if child.status != 0:
+            failed = "stopped after %g s" % time_limit if child.status is None else child.errors or (
+                "ended with status %d" % child.status)
+            print("%s %s %s: %s" % (scene.name, " ".join(options), overrides, failed), file=sys.stderr)
+            _note(directory, {"failed": failed, "time_limit": time_limit})
             return None
-        if done.returncode == 2:
-            raise BenchError(done.stderr.strip())
-        if done.returncode != 0:
-            print("%s %s: %s" % (scene.name, overrides, done.stderr.strip()), file=sys.stderr)
-            return None
-        result = Result(directory, [0.0])
+        result = Result(directory, [0.0], child.peak_memory)
         result.wall_times = [result.summary["wall_time"]]
-        (directory / "steps.csv").unlink()
+        if result.digest and not self.keep_steps:
+            (directory / "steps.csv").unlink()
         return result
 
 
+def _note(directory, run):
+    (directory / "run.json").write_text(json.dumps(run))
+
+
+def cores():
+    """Processors this process may use."""
+    return len(os.sched_getaffinity(0))
+
+
+def wait_policy():
+    """How OpenMP's threads wait for each other; on a busy machine `passive` saves the most."""
+    return os.environ.get("OMP_WAIT_POLICY", "not set")
+
+
 def add_arguments(parser):
-    """What table1 and chart have in common."""
+    """What all scripts have in common."""
     parser.add_argument("--simulate", metavar="PATH", default=SIMULATE, help="the program (default: %(default)s)")
     parser.add_argument("--out", metavar="DIR", type=pathlib.Path, default=ROOT / "docs/charts",
                         help="where tables and data go (default: %(default)s)")
@@ -217,10 +287,20 @@ def add_arguments(parser):
                         help="where runs go and references stay (default: %(default)s)")
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--repeat", type=int, default=1, metavar="N", help="runs a point; the median time counts")
+    parser.add_argument("--resume", action="store_true",
+                        help="takes timed runs of the same program from --cache too: goes on after a break")
     parser.add_argument("--quick", action="store_true", help="smaller cloths")
     parser.add_argument("--smoke", action="store_true", help="tiny cloths: tests the program, measures nothing")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings",
                         help="a scene key for all timed runs, not for the reference")
+
+
+def run_main(name, main):
+    """Exit status of a script; what is wrong with its input is one line."""
+    try:
+        sys.exit(main())
+    except BenchError as error:
+        sys.exit("%s: %s" % (name, error))
 
 
 def size_of(arguments):
