@@ -197,12 +197,16 @@ double ClothObjective::evaluate(const Vector& x, Vector& gradient) {
     awake_elements_.forPart(from, to, [&](int begin, int end) { sums += evaluateElements(begin, end); });
     return sums;
   });
-  const Sums motion = team_.sum(awake_nodes_.size(), [this](int from, int to) {
-    Sums sums = Sums::Zero();
-    awake_nodes_.forPart(
-        from, to, [&](int begin, int end) { sums[0] += gatherNodes(begin, std::min(end, mesh_.nodes())); });
-    return sums;
-  });
+  const Sums motion = team_.sum(
+      awake_nodes_.size(),
+      [this](int from, int to) {
+        Sums sums = Sums::Zero();
+        awake_nodes_.forPart(from, to, [&](int begin, int end) {
+          sums[0] += gatherNodes(begin, std::min(end, mesh_.nodes()));
+        });
+        return sums;
+      },
+      Team::kNode);
   mesh_.handOverGhosts(gradient_);
   const double coupling = evaluateProbes(gradient);
   packFree(gradient_, gradient);
@@ -294,13 +298,16 @@ double ClothObjective::curvature() {
     });
     return sums;
   });
-  const Sums moving = team_.sum(awake_nodes_.size(), [&](int from, int to) {
-    Sums sums = Sums::Zero();
-    awake_nodes_.forPart(from, to, [&](int begin, int end) {
-      sums[0] += motionCurvature(motion(), begin, end, motion_.arrays());
-    });
-    return sums;
-  });
+  const Sums moving = team_.sum(
+      awake_nodes_.size(),
+      [&](int from, int to) {
+        Sums sums = Sums::Zero();
+        awake_nodes_.forPart(from, to, [&](int begin, int end) {
+          sums[0] += motionCurvature(motion(), begin, end, motion_.arrays());
+        });
+        return sums;
+      },
+      Team::kEntry);
   double value = elements[0] + moving[0];
   forPresent([&](int k) { value += couplingStiffness(k) * proxy_motions_[k].squaredNorm(); });
   return value;

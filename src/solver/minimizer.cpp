@@ -93,27 +93,33 @@ MinimizerReport Minimizer::minimize(Objective& objective, Vector& x, double valu
 /// d ← -P g + β d with β = max(0, g·P(g - g_previous) / g_previous·P g_previous).
 void Minimizer::direction(Objective& objective, Team& team, bool restart, MinimizerReport& report) {
   objective.precondition(gradient_, preconditioned_);
-  const Sums dots = team.sum(size_, [&](int begin, int end) {
-    const auto z = preconditioned_.segment(begin, end - begin);
-    Sums sums = Sums::Zero();
-    sums[0] = z.dot(gradient_.segment(begin, end - begin));
-    if (!restart) sums[1] = z.dot(previous_.segment(begin, end - begin));
-    return sums;
-  });
+  const Sums dots = team.sum(
+      size_,
+      [&](int begin, int end) {
+        const auto z = preconditioned_.segment(begin, end - begin);
+        Sums sums = Sums::Zero();
+        sums[0] = z.dot(gradient_.segment(begin, end - begin));
+        if (!restart) sums[1] = z.dot(previous_.segment(begin, end - begin));
+        return sums;
+      },
+      Team::kEntry);
   const double beta = restart ? 0.0 : std::max(0.0, (dots[0] - dots[1]) / descent_);
   descent_ = dots[0];
-  const Sums slope = team.sum(size_, [&](int begin, int end) {
-    auto d = direction_.segment(begin, end - begin);
-    const auto z = preconditioned_.segment(begin, end - begin);
-    if (beta > 0.0) {
-      d = beta * d - z;
-    } else {
-      d = -z;
-    }
-    Sums sums = Sums::Zero();
-    sums[0] = d.dot(gradient_.segment(begin, end - begin));
-    return sums;
-  });
+  const Sums slope = team.sum(
+      size_,
+      [&](int begin, int end) {
+        auto d = direction_.segment(begin, end - begin);
+        const auto z = preconditioned_.segment(begin, end - begin);
+        if (beta > 0.0) {
+          d = beta * d - z;
+        } else {
+          d = -z;
+        }
+        Sums sums = Sums::Zero();
+        sums[0] = d.dot(gradient_.segment(begin, end - begin));
+        return sums;
+      },
+      Team::kEntry);
   slope_ = slope[0];
   if (!(slope_ < 0.0)) {
     direction_.head(size_) = -preconditioned_.head(size_);
