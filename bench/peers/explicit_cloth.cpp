@@ -33,9 +33,8 @@ class ExplicitCloth : public Peer {
         leaves_(grid_, scene.cloth.pins, 0),
         mesh_(leaves_, scene.cloth.fabric.areal_density),
         internal_(scene.cloth.fabric, mesh_),
-        contacts_(grid_, scene.obstacles,
-                  {scene.cloth.fabric.thickness, kSlipSpeed, scene.solver.time_step, scene.probes[0].radius,
-                   scene.probes[0].friction}) {
+        contacts_(grid_, scene.obstacles, scene.probes,
+                  {scene.cloth.fabric.thickness, kSlipSpeed, scene.solver.time_step}) {
     const std::vector<Vec3> flat = flatCloth(scene);
     for (Field* field : {&x_, &v_, &gradient_}) field->clear(mesh_.nodes());
     for (int n = 0; n < mesh_.nodes(); ++n) x_.set(n, flat[mesh_.particle[n]]);
@@ -113,8 +112,11 @@ class ExplicitCloth : public Peer {
     start_ = x_;
     proxy_start_ = proxy_;
     proxy_reach_ = 2.0 * frame * proxy_velocity_.norm() + 0.1 * scene_.probes[0].radius;
-    if (present_ && !entered_) entered_ = contacts_.isClear(mesh_, x_, proxy_);
-    contacts_.collect(mesh_, x_, reach_, present_ && entered_ ? &proxy_ : nullptr, proxy_reach_);
+    contacts_.startProbe(0, proxy_, Quat::Identity(), Quat::Identity());
+    if (present_ && !entered_) entered_ = contacts_.isClear(mesh_, x_, 0);
+    touching_.clear();
+    if (present_ && entered_) touching_.push_back({0, proxy_reach_});
+    contacts_.collect(mesh_, x_, reach_, touching_);
     ++collections_;
   }
 
@@ -129,7 +131,8 @@ class ExplicitCloth : public Peer {
   /// Energy of fabric and contact [J]; gradient_ is its gradient.
   double evaluate() {
     const InternalEnergy::Energy e = internal_.evaluate(0, internal_.size(), x_);
-    const ContactSet::Energy c = contacts_.evaluate(0, contacts_.size(), x_, proxy_);
+    contacts_.placeProbe(0, proxy_);
+    const ContactSet::Energy c = contacts_.evaluate(0, contacts_.size(), x_);
     gradient_.fill(0.0);
     internal_.addGradient(0, mesh_.nodes(), gradient_);
     contacts_.addGradient(0, mesh_.nodes(), gradient_);
@@ -153,7 +156,7 @@ class ExplicitCloth : public Peer {
       }
     }
     if (!present_) return;
-    const Vec3 force = -contacts_.proxyGradient();
+    const Vec3 force = -contacts_.proxyGradient(0);
     const double k = scene_.probes[0].coupling_stiffness, b = scene_.probes[0].coupling_damping;
     proxy_velocity_ = (force + k * (device - proxy_) + b * device_velocity) / (b + k * h_);
     proxy_ += h_ * proxy_velocity_;
@@ -204,6 +207,7 @@ class ExplicitCloth : public Peer {
   ActiveMesh mesh_;
   InternalEnergy internal_;
   ContactSet contacts_;
+  std::vector<ContactSet::Reach> touching_;
   Field x_, v_, gradient_, start_;
   std::vector<double> reach_;
   double h_ = 0.0;
