@@ -34,7 +34,7 @@ struct AdaptOptions {
   int interval = 3;             ///< steps between two looks at the mesh
   double refine_above = 0.60;   ///< turning angle at a triple above which its cells split [rad]
   double coarsen_below = 0.30;  ///< turning angle below which four siblings merge, as on their parent [rad]
-  double refine_above_strain = 0.005;   ///< cells split where tensile strain differs more between corners [-]
+  double refine_above_strain = 0.005;  ///< cells split where tensile strain differs more between corners [-]
   double coarsen_below_strain = 0.0025;  ///< siblings merge where it differs less, as on their parent [-]
   int minimum_age = 30;  ///< steps a new cell stays as it is before it may merge; against chatter
 };
