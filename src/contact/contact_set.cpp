@@ -24,7 +24,8 @@ ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
   entries_.reserve(4 * capacity);
   rows_.reserve(grid.particles() + 1);
   for (auto* list : {&node_area_, &still_}) list->reserve(grid.particles());
-  node_distances_.reserve(grid.particles());
+  node_gaps_.reserve(padded(grid.particles()));
+  node_normals_.reserve(grid.particles());
 }
 
 Vec3 ContactSet::samplePosition(const ContactSample& sample, const Field& values) const {
@@ -103,8 +104,10 @@ void ContactSet::sampleObstacles(const ActiveMesh& mesh, const Field& nodes,
                                  const std::vector<double>& reach) {
   for (int solid = 0; solid < obstacles_; ++solid) {
     node_area_.assign(mesh.nodes(), 0.0);
-    node_distances_.clear();
-    for (int n = 0; n < mesh.nodes(); ++n) node_distances_.push_back(solids_[solid].distance(nodes[n]));
+    node_gaps_.resize(padded(mesh.nodes()));
+    node_normals_.resize(mesh.nodes());
+    solidDistances(solids_[solid].lanes(), mesh.nodes(), nodes.arrays(), node_gaps_.data(),
+                   node_normals_.arrays());
     beginGroup(solid);
     for (const Patch& patch : mesh.patches) {
       const double near = margin(patch, reach);
@@ -132,7 +135,7 @@ double ContactSet::leastGap(const Patch& patch, const Field& nodes) const {
     return std::sqrt(std::max((nodes[b] - nodes[a]).squaredNorm(), (nodes[d] - nodes[c]).squaredNorm()));
   };
   double gap = 1e300;
-  for (const int corner : n) gap = std::min(gap, node_distances_[corner].value);
+  for (const int corner : n) gap = std::min(gap, node_gaps_[corner]);
   return gap - 0.5 * (longer(n[0], n[1], n[2], n[3]) + longer(n[0], n[2], n[1], n[3]));
 }
 
@@ -142,13 +145,14 @@ double ContactSet::leastGap(const Patch& patch, const Field& nodes) const {
 /// range.
 int ContactSet::partsOf(const Patch& patch) const {
   constexpr double kSameNormal = 1e-3, kShareOfRange = 0.1, kCut = 0.5, kMostParts = 4.0;
-  const Distance& first = node_distances_[patch.nodes[0]];
+  const int first = patch.nodes[0];
   double gaps = 0.0, turn = 0.0;
   for (int c = 1; c < 4; ++c) {
-    const Distance& corner = node_distances_[patch.nodes[c]];
-    gaps = std::max(gaps, std::abs(corner.value - first.value));
-    turn = std::max(turn, (corner.normal - first.normal).norm());
+    const int corner = patch.nodes[c];
+    gaps = std::max(gaps, std::abs(node_gaps_[corner] - node_gaps_[first]));
+    turn = std::max(turn, (node_normals_[corner] - node_normals_[first]).squaredNorm());
   }
+  turn = std::sqrt(turn);
   const bool uneven = gaps > kShareOfRange * law_.range() || turn > kSameNormal;
   const int finest = uneven ? patch.cell.span() : 1;
   // A chord of length l under an arc that turns by θ is l θ / 8 away from it.
@@ -235,13 +239,14 @@ double ContactSet::raise(int solid, double gap) const {
 void ContactSet::addSample(ContactSample sample, const Field& nodes, double margin) {
   const Solid &now = solids_[sample.solid], &then = before_[sample.solid];
   const Vec3 position = samplePosition(sample, nodes);
-  const double gap = now.distance(position).value;
+  const Distance end = now.distance(position);
+  const double gap = end.value;
   if (gap > margin) return;
+  const bool still = now.position() == then.position() && now.rotation() == then.rotation();
   // What a moving solid presses on only at the end of the step does not rub yet.
-  const Distance d = then.distance(position);
+  const Distance d = still ? end : then.distance(position);
   sample.raised = raise(sample.solid, d.value);
   sample.friction_force = now.friction() * sample.area * law_(d.value + sample.raised).pressure;
-  const bool still = now.position() == then.position() && now.rotation() == then.rotation();
   const Eigen::Matrix3d turn = now.rotation() * then.rotation().transpose();
   const Vec3 carried = still ? position : now.position() + turn * (position - then.position());
   sample.start = carried - origin(sample.solid);

@@ -170,9 +170,10 @@ class ContactSet {
   Field gradient_;  ///< of the energy by the samples' positions [N]
   Field change_;    ///< of that along a direction [N]
   std::vector<int> rows_;
-  std::vector<double> node_area_;         ///< scratch of sampleObstacles() [m²]
-  std::vector<Distance> node_distances_;  ///< scratch of sampleObstacles(): of the nodes to one obstacle
-  std::vector<double> still_;             ///< scratch of isClear(): no reach [m]
+  std::vector<double> node_area_;  ///< scratch of sampleObstacles() [m²]
+  std::vector<double> node_gaps_;  ///< scratch of sampleObstacles(): of the nodes to one obstacle [m]
+  Field node_normals_;             ///< the same
+  std::vector<double> still_;      ///< scratch of isClear(): no reach [m]
   std::vector<Entry> entries_;
 };
 

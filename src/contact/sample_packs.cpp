@@ -89,6 +89,15 @@ HAPTIC_CLOTH_CLONES ContactEnergy evaluateSamples(SamplePack* packs, int begin, 
   return {total(energy), total(loss)};
 }
 
+HAPTIC_CLOTH_CLONES void solidDistances(const SolidLanes& solid, int count, const ConstArrays& x,
+                                        double* distances, const MutableArrays& normals) {
+  for (int n = 0; n < count; n += kLanes) {
+    const DistanceLanes d = distance(solid, load(x, n));
+    store(distances + n, d.value);
+    store(normals, n, d.normal);
+  }
+}
+
 HAPTIC_CLOTH_CLONES double sampleCurvature(const SamplePack* packs, int begin, int end, const ConstArrays& d,
                                            const double* d_origin) {
   Lanes sum{};

@@ -50,4 +50,8 @@ double sampleCurvature(const SamplePack* packs, int begin, int end, const ConstA
 double largestStep(const SamplePack* packs, int begin, int end, double share, const ConstArrays& d,
                    const double* d_origin);
 
+/// Signed distances [m] and normals of points 0 .. count - 1. @pre all arrays are padded to whole lanes
+void solidDistances(const SolidLanes& solid, int count, const ConstArrays& x, double* distances,
+                    const MutableArrays& normals);
+
 }  // namespace haptic_cloth
