@@ -1,5 +1,5 @@
 # The ROS side: one library with everything, and a thin main for each node.
-set(ros_mains node_main.cpp nodelet.cpp hand_main.cpp monitor_main.cpp
+set(ros_mains node_main.cpp nodelet.cpp hand_main.cpp mouse_hand_main.cpp path_hand_main.cpp monitor_main.cpp
   device_adapter_main.cpp)
 file(GLOB ros_sources CONFIGURE_DEPENDS src/ros/*.cpp)
 foreach(main ${ros_mains})
@@ -10,19 +10,21 @@ add_library(haptic_cloth_ros ${ros_sources})
 add_library(haptic_cloth_nodelet src/ros/nodelet.cpp)
 add_executable(haptic_cloth_node src/ros/node_main.cpp)
 add_executable(hand src/ros/hand_main.cpp)
+add_executable(mouse_hand src/ros/mouse_hand_main.cpp)
+add_executable(path_hand src/ros/path_hand_main.cpp)
 add_executable(monitor src/ros/monitor_main.cpp)
 add_executable(device_adapter src/ros/device_adapter_main.cpp)
 
 target_link_libraries(haptic_cloth_ros haptic_cloth haptic_cloth_private ${catkin_LIBRARIES})
-foreach(target haptic_cloth_nodelet haptic_cloth_node hand monitor device_adapter)
+foreach(target haptic_cloth_nodelet haptic_cloth_node hand mouse_hand path_hand monitor device_adapter)
   target_link_libraries(${target} haptic_cloth_ros)
 endforeach()
-foreach(target haptic_cloth_ros haptic_cloth_nodelet haptic_cloth_node hand monitor device_adapter)
+foreach(target haptic_cloth_ros haptic_cloth_nodelet haptic_cloth_node hand mouse_hand path_hand monitor device_adapter)
   target_include_directories(${target} SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
   add_dependencies(${target} ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
 endforeach()
 
-list(APPEND programs haptic_cloth_node hand monitor device_adapter)
+list(APPEND programs haptic_cloth_node hand mouse_hand path_hand monitor device_adapter)
 install(TARGETS haptic_cloth_ros haptic_cloth_nodelet LIBRARY DESTINATION lib ARCHIVE DESTINATION lib)
 install(FILES nodelet_plugins.xml DESTINATION share/haptic_cloth)
 install(DIRECTORY launch DESTINATION share/haptic_cloth)

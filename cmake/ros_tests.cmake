@@ -7,7 +7,7 @@ file(GLOB sources CONFIGURE_DEPENDS test/ros/unit/*.cpp)
 haptic_cloth_test(ros_unit_tests ${sources})
 set(ros_test_programs ros_unit_tests)
 
-foreach(name node lifecycle playback hand nodelet device)
+foreach(name node fingers lifecycle playback hand nodelet device)
   add_rostest_gtest(ros_${name}_test test/ros/${name}.test test/ros/${name}_test.cpp test/ros/ros_test_support.cpp)
   haptic_cloth_test_settings(ros_${name}_test)
   list(APPEND ros_test_programs ros_${name}_test)
@@ -16,6 +16,6 @@ endforeach()
 foreach(name ${ros_test_programs})
   target_include_directories(${name} SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
   target_link_libraries(${name} haptic_cloth_ros)
-  add_dependencies(${name} ${${PROJECT_NAME}_EXPORTED_TARGETS} haptic_cloth_node haptic_cloth_nodelet hand monitor
-    device_adapter)
+  add_dependencies(${name} ${${PROJECT_NAME}_EXPORTED_TARGETS} haptic_cloth_node haptic_cloth_nodelet hand mouse_hand
+    path_hand monitor device_adapter)
 endforeach()

@@ -15,7 +15,7 @@ fi
 # From the source tree; an installed copy runs in the environment it is called in.
 if [ -f "$here/../CMakeLists.txt" ]; then
   "$here/install_deps.sh"
-  TARGETS="haptic_cloth_node hand monitor haptic_cloth_generate_messages" "$here/build.sh"
+  TARGETS="haptic_cloth_node hand mouse_hand path_hand monitor haptic_cloth_generate_messages" "$here/build.sh"
   set +u
   source "${BUILD_DIR:-$here/../build}/devel/setup.bash"
   set -u

@@ -90,10 +90,16 @@ bool isUnit(const geometry_msgs::Quaternion& orientation) {
   return std::abs(toQuat(orientation).norm() - 1.0) <= 0.1;
 }
 
-Vec3 transformed(const geometry_msgs::TransformStamped& transform, const Vec3& position) {
+Pose toPose(const geometry_msgs::Pose& pose) { return {toVec3(pose.position), toQuat(pose.orientation)}; }
+
+Pose toPose(const geometry_msgs::TransformStamped& transform) {
   const auto& translation = transform.transform.translation;
-  return toQuat(transform.transform.rotation).normalized() * position +
-         Vec3(translation.x, translation.y, translation.z);
+  return {Vec3(translation.x, translation.y, translation.z),
+          toQuat(transform.transform.rotation).normalized()};
+}
+
+Pose composed(const Pose& frame, const Pose& pose) {
+  return {frame.position + frame.orientation * pose.position, frame.orientation * pose.orientation};
 }
 
 geometry_msgs::WrenchStamped toWrench(const Vec3& force, const ros::Time& stamp,

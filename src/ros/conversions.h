@@ -20,6 +20,7 @@ Vec3 toVec3(const geometry_msgs::Point& point);
 geometry_msgs::Point toPoint(const Vec3& position);
 Quat toQuat(const geometry_msgs::Quaternion& orientation);
 geometry_msgs::Pose toPose(const Vec3& position, const Quat& orientation = Quat::Identity());
+Pose toPose(const geometry_msgs::Pose& pose);
 
 /// Whether all numbers of the pose are finite.
 bool isFinite(const geometry_msgs::Pose& pose);
@@ -27,8 +28,11 @@ bool isFinite(const geometry_msgs::Pose& pose);
 /// Whether the quaternion's norm is 1 within 0.1.
 bool isUnit(const geometry_msgs::Quaternion& orientation);
 
-/// `position` in the transform's header frame, given in its child frame.
-Vec3 transformed(const geometry_msgs::TransformStamped& transform, const Vec3& position);
+/// The pose of the child frame in the header's.
+Pose toPose(const geometry_msgs::TransformStamped& transform);
+
+/// A pose given in `frame`, in what `frame` is given in.
+Pose composed(const Pose& frame, const Pose& pose);
 
 /// A pure force [N].
 geometry_msgs::WrenchStamped toWrench(const Vec3& force, const ros::Time& stamp, const std::string& frame_id);

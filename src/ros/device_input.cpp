@@ -1,28 +1,20 @@
 #include "ros/device_input.h"
 
 #include <ros/console.h>
-#include <tf2/exceptions.h>
 
 #include "ros/conversions.h"
 #include "ros/steady_clock.h"
 
 namespace haptic_cloth {
-namespace {
 
-std::string withoutSlash(const std::string& frame) {
-  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
-}
-
-}  // namespace
-
-DeviceInput::DeviceInput(const NodeOptions& options, const tf2_ros::Buffer& transforms, SharedState& shared)
-    : frame_id_(withoutSlash(options.frame_id)),
-      device_(options.device),
-      transforms_(transforms),
+DeviceInput::DeviceInput(const NodeOptions& options, const ProbeSettings& settings,
+                         const tf2_ros::Buffer& transforms, SharedProbe& shared)
+    : device_(settings.device),
+      frames_(options.frame_id, transforms),
       shared_(shared),
       gate_(options.max_pose_age),
-      filter_(options.velocity_time_constant, options.haptics.pose_timeout),
-      units_(options.device.workspace_radius) {}
+      filter_(options.velocity_time_constant, settings.haptics.pose_timeout),
+      units_(settings.device.workspace_radius) {}
 
 void DeviceInput::accept(const geometry_msgs::PoseStamped& pose) {
   StampedSample sample;
@@ -41,20 +33,33 @@ void DeviceInput::accept(const geometry_msgs::PoseStamped& pose) {
     case PoseVerdict::Accepted:
       break;
   }
-  if (!isUnit(pose.pose.orientation)) ++counters_.bad_quaternion;
+  takeOrientation(pose.pose.orientation);
   const Vec3 position = toVec3(pose.pose.position);
   checkUnits(position, sample.sample.received);
-  sample.frame_id = pose.header.frame_id.empty() ? frame_id_ : pose.header.frame_id;
-  sample.sample.position = placed(device_, position);
-  if (!toClothFrame(withoutSlash(sample.frame_id), sample)) {
+  sample.frame_id = pose.header.frame_id.empty() ? frames_.clothFrame() : pose.header.frame_id;
+  const std::optional<Pose> frame = device_.use_tf ? frames_.find(sample.frame_id) : Pose();
+  const Pose placed_pose{placed(device_, position), placed(device_, orientation_)};
+  const Pose there = composed(frame.value_or(Pose()), placed_pose);
+  if (!frame || !there.position.allFinite()) {
     ++counters_.unknown_frame;
     return;
   }
+  sample.frame_rotation = frame->orientation;
+  sample.orientation = there.orientation.normalized();
   sample.stamp = pose.header.stamp;
   sample.sample.stamp = pose.header.stamp.toSec();
+  sample.sample.position = there.position;
   sample.sample.velocity = filter_.update(sample.sample.position, sample.sample.received);
   shared_.device_for_haptics.write(sample);
   shared_.device_for_solver.write(sample);
+}
+
+void DeviceInput::takeOrientation(const geometry_msgs::Quaternion& orientation) {
+  if (isUnit(orientation)) {
+    orientation_ = toQuat(orientation).normalized();
+  } else {
+    ++counters_.bad_quaternion;
+  }
 }
 
 void DeviceInput::checkUnits(const Vec3& position, double received) {
@@ -63,20 +68,6 @@ void DeviceInput::checkUnits(const Vec3& position, double received) {
   if (doubt == UnitDoubt::None) return;
   counters_.doubt = doubt;
   ROS_WARN_STREAM(toText(doubt));
-}
-
-bool DeviceInput::toClothFrame(const std::string& frame, StampedSample& sample) const {
-  if (!device_.use_tf || frame == frame_id_) return true;
-  // The newest transform, not that of the stamp: a 1 kHz pose must not wait for a slower transform.
-  if (!transforms_.canTransform(frame_id_, frame, ros::Time(0))) return false;
-  try {
-    const auto transform = transforms_.lookupTransform(frame_id_, frame, ros::Time(0));
-    sample.sample.position = transformed(transform, sample.sample.position);
-    sample.frame_rotation = toQuat(transform.transform.rotation).normalized();
-  } catch (const tf2::TransformException&) {
-    return false;  // tf2 reports by exception when the buffer was cleared in between (clock set back)
-  }
-  return sample.sample.position.allFinite() && sample.frame_rotation.coeffs().allFinite();
 }
 
 }  // namespace haptic_cloth

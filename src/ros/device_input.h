@@ -2,13 +2,13 @@
 #pragma once
 
 #include <geometry_msgs/PoseStamped.h>
-#include <tf2_ros/buffer.h>
 
 #include <atomic>
 #include <cstdint>
 #include <string>
 
 #include "haptics/velocity_filter.h"
+#include "ros/frame_lookup.h"
 #include "ros/node_options.h"
 #include "ros/pose_gate.h"
 #include "ros/shared_state.h"
@@ -19,15 +19,17 @@ namespace haptic_cloth {
 /// What became of the poses since start. Written by the pose callback, read by the display thread.
 struct InputCounters {
   std::atomic<std::uint64_t> received{0}, not_finite{0}, unknown_frame{0}, out_of_order{0}, late{0};
-  std::atomic<std::uint64_t> bad_quaternion{0};  ///< taken all the same: a sphere has no orientation
+  std::atomic<std::uint64_t> bad_quaternion{0};  ///< taken all the same, with the last good orientation
   std::atomic<UnitDoubt> doubt{UnitDoubt::None};
   std::uint64_t dropped() const { return not_finite + unknown_frame + out_of_order + late; }
 };
 
-/// One thread calls accept().
+/// Of one probe. One thread calls accept().
 class DeviceInput {
  public:
-  DeviceInput(const NodeOptions& options, const tf2_ros::Buffer& transforms, SharedState& shared);
+  /// @param settings of the probe
+  DeviceInput(const NodeOptions& options, const ProbeSettings& settings, const tf2_ros::Buffer& transforms,
+              SharedProbe& shared);
 
   void accept(const geometry_msgs::PoseStamped& pose);
 
@@ -36,17 +38,16 @@ class DeviceInput {
  private:
   /// Warns once when the positions cannot be metres.
   void checkUnits(const Vec3& position, double received);
-  /// Brings the sample's position from the frame of the pose into the cloth's. @return false without a
-  /// transform
-  bool toClothFrame(const std::string& frame, StampedSample& sample) const;
+  /// Remembers the orientation of the pose if it is one.
+  void takeOrientation(const geometry_msgs::Quaternion& orientation);
 
-  std::string frame_id_;
   DeviceOptions device_;
-  const tf2_ros::Buffer& transforms_;
-  SharedState& shared_;
+  FrameLookup frames_;
+  SharedProbe& shared_;
   PoseGate gate_;
   VelocityFilter filter_;
   UnitCheck units_;
+  Quat orientation_ = Quat::Identity();  ///< last good one, by the driver
   InputCounters counters_;
 };
 

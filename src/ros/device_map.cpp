@@ -18,8 +18,7 @@ std::string tooHigh(const char* what, const char* unit, double felt, double limi
 
 }  // namespace
 
-DeviceOptions readDeviceOptions(ParameterGroup group) {
-  DeviceOptions device;
+DeviceOptions readDeviceOptions(ParameterGroup group, DeviceOptions device) {
   group.read("position_unit", device.position_unit, false);
   group.read("position_scale", device.position_scale, false);
   group.read("force_scale", device.force_scale, false);
@@ -36,6 +35,17 @@ DeviceOptions readDeviceOptions(ParameterGroup group) {
 
 Vec3 placed(const DeviceOptions& device, const Vec3& position) {
   return device.offset + device.orientation * (device.position_scale * device.position_unit * position);
+}
+
+Quat placed(const DeviceOptions& device, const Quat& orientation) { return device.orientation * orientation; }
+
+Vec3 positionForDriver(const DeviceOptions& device, const Vec3& position) {
+  return device.orientation.conjugate() * (position - device.offset) /
+         (device.position_scale * device.position_unit);
+}
+
+Quat orientationForDriver(const DeviceOptions& device, const Quat& orientation) {
+  return device.orientation.conjugate() * orientation;
 }
 
 Vec3 forceForDriver(const DeviceOptions& device, const Quat& frame, const Vec3& force) {

@@ -25,11 +25,19 @@ struct DeviceOptions {
   double workspace_radius = 0.0;  ///< [m]; 0: not known
 };
 
+/// @param device what holds where the group says nothing
 /// @throws InputError for unknown keys and impossible values
-DeviceOptions readDeviceOptions(ParameterGroup group);
+DeviceOptions readDeviceOptions(ParameterGroup group, DeviceOptions device = DeviceOptions());
 
 /// A position as the driver gives it, in the frame of its pose [m].
 Vec3 placed(const DeviceOptions& device, const Vec3& position);
+
+/// An orientation as the driver gives it, in the frame of its pose.
+Quat placed(const DeviceOptions& device, const Quat& orientation);
+
+/// What a driver must give for a device that is to stand there in the frame of its pose: undoes placed().
+Vec3 positionForDriver(const DeviceOptions& device, const Vec3& position);
+Quat orientationForDriver(const DeviceOptions& device, const Quat& orientation);
 
 /// Force on the probe [N] as what the driver must apply to the hand: scaled, in the axes in which it takes
 /// forces. With f the force on the probe and v its velocity, the hand receives force_scale/position_scale ·

@@ -33,6 +33,18 @@ void judge(DiagnosticStatus& status, int level, const std::string& message) {
   status.message = message;
 }
 
+const char* graspText(GraspState grasp) {
+  switch (grasp) {
+    case GraspState::Open:
+      return "open";
+    case GraspState::Closed:
+      return "closed";
+    case GraspState::Holding:
+      return "holds cloth";
+  }
+  return "unknown";
+}
+
 }  // namespace
 
 DiagnosticStatus solverStatus(const SolverStats& stats, bool paused, double now) {
@@ -78,14 +90,13 @@ DiagnosticStatus hapticStatus(const HapticStats& stats, double rate, const std::
   add(status, "late p99 [us]", 1e6 * stats.lateness.quantile(0.99));
   add(status, "late max [us]", 1e6 * stats.lateness.max());
   add(status, "scheduling", scheduling);
-  add(status, "status", std::string(toString(stats.status)));
-  add(status, "force [N]", stats.force.norm());
   return status;
 }
 
-DiagnosticStatus inputStatus(const InputCounters& counters) {
+DiagnosticStatus probeStatus(const std::string& name, const InputCounters& counters, const FeltForce& felt,
+                             GraspState grasp) {
   DiagnosticStatus status;
-  status.name = "haptic_cloth: probe input";
+  status.name = "haptic_cloth: " + name;
   const std::uint64_t dropped = counters.dropped();
   const UnitDoubt doubt = counters.doubt;
   if (counters.received == 0) {
@@ -97,6 +108,9 @@ DiagnosticStatus inputStatus(const InputCounters& counters) {
   } else {
     judge(status, DiagnosticStatus::OK, "receiving");
   }
+  add(status, "status", std::string(toString(felt.status)));
+  add(status, "force [N]", felt.force.norm());
+  add(status, "grasp", std::string(graspText(grasp)));
   add(status, "received", counters.received.load());
   add(status, "dropped", dropped);
   add(status, "dropped: not finite", counters.not_finite.load());
@@ -104,6 +118,23 @@ DiagnosticStatus inputStatus(const InputCounters& counters) {
   add(status, "dropped: out of order", counters.out_of_order.load());
   add(status, "dropped: late", counters.late.load());
   add(status, "units", std::string(doubt == UnitDoubt::None ? "plausible" : toText(doubt)));
+  add(status, "taken: bad quaternion", counters.bad_quaternion.load());
+  return status;
+}
+
+DiagnosticStatus obstacleStatus(const std::string& name, const ObstacleCounters& counters) {
+  DiagnosticStatus status;
+  status.name = "haptic_cloth: obstacle " + name;
+  const std::uint64_t dropped = counters.dropped();
+  if (dropped > 0) {
+    judge(status, DiagnosticStatus::WARN, std::to_string(dropped) + " poses dropped");
+  } else {
+    judge(status, DiagnosticStatus::OK, counters.received == 0 ? "no pose yet" : "receiving");
+  }
+  add(status, "received", counters.received.load());
+  add(status, "dropped", dropped);
+  add(status, "dropped: not finite", counters.not_finite.load());
+  add(status, "dropped: unknown frame", counters.unknown_frame.load());
   add(status, "taken: bad quaternion", counters.bad_quaternion.load());
   return status;
 }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "ros/device_input.h"
+#include "ros/obstacle_input.h"
 #include "ros/shared_state.h"
 
 namespace haptic_cloth {
@@ -14,12 +15,17 @@ namespace haptic_cloth {
 /// @param now steady clock [s]; statistics older than 2 s mean that the thread hangs
 diagnostic_msgs::DiagnosticStatus solverStatus(const SolverStats& stats, bool paused, double now);
 
+/// One probe: what its device sends, what it feels, what it holds.
+diagnostic_msgs::DiagnosticStatus probeStatus(const std::string& name, const InputCounters& counters,
+                                              const FeltForce& felt, GraspState grasp);
+
+/// One obstacle that can be moved.
+diagnostic_msgs::DiagnosticStatus obstacleStatus(const std::string& name, const ObstacleCounters& counters);
+
 /// @param rate that is wanted [Hz]
 /// @param scheduling as given by requestRealTime()
 diagnostic_msgs::DiagnosticStatus hapticStatus(const HapticStats& stats, double rate,
                                                const std::string& scheduling, double now);
-
-diagnostic_msgs::DiagnosticStatus inputStatus(const InputCounters& counters);
 
 /// @param registrations renewed after the master was lost
 diagnostic_msgs::DiagnosticStatus displayStatus(std::uint64_t marker_frames, std::uint64_t state_frames,

@@ -23,8 +23,7 @@ bool isDue(double now, double period, double& due) {
 }  // namespace
 
 DisplayThread::DisplayThread(const NodeOptions& options, const DisplayPublishers& publishers,
-                             const DeviceInput& input, const HapticThread& haptics, const MasterWatch& master,
-                             SharedState& shared)
+                             const DisplaySources& sources, SharedState& shared)
     : frame_id_(options.frame_id),
       columns_(options.scene.cloth.particles[0]),
       rows_(options.scene.cloth.particles[1]),
@@ -32,9 +31,7 @@ DisplayThread::DisplayThread(const NodeOptions& options, const DisplayPublishers
       state_period_(1.0 / options.state_rate),
       haptic_rate_(options.haptics.rate),
       publishers_(publishers),
-      input_(input),
-      haptics_(haptics),
-      master_(master),
+      sources_(sources),
       shared_(shared),
       builder_(options.scene, options.frame_id, options.markers_force_scale) {}
 
@@ -48,21 +45,23 @@ void DisplayThread::run() {
         isDue(now, markers_period_, markers_due) && publishers_.markers.getNumSubscribers() > 0;
     const bool state = isDue(now, state_period_, state_due);
     const bool mesh = state && publishers_.state.getNumSubscribers() > 0;
-    const bool proxy = state && publishers_.proxy.getNumSubscribers() > 0;
+    const bool proxy = state && proxiesWanted();
     if (markers || mesh || proxy) {
       // The copy that answers this wish is shown next time: at most one frame old, and nobody waits.
       const DisplayFrame& frame = shared_.frame.read();
       shared_.frame_wanted = true;
       if (frame.valid && markers) publishMarkers(frame);
       if (frame.valid && mesh) publishState(frame);
-      if (frame.valid && proxy) publishProxy(frame);
+      if (frame.valid && proxy) publishProxies(frame);
     }
     if (isDue(now, kDiagnosticsPeriod, diagnostics_due)) publishDiagnostics(now);
   }
 }
 
 void DisplayThread::publishMarkers(const DisplayFrame& frame) {
-  publishers_.markers.publish(builder_.build(frame, shared_.force.read(), ros::Time::now()));
+  forces_.clear();
+  for (SharedProbe& probe : shared_.probes) forces_.push_back(probe.felt.read().force);
+  publishers_.markers.publish(builder_.build(frame, forces_, ros::Time::now()));
   ++marker_frames_;
 }
 
@@ -74,22 +73,39 @@ void DisplayThread::publishState(const DisplayFrame& frame) {
   ++state_frames_;
 }
 
-void DisplayThread::publishProxy(const DisplayFrame& frame) {
-  if (!frame.probe.present) return;
+bool DisplayThread::proxiesWanted() const {
+  return std::any_of(sources_.probes.begin(), sources_.probes.end(),
+                     [](const ProbeTopics& probe) { return probe.proxy().getNumSubscribers() > 0; });
+}
+
+void DisplayThread::publishProxies(const DisplayFrame& frame) {
   geometry_msgs::PoseStamped proxy;
   proxy.header.stamp = ros::Time::now();
   proxy.header.frame_id = frame_id_;
-  proxy.pose = toPose(frame.probe.proxy);
-  publishers_.proxy.publish(proxy);
+  for (std::size_t k = 0; k < frame.probes.size(); ++k) {
+    const ProbeView& probe = frame.probes[k];
+    if (!probe.report.present) continue;
+    proxy.pose = toPose(probe.report.proxy, probe.orientation);
+    sources_.probes[k].proxy().publish(proxy);
+  }
 }
 
 void DisplayThread::publishDiagnostics(double now) {
   diagnostic_msgs::DiagnosticArray array;
   array.header.stamp = ros::Time::now();
-  array.status = {solverStatus(shared_.solver_stats.read(), shared_.paused, now),
-                  hapticStatus(shared_.haptic_stats.read(), haptic_rate_, haptics_.scheduling(), now),
-                  inputStatus(input_.counters()),
-                  displayStatus(marker_frames_, state_frames_, master_.reachable(), master_.renewals())};
+  array.status = {
+      solverStatus(shared_.solver_stats.read(), shared_.paused, now),
+      hapticStatus(shared_.haptic_stats.read(), haptic_rate_, sources_.haptics.scheduling(), now),
+      displayStatus(marker_frames_, state_frames_, sources_.master.reachable(), sources_.master.renewals())};
+  for (std::size_t k = 0; k < sources_.probes.size(); ++k) {
+    const ProbeTopics& probe = sources_.probes[k];
+    SharedProbe& shared = shared_.probes[k];
+    array.status.push_back(
+        probeStatus(probe.name(), probe.input().counters(), shared.felt.read(), shared.grasp));
+  }
+  for (const ObstacleTopics& obstacle : sources_.obstacles) {
+    array.status.push_back(obstacleStatus(obstacle.name(), obstacle.counters()));
+  }
   publishers_.diagnostics.publish(array);
 }
 

@@ -4,24 +4,36 @@
 #include <haptic_cloth/ClothState.h>
 #include <ros/publisher.h>
 
-#include "ros/device_input.h"
+#include <deque>
+#include <vector>
+
 #include "ros/haptic_thread.h"
 #include "ros/markers.h"
 #include "ros/master_watch.h"
 #include "ros/node_options.h"
+#include "ros/obstacle_topics.h"
+#include "ros/probe_topics.h"
 #include "ros/shared_state.h"
 
 namespace haptic_cloth {
 
 /// What the display thread publishes to.
 struct DisplayPublishers {
-  ros::Publisher markers, state, proxy, diagnostics;
+  ros::Publisher markers, state, diagnostics;
+};
+
+/// The parts of the node that the display thread speaks of.
+struct DisplaySources {
+  const std::deque<ProbeTopics>& probes;
+  const std::deque<ObstacleTopics>& obstacles;
+  const HapticThread& haptics;
+  const MasterWatch& master;
 };
 
 class DisplayThread {
  public:
-  DisplayThread(const NodeOptions& options, const DisplayPublishers& publishers, const DeviceInput& input,
-                const HapticThread& haptics, const MasterWatch& master, SharedState& shared);
+  DisplayThread(const NodeOptions& options, const DisplayPublishers& publishers,
+                const DisplaySources& sources, SharedState& shared);
 
   /// Runs until shared.stop.
   void run();
@@ -29,7 +41,8 @@ class DisplayThread {
  private:
   void publishMarkers(const DisplayFrame& frame);
   void publishState(const DisplayFrame& frame);
-  void publishProxy(const DisplayFrame& frame);
+  bool proxiesWanted() const;
+  void publishProxies(const DisplayFrame& frame);
   void publishDiagnostics(double now);
 
   std::string frame_id_;
@@ -37,13 +50,12 @@ class DisplayThread {
   double markers_period_, state_period_;  ///< [s]
   double haptic_rate_;                    ///< [Hz]
   DisplayPublishers publishers_;
-  const DeviceInput& input_;
-  const HapticThread& haptics_;
-  const MasterWatch& master_;
+  DisplaySources sources_;
   SharedState& shared_;
   MarkerBuilder builder_;
   ClothState state_;
   std::vector<int> scratch_;
+  std::vector<Vec3> forces_;
   std::uint64_t marker_frames_ = 0, state_frames_ = 0;
 };
 

@@ -1,16 +1,15 @@
 #include "ros/haptic_thread.h"
 
 #include <pthread.h>
-#include <ros/time.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
-#include "ros/conversions.h"
 #include "ros/steady_clock.h"
 
 namespace haptic_cloth {
@@ -41,13 +40,13 @@ std::string requestRealTime() {
          (locked ? ", memory locked" : std::string(", memory not locked (") + std::strerror(errno) + ")");
 }
 
-HapticThread::HapticThread(const NodeOptions& options, const ros::Publisher& reaction, SharedState& shared)
-    : frame_id_(options.frame_id),
-      device_(options.device),
-      period_(1.0 / options.haptics.rate),
-      reaction_(reaction),
-      shared_(shared),
-      loop_(limitsAtProbe(options.haptics, options.device)) {}
+HapticThread::HapticThread(const NodeOptions& options, const std::vector<ros::Publisher>& reactions,
+                           SharedState& shared)
+    : period_(1.0 / options.haptics.rate), shared_(shared) {
+  for (std::size_t k = 0; k < reactions.size(); ++k) {
+    probes_.emplace_back(options.frame_id, options.probes[k], reactions[k], shared.probes[k]);
+  }
+}
 
 void HapticThread::run() {
   scheduling_ = requestRealTime();
@@ -65,18 +64,12 @@ void HapticThread::run() {
 }
 
 void HapticThread::tick(double now, bool paused) {
-  const StampedSample& device = shared_.device_for_haptics.read();
-  force_ = loop_.tick(device.sample, shared_.snapshot.read(), paused, now);
-  publish(force_, device);
-  shared_.force.write(force_);
+  for (HapticProbe& probe : probes_) probe.tick(now, paused);
 }
 
-void HapticThread::publish(const Vec3& force, const StampedSample& device) {
-  // With the pose's stamp the receiver can tell how old the force is; without a pose, the clock's.
-  const bool answers = device.sample.received >= 0.0;
-  reaction_.publish(toWrench(forceForDriver(device_, device.frame_rotation, force),
-                             answers ? device.stamp : ros::Time::now(),
-                             answers ? device.frame_id : frame_id_));
+bool HapticThread::isQuiet() const {
+  return std::all_of(probes_.begin(), probes_.end(),
+                     [](const HapticProbe& probe) { return probe.isQuiet(); });
 }
 
 void HapticThread::record(double now, double lateness) {
@@ -86,8 +79,6 @@ void HapticThread::record(double now, double lateness) {
   if (now - window_start_ < kWindow) return;
   window_.taken = now;
   window_.wall = now - window_start_;
-  window_.status = loop_.status();
-  window_.force = force_;
   shared_.haptic_stats.write(window_);
   window_.lateness.clear();
   window_.ticks = 0;
@@ -96,12 +87,12 @@ void HapticThread::record(double now, double lateness) {
 
 void HapticThread::endWithZeros() {
   // As in a pause: down within the ramp time.
-  for (int i = 0; i < kMaxRampTicks && !force_.isZero(0.0); ++i) {
+  for (int i = 0; i < kMaxRampTicks && !isQuiet(); ++i) {
     sleepUntil(steadyNow() + period_);
     tick(steadyNow(), true);
   }
   for (int i = 0; i < kZeros; ++i) {
-    reaction_.publish(toWrench(Vec3::Zero(), ros::Time::now(), frame_id_));
+    for (HapticProbe& probe : probes_) probe.sendZero();
     sleepUntil(steadyNow() + kZeroPeriod);
   }
 }

@@ -1,10 +1,12 @@
-/// The haptic thread: a wrench every millisecond, whatever the solver does.
+/// The haptic thread: a wrench for every probe every millisecond, whatever the solver does.
 #pragma once
 
 #include <ros/publisher.h>
 
 #include <string>
+#include <vector>
 
+#include "ros/haptic_probe.h"
 #include "ros/node_options.h"
 #include "ros/shared_state.h"
 
@@ -16,7 +18,8 @@ std::string requestRealTime();
 
 class HapticThread {
  public:
-  HapticThread(const NodeOptions& options, const ros::Publisher& reaction, SharedState& shared);
+  /// @param reactions one for each probe
+  HapticThread(const NodeOptions& options, const std::vector<ros::Publisher>& reactions, SharedState& shared);
 
   /// Runs until shared.stop; then ramps down and sends zeros.
   void run();
@@ -26,18 +29,13 @@ class HapticThread {
 
  private:
   void tick(double now, bool paused);
-  /// Sends the force in the frame, axes and scale of the pose it answers.
-  void publish(const Vec3& force, const StampedSample& device);
+  bool isQuiet() const;
   void record(double now, double lateness);
   void endWithZeros();
 
-  std::string frame_id_;
-  DeviceOptions device_;
   double period_;  ///< [s]
-  ros::Publisher reaction_;
   SharedState& shared_;
-  HapticLoop loop_;
-  Vec3 force_ = Vec3::Zero();  ///< last sent, on the probe in the cloth's frame [N]
+  std::vector<HapticProbe> probes_;
   HapticStats window_;
   double window_start_ = -1.0;
   std::string scheduling_;

@@ -13,32 +13,28 @@ using visualization_msgs::Marker;
 
 /// rviz shows 20,000 triangles at 30 Hz even without a graphics card; a finer grid is thinned out.
 constexpr int kMaxTriangles = 20000;
-constexpr double kAmbient = 0.35;      ///< share of light from everywhere [-]
-constexpr double kLineLift = 3e-4;     ///< mesh lines above the surface, against flicker [m]
-constexpr double kPlaneSide = 2.0;     ///< of the drawn part of a plane [m]
-constexpr double kPlaneDepth = 0.002;  ///< [m]
+constexpr double kAmbient = 0.35;   ///< share of light from everywhere [-]
+constexpr double kLineLift = 3e-4;  ///< mesh lines above the surface, against flicker [m]
 constexpr float kClothRed = 0.25F, kClothGreen = 0.50F, kClothBlue = 0.85F;
-
-std_msgs::ColorRGBA color(float r, float g, float b, float a = 1.0F) {
-  std_msgs::ColorRGBA color;
-  color.r = r;
-  color.g = g;
-  color.b = b;
-  color.a = a;
-  return color;
-}
 
 std_msgs::ColorRGBA levelColor(int level) {
   static const std::array<std_msgs::ColorRGBA, 4> kColors{
-      color(0.90F, 0.20F, 0.10F), color(1.0F, 0.75F, 0.1F), color(0.95F, 0.95F, 0.95F),
-      color(0.4F, 1.0F, 0.6F)};
+      markerColor(0.90F, 0.20F, 0.10F), markerColor(1.0F, 0.75F, 0.1F), markerColor(0.95F, 0.95F, 0.95F),
+      markerColor(0.4F, 1.0F, 0.6F)};
   return kColors[std::clamp(level, 0, 3)];
 }
 
-void setScale(Marker& marker, double x, double y, double z) {
-  marker.scale.x = x;
-  marker.scale.y = y;
-  marker.scale.z = z;
+/// Of a proxy: orange, greener when its grasp is closed, green when it holds cloth.
+std_msgs::ColorRGBA graspColor(GraspState grasp) {
+  switch (grasp) {
+    case GraspState::Closed:
+      return markerColor(0.75F, 0.75F, 0.15F);
+    case GraspState::Holding:
+      return markerColor(0.15F, 0.75F, 0.25F);
+    case GraspState::Open:
+      break;
+  }
+  return markerColor(0.95F, 0.55F, 0.1F);
 }
 
 /// Smallest step that divides the grid and keeps the surface below kMaxTriangles.
@@ -57,69 +53,35 @@ MarkerBuilder::MarkerBuilder(const Scene& scene, const std::string& frame_id, do
     : columns_(scene.cloth.particles[0]),
       rows_(scene.cloth.particles[1]),
       stride_(surfaceStride(columns_, rows_)),
-      probe_radius_(scene.probes[0].radius),
       force_scale_(force_scale),
       frame_id_(frame_id) {
-  add("surface", Marker::TRIANGLE_LIST);
-  add("mesh", Marker::LINE_LIST).scale.x = 0.0005;
-  add("probe", Marker::SPHERE).color = color(0.9F, 0.9F, 0.2F, 0.4F);
-  add("proxy", Marker::SPHERE).color = color(0.95F, 0.55F, 0.1F);
-  add("force", Marker::ARROW).color = color(0.85F, 0.1F, 0.5F);
-  setScale(markers_.markers[kForce], 0.004, 0.008, 0.0);
-  for (const Obstacle& obstacle : scene.obstacles) addObstacle(obstacle);
-}
-
-Marker& MarkerBuilder::add(const std::string& name, int type) {
-  Marker marker;
-  marker.header.frame_id = frame_id_;
-  marker.ns = name;
-  marker.id = static_cast<int>(markers_.markers.size());
-  marker.type = type;
-  marker.action = Marker::ADD;
-  marker.pose.orientation.w = 1.0;
-  setScale(marker, 1.0, 1.0, 1.0);
-  marker.color = color(1.0F, 1.0F, 1.0F);
-  markers_.markers.push_back(marker);
-  return markers_.markers.back();
-}
-
-void MarkerBuilder::addObstacle(const Obstacle& obstacle) {
-  const auto part = [&](int type, const Vec3& offset) -> Marker& {
-    Marker& marker = add("obstacles", type);
-    marker.pose =
-        toPose(obstacle.pose.position + obstacle.pose.orientation * offset, obstacle.pose.orientation);
-    marker.color = color(0.55F, 0.55F, 0.58F);
-    return marker;
-  };
-  const double diameter = 2.0 * obstacle.radius;
-  switch (obstacle.shape) {
-    case Shape::Box:
-      setScale(part(Marker::CUBE, Vec3::Zero()), obstacle.size.x(), obstacle.size.y(), obstacle.size.z());
-      break;
-    case Shape::Sphere:
-      setScale(part(Marker::SPHERE, Vec3::Zero()), diameter, diameter, diameter);
-      break;
-    case Shape::Cylinder:
-      setScale(part(Marker::CYLINDER, Vec3::Zero()), diameter, diameter, obstacle.length);
-      break;
-    case Shape::Capsule:
-      setScale(part(Marker::CYLINDER, Vec3::Zero()), diameter, diameter, obstacle.length);
-      for (const double side : {-0.5, 0.5}) {
-        setScale(part(Marker::SPHERE, side * obstacle.length * Vec3::UnitZ()), diameter, diameter, diameter);
-      }
-      break;
-    case Shape::Plane:
-      setScale(part(Marker::CUBE, -0.5 * kPlaneDepth * Vec3::UnitZ()), kPlaneSide, kPlaneSide, kPlaneDepth);
-      break;
+  addMarker(markers_, "surface", Marker::TRIANGLE_LIST, frame_id);
+  addMarker(markers_, "mesh", Marker::LINE_LIST, frame_id).scale.x = 0.0005;
+  for (const ProbeOptions& probe : scene.probes) addProbe(probe);
+  for (const Obstacle& obstacle : scene.obstacles) {
+    obstacles_.emplace_back(markers_, "obstacles", obstacle, markerColor(0.55F, 0.55F, 0.58F), frame_id);
   }
 }
 
-const visualization_msgs::MarkerArray& MarkerBuilder::build(const DisplayFrame& frame, const Vec3& force,
+void MarkerBuilder::addProbe(const ProbeOptions& probe) {
+  const Obstacle solid = shapeOf(probe);
+  const SolidMarkers device(markers_, probe.name + "/device", solid, markerColor(0.9F, 0.9F, 0.2F, 0.4F),
+                            frame_id_);
+  const SolidMarkers proxy(markers_, probe.name + "/proxy", solid, graspColor(GraspState::Open), frame_id_);
+  probes_.push_back({device, proxy, markers_.markers.size()});
+  Marker& arrow = addMarker(markers_, probe.name + "/force", Marker::ARROW, frame_id_);
+  arrow.color = markerColor(0.85F, 0.1F, 0.5F);
+  setScale(arrow, 0.004, 0.008, 0.0);
+}
+
+const visualization_msgs::MarkerArray& MarkerBuilder::build(const DisplayFrame& frame,
+                                                            const std::vector<Vec3>& forces,
                                                             const ros::Time& stamp) {
   updateNormals(frame);
   updateSurface(frame);
   updateMesh(frame);
-  updateProbe(frame.probe, force);
+  for (std::size_t k = 0; k < probes_.size(); ++k) updateProbe(probes_[k], frame.probes[k], forces[k]);
+  for (std::size_t k = 0; k < obstacles_.size(); ++k) obstacles_[k].place(markers_, frame.obstacles[k]);
   for (Marker& marker : markers_.markers) marker.header.stamp = stamp;
   return markers_;
 }
@@ -140,7 +102,7 @@ void MarkerBuilder::updateNormals(const DisplayFrame& frame) {
       normal = norm > 0.0 ? Vec3(normal / norm) : Vec3(Vec3::UnitZ());
       const auto lit = static_cast<float>(kAmbient + (1.0 - kAmbient) * std::abs(normal.dot(light)));
       normals_[j * columns_ + i] = normal;
-      shade_[j * columns_ + i] = color(kClothRed * lit, kClothGreen * lit, kClothBlue * lit);
+      shade_[j * columns_ + i] = markerColor(kClothRed * lit, kClothGreen * lit, kClothBlue * lit);
     }
   }
 }
@@ -190,19 +152,17 @@ void MarkerBuilder::updateMesh(const DisplayFrame& frame) {
   mesh.colors.resize(2 * lines, levelColor(0));
 }
 
-void MarkerBuilder::updateProbe(const ProbeReport& probe, const Vec3& force) {
-  // An absent probe is not deleted but shrunk to nothing visible, so that it needs no second message.
-  const double diameter = probe.present ? 2.0 * probe_radius_ : 1e-6;
-  for (const Index index : {kProbe, kProxy}) {
-    Marker& marker = markers_.markers[index];
-    marker.pose.position = toPoint(index == kProbe ? probe.device : probe.proxy);
-    setScale(marker, diameter, diameter, diameter);
-  }
-  Marker& arrow = markers_.markers[kForce];
-  const Vec3 tip = probe.proxy + force_scale_ * force;
-  arrow.points = {toPoint(probe.proxy), toPoint(tip)};
+void MarkerBuilder::updateProbe(const ProbeMarkers& markers, const ProbeView& probe, const Vec3& force) {
+  const ProbeReport& report = probe.report;
+  markers.device.place(markers_, {report.device, probe.orientation});
+  markers.proxy.place(markers_, {report.proxy, probe.orientation});
+  for (const SolidMarkers& solid : {markers.device, markers.proxy}) solid.show(markers_, report.present);
+  markers.proxy.paint(markers_, graspColor(probe.grasp));
+  Marker& arrow = markers_.markers[markers.arrow];
+  const Vec3 tip = report.proxy + force_scale_ * force;
+  arrow.points = {toPoint(report.proxy), toPoint(tip)};
   // rviz warns of an arrow without length.
-  arrow.action = (tip - probe.proxy).norm() > 1e-4 ? Marker::ADD : Marker::DELETE;
+  arrow.action = (tip - report.proxy).norm() > 1e-4 ? Marker::ADD : Marker::DELETE;
 }
 
 }  // namespace haptic_cloth

@@ -20,6 +20,18 @@ void readHaptics(ParameterGroup group, HapticOptions& haptics) {
   group.rejectRest();
 }
 
+/// Every probe's device and limits.
+void settleProbes(ParameterGroup devices, const std::string& origin, NodeOptions& options) {
+  for (const ProbeOptions& probe : options.scene.probes) {
+    ProbeSettings settings{readDeviceOptions(devices.group(probe.name), options.device), options.haptics};
+    settings.haptics.coupling_stiffness = probe.coupling_stiffness;
+    settings.haptics.coupling_damping = probe.coupling_damping;
+    validateHapticOptions(settings.haptics, origin);
+    options.probes.push_back(settings);
+  }
+  devices.rejectRest();
+}
+
 }  // namespace
 
 NodeOptions parseNodeOptions(const XmlRpcValue& parameters, const std::string& origin) {
@@ -33,6 +45,7 @@ NodeOptions parseNodeOptions(const XmlRpcValue& parameters, const std::string& o
   root.read("step_budget", options.step_budget, true);
   readHaptics(root.group("haptics"), options.haptics);
   options.device = readDeviceOptions(root.group("device"));
+  const ParameterGroup devices = root.group("devices");
   ParameterGroup markers = root.group("markers");
   markers.read("rate", options.markers_rate, false);
   markers.read("force_scale", options.markers_force_scale, false);
@@ -48,9 +61,7 @@ NodeOptions parseNodeOptions(const XmlRpcValue& parameters, const std::string& o
   double& budget = options.scene.solver.minimizer.time_budget;
   if (options.step_budget > 0.0 && (budget == 0.0 || budget > options.step_budget))
     budget = options.step_budget;
-  options.haptics.coupling_stiffness = options.scene.probes[0].coupling_stiffness;
-  options.haptics.coupling_damping = options.scene.probes[0].coupling_damping;
-  validateHapticOptions(options.haptics, origin);
+  settleProbes(devices, origin, options);
   return options;
 }
 

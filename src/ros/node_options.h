@@ -4,12 +4,19 @@
 #include <xmlrpcpp/XmlRpcValue.h>
 
 #include <string>
+#include <vector>
 
 #include "haptic_cloth/haptics.h"
 #include "haptic_cloth/scene.h"
 #include "ros/device_map.h"
 
 namespace haptic_cloth {
+
+/// How one probe is served.
+struct ProbeSettings {
+  DeviceOptions device;
+  HapticOptions haptics;  ///< limits at the device; coupling as in the scene
+};
 
 struct NodeOptions {
   std::string frame_id = "world";         ///< the cloth's frame, and that of all output
@@ -22,9 +29,10 @@ struct NodeOptions {
   double markers_rate = 30.0;         ///< [Hz]
   double markers_force_scale = 0.05;  ///< length of the force arrow [m/N]
   double state_rate = 30.0;           ///< [Hz]
-  DeviceOptions device;
-  HapticOptions haptics;  ///< limits at the device; coupling as in the scene's probe
+  DeviceOptions device;               ///< what holds for every probe's
+  HapticOptions haptics;              ///< what holds for every probe
   Scene scene;
+  std::vector<ProbeSettings> probes;  ///< in the scene's order
 };
 
 /// Reads the tree of private parameters: the keys of a scene file beside those of NodeOptions

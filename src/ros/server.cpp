@@ -1,8 +1,6 @@
 #include "ros/server.h"
 
 #include <diagnostic_msgs/DiagnosticArray.h>
-#include <geometry_msgs/PoseStamped.h>
-#include <geometry_msgs/WrenchStamped.h>
 #include <haptic_cloth/ClothState.h>
 #include <ros/callback_queue.h>
 #include <ros/spinner.h>
@@ -12,15 +10,18 @@
 #include <tf2_ros/transform_listener.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include <algorithm>
 #include <chrono>
+#include <deque>
 #include <future>
 #include <vector>
 
-#include "ros/device_input.h"
 #include "ros/display_thread.h"
 #include "ros/haptic_thread.h"
 #include "ros/master_watch.h"
 #include "ros/node_options.h"
+#include "ros/obstacle_topics.h"
+#include "ros/probe_topics.h"
 #include "ros/solver_loop.h"
 #include "ros/steady_clock.h"
 #include "ros/topics.h"
@@ -40,7 +41,6 @@ NodeOptions readParameters(const ros::NodeHandle& private_node) {
 DisplayPublishers advertise(ros::NodeHandle& node) {
   return {node.advertise<visualization_msgs::MarkerArray>(topics::kMarkers, topics::kMarkersQueue),
           node.advertise<ClothState>(topics::kState, topics::kStateQueue),
-          node.advertise<geometry_msgs::PoseStamped>(topics::kProxy, topics::kProxyQueue),
           node.advertise<diagnostic_msgs::DiagnosticArray>(topics::kDiagnostics, topics::kDiagnosticsQueue)};
 }
 
@@ -50,23 +50,20 @@ class HapticClothServer::Implementation {
  public:
   Implementation(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
       : options_(readParameters(private_node)),
+        shared_(options_.scene),
         solver_(options_, shared_),
         node_(node),
         private_node_(private_node),
         transform_listener_(transforms_),
-        input_(options_, transforms_, shared_),
-        reaction_(node_.advertise<geometry_msgs::WrenchStamped>(topics::kReaction, topics::kReactionQueue)),
-        haptics_(options_, reaction_, shared_),
-        master_({private_node_.resolveName(topics::kReset), private_node_.resolveName(topics::kPause),
-                 ros::this_node::getName() + "/get_loggers",
-                 ros::this_node::getName() + "/set_logger_level"}),
-        display_(options_, advertise(node_), input_, haptics_, master_, shared_),
+        probes_(offerProbes()),
+        obstacles_(offerObstacles()),
+        haptics_(options_, reactions(), shared_),
+        master_(services()),
+        display_(options_, advertise(node_), {probes_, obstacles_, haptics_, master_}, shared_),
         pose_spinner_(1, &pose_queue_),
         service_spinner_(1, &service_queue_) {
-    for (const std::string& warning : deviceWarnings(options_.device, options_.haptics))
-      ROS_WARN_STREAM(warning);
+    warn();
     offerServices();
-    subscribe();
     start([this] { solver_.run(); });
     start([this] { haptics_.run(); });
     start([this] { display_.run(); });
@@ -99,14 +96,46 @@ class HapticClothServer::Implementation {
     threads_.push_back(std::async(std::launch::async, work));
   }
 
-  void subscribe() {
-    // A queue and a thread of its own: a pose waits for no service.
-    ros::SubscribeOptions pose = ros::SubscribeOptions::create<geometry_msgs::PoseStamped>(
-        topics::kPose, topics::kPoseQueue,
-        [this](const geometry_msgs::PoseStamped::ConstPtr& message) { input_.accept(*message); },
-        ros::VoidConstPtr(), &pose_queue_);
-    pose.transport_hints = ros::TransportHints().tcpNoDelay();
-    pose_subscriber_ = node_.subscribe(pose);
+  void warn() const {
+    for (std::size_t k = 0; k < probes_.size(); ++k) {
+      const ProbeSettings& settings = options_.probes[k];
+      for (const std::string& warning : deviceWarnings(settings.device, settings.haptics))
+        ROS_WARN_STREAM(probes_[k].name() << ": " << warning);
+    }
+  }
+
+  std::deque<ProbeTopics> offerProbes() {
+    std::deque<ProbeTopics> probes;
+    for (std::size_t k = 0; k < options_.scene.probes.size(); ++k) {
+      probes.emplace_back(options_, k, transforms_, node_, Queues{pose_queue_, service_queue_}, shared_);
+    }
+    return probes;
+  }
+
+  std::deque<ObstacleTopics> offerObstacles() {
+    std::deque<ObstacleTopics> obstacles;
+    const FrameLookup frames(options_.frame_id, transforms_);
+    for (std::size_t k = 0; k < options_.scene.obstacles.size(); ++k) {
+      const Obstacle& obstacle = options_.scene.obstacles[k];
+      if (obstacle.name.empty()) continue;
+      obstacles.emplace_back(obstacle, frames, node_, pose_queue_, shared_.obstacles[k]);
+    }
+    return obstacles;
+  }
+
+  std::vector<ros::Publisher> reactions() const {
+    std::vector<ros::Publisher> publishers;
+    for (const ProbeTopics& probe : probes_) publishers.push_back(probe.reaction());
+    return publishers;
+  }
+
+  /// Full names of all services of this node.
+  std::vector<std::string> services() const {
+    std::vector<std::string> names{
+        private_node_.resolveName(topics::kReset), private_node_.resolveName(topics::kPause),
+        ros::this_node::getName() + "/get_loggers", ros::this_node::getName() + "/set_logger_level"};
+    for (const ProbeTopics& probe : probes_) names.push_back(probe.service());
+    return names;
   }
 
   void offerServices() {
@@ -126,6 +155,9 @@ class HapticClothServer::Implementation {
 
   bool pause(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
     shared_.paused = request.data;
+    if (request.data) {
+      for (SharedProbe& probe : shared_.probes) probe.grasp_wanted = false;
+    }
     response.success = true;
     response.message = request.data ? "paused" : "running";
     return true;
@@ -138,13 +170,12 @@ class HapticClothServer::Implementation {
   ros::NodeHandle node_, private_node_;
   tf2_ros::Buffer transforms_;
   tf2_ros::TransformListener transform_listener_;
-  DeviceInput input_;
-  ros::Publisher reaction_;
+  ros::CallbackQueue pose_queue_, service_queue_;
+  std::deque<ProbeTopics> probes_;
+  std::deque<ObstacleTopics> obstacles_;
   HapticThread haptics_;
   MasterWatch master_;
   DisplayThread display_;
-  ros::CallbackQueue pose_queue_, service_queue_;
-  ros::Subscriber pose_subscriber_;
   ros::ServiceServer reset_service_, pause_service_;
   ros::AsyncSpinner pose_spinner_, service_spinner_;
   std::vector<std::future<void>> threads_;

@@ -21,6 +21,17 @@ struct StampedSample {
   ros::Time stamp;
   std::string frame_id;                    ///< of the message
   Quat frame_rotation = Quat::Identity();  ///< of that frame in the cloth's
+  Quat orientation = Quat::Identity();     ///< of the device in the cloth's frame
+};
+
+/// What a probe does with the cloth it touches.
+enum class GraspState { Open, Closed, Holding };
+
+/// A probe as it is shown.
+struct ProbeView {
+  ProbeReport report;
+  Quat orientation = Quat::Identity();
+  GraspState grasp = GraspState::Open;
 };
 
 /// A copy of what is shown.
@@ -29,7 +40,8 @@ struct DisplayFrame {
   std::vector<Vec3> positions;
   std::vector<CellView> cells;
   std::vector<float> tension, bending;
-  ProbeReport probe;
+  std::vector<ProbeView> probes;  ///< in the scene's order, as the obstacles
+  std::vector<Pose> obstacles;
   bool valid = false;
 };
 
@@ -52,18 +64,41 @@ struct HapticStats {
   double wall = 0.0;    ///< [s]
   int ticks = 0;
   LatenessHistogram lateness;
-  HapticStatus status = HapticStatus::NoPose;
-  Vec3 force = Vec3::Zero();  ///< at the end of the window [N]
 };
 
-struct SharedState {
+/// What a hand feels.
+struct FeltForce {
+  HapticStatus status = HapticStatus::NoPose;
+  Vec3 force = Vec3::Zero();  ///< on the probe [N]
+};
+
+/// Of one probe.
+struct SharedProbe {
   Mailbox<StampedSample> device_for_haptics;  ///< pose callback → haptic thread
   Mailbox<StampedSample> device_for_solver;   ///< pose callback → solver thread
   Mailbox<ProbeSnapshot> snapshot;            ///< solver thread → haptic thread
-  Mailbox<DisplayFrame> frame;                ///< solver thread → display thread
-  Mailbox<SolverStats> solver_stats;          ///< solver thread → display thread
-  Mailbox<HapticStats> haptic_stats;          ///< haptic thread → display thread
-  Mailbox<Vec3> force;                        ///< haptic thread → display thread [N]
+  Mailbox<FeltForce> felt;                    ///< haptic thread → display thread
+
+  std::atomic<bool> present{false};       ///< the solver has a pose of it
+  std::atomic<bool> grasp_wanted{false};  ///< set by topic and service; the solver opens it
+  std::atomic<GraspState> grasp{GraspState::Open};
+};
+
+/// Where an obstacle is sent.
+struct ObstacleTarget {
+  std::uint64_t number = 0;  ///< counts up; 0: none yet
+  Pose pose;
+};
+
+struct SharedState {
+  explicit SharedState(const Scene& scene) : probes(scene.probes.size()), obstacles(scene.obstacles.size()) {}
+
+  std::vector<SharedProbe> probes;                 ///< in the scene's order
+  std::vector<Mailbox<ObstacleTarget>> obstacles;  ///< pose callback → solver thread, in the scene's order
+
+  Mailbox<DisplayFrame> frame;        ///< solver thread → display thread
+  Mailbox<SolverStats> solver_stats;  ///< solver thread → display thread
+  Mailbox<HapticStats> haptic_stats;  ///< haptic thread → display thread
 
   std::atomic<bool> stop{false};
   std::atomic<bool> paused{false};

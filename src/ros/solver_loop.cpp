@@ -16,10 +16,14 @@ constexpr double kWindow = 1.0;       ///< of the statistics [s]
 
 SolverLoop::SolverLoop(const NodeOptions& options, SharedState& shared)
     : time_step_(options.scene.solver.time_step),
-      probe_timeout_(options.probe_timeout),
       shared_(shared),
       simulation_(options.scene),
-      wall_per_step_(time_step_) {}
+      targets_seen_(options.scene.obstacles.size(), 0),
+      wall_per_step_(time_step_) {
+  for (std::size_t k = 0; k < options.scene.probes.size(); ++k) {
+    probes_.emplace_back(options, static_cast<int>(k), simulation_, shared.probes[k]);
+  }
+}
 
 void SolverLoop::run() {
   while (!shared_.stop) {
@@ -27,13 +31,16 @@ void SolverLoop::run() {
     copyFrameWhenWanted();
     if (shared_.paused) {
       due_ = last_start_ = window_start_ = -1.0;
+      for (SolverProbe& probe : probes_) probe.open();
       sleepUntil(steadyNow() + kIdle);
       continue;
     }
     waitUntilDue();
-    takeDevice();
+    moveObstacles();
+    const double pace = wall_per_step_ / time_step_;
+    for (SolverProbe& probe : probes_) probe.takeDevice(pace);
     const StepReport report = simulation_.step();
-    publishSnapshot();
+    for (SolverProbe& probe : probes_) probe.publishSnapshot(pace);
     record(report);
   }
 }
@@ -43,10 +50,11 @@ void SolverLoop::resetWhenAsked() {
   if (wanted == resets_seen_) return;
   resets_seen_ = wanted;
   simulation_.reset();
-  probe_present_ = false;
+  for (SolverProbe& probe : probes_) probe.forget();
+  // Where an obstacle was sent before is forgotten, too.
+  for (std::size_t k = 0; k < targets_seen_.size(); ++k)
+    targets_seen_[k] = shared_.obstacles[k].read().number;
   window_start_ = -1.0;
-  // "None yet": the haptic thread ramps down and starts softly on the new cloth.
-  shared_.snapshot.write(ProbeSnapshot());
   shared_.frame_wanted = true;
   copyFrameWhenWanted();
   shared_.resets_done = wanted;
@@ -58,7 +66,12 @@ void SolverLoop::copyFrameWhenWanted() {
   simulation_.positions(frame_.positions);
   simulation_.cells(frame_.cells);
   simulation_.cellLoads(frame_.tension, frame_.bending);
-  frame_.probe = simulation_.probe();
+  frame_.probes.clear();
+  for (const SolverProbe& probe : probes_) frame_.probes.push_back(probe.view());
+  frame_.obstacles.clear();
+  for (std::size_t k = 0; k < targets_seen_.size(); ++k) {
+    frame_.obstacles.push_back(simulation_.obstaclePose(static_cast<int>(k)));
+  }
   frame_.valid = true;
   shared_.frame.write(frame_);
 }
@@ -77,31 +90,13 @@ void SolverLoop::waitUntilDue() {
   last_start_ = now;
 }
 
-void SolverLoop::takeDevice() {
-  const StampedSample& newest = shared_.device_for_solver.read();
-  const DeviceSample& device = newest.sample;
-  const bool fresh = device.received >= 0.0 && steadyNow() - device.received <= probe_timeout_;
-  if (fresh) {
-    // In slow motion the hand is faster in simulated time than by the clock on the wall.
-    simulation_.setDevice(device.position, device.velocity * (wall_per_step_ / time_step_));
-  } else if (probe_present_) {
-    simulation_.removeDevice();
+void SolverLoop::moveObstacles() {
+  for (std::size_t k = 0; k < targets_seen_.size(); ++k) {
+    const ObstacleTarget& target = shared_.obstacles[k].read();
+    if (target.number == targets_seen_[k]) continue;
+    targets_seen_[k] = target.number;
+    simulation_.moveObstacle(static_cast<int>(k), target.pose);
   }
-  probe_present_ = fresh;
-  device_received_ = device.received;
-}
-
-void SolverLoop::publishSnapshot() {
-  const ProbeReport probe = simulation_.probe();
-  ProbeSnapshot snapshot;
-  snapshot.taken = steadyNow();
-  snapshot.device_received = device_received_;
-  snapshot.device = probe.device;
-  snapshot.proxy = probe.proxy;
-  snapshot.proxy_velocity = probe.velocity * (time_step_ / wall_per_step_);
-  snapshot.force = probe.force;
-  snapshot.contact = probe.present && probe.contact;
-  shared_.snapshot.write(snapshot);
 }
 
 void SolverLoop::record(const StepReport& report) {

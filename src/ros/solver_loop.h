@@ -1,9 +1,12 @@
 /// The solver thread: steps without pause, never ahead of wall time.
 #pragma once
 
+#include <vector>
+
 #include "haptic_cloth/simulation.h"
 #include "ros/node_options.h"
 #include "ros/shared_state.h"
+#include "ros/solver_probe.h"
 
 namespace haptic_cloth {
 
@@ -19,20 +22,18 @@ class SolverLoop {
   void resetWhenAsked();
   void copyFrameWhenWanted();
   void waitUntilDue();
-  void takeDevice();
-  void publishSnapshot();
+  void moveObstacles();
   void record(const StepReport& report);
 
-  double time_step_;      ///< [s]
-  double probe_timeout_;  ///< [s]
+  double time_step_;  ///< [s]
   SharedState& shared_;
   Simulation simulation_;
+  std::vector<SolverProbe> probes_;
+  std::vector<std::uint64_t> targets_seen_;  ///< of each obstacle
 
   double due_ = -1.0;         ///< start of the next step on the steady clock [s]; < 0: now
   double last_start_ = -1.0;  ///< of a step [s]; < 0: none since start or pause
   double wall_per_step_;      ///< smoothed, at least time_step_ [s]
-  bool probe_present_ = false;
-  double device_received_ = -1.0;
   std::uint64_t resets_seen_ = 0;
 
   SolverStats window_;

@@ -1,17 +1,32 @@
 /// Names and queue sizes of all topics and services, in one place. Relative names: remap at will.
 #pragma once
 
+#include <string>
+
 namespace haptic_cloth {
 namespace topics {
 
+// Of a probe that has no name; those with names have the same below their own.
 // Newest value only: an old pose or force is worth nothing.
 constexpr char kPose[] = "probe/pose";
 constexpr int kPoseQueue = 1;
 constexpr char kReaction[] = "probe/reaction";
 constexpr int kReactionQueue = 1;
-
 constexpr char kProxy[] = "probe/proxy";
 constexpr int kProxyQueue = 1;
+constexpr char kGrasp[] = "probe/grasp";
+constexpr int kGraspQueue = 10;
+constexpr char kSetGrasp[] = "probe/set_grasp";  ///< service
+
+/// One of the names above for the probe `name`.
+inline std::string ofProbe(const std::string& name, const char* topic) {
+  const std::string text = topic;
+  return name + text.substr(text.find('/'));
+}
+
+/// Where an obstacle is sent.
+inline std::string obstaclePose(const std::string& name) { return "obstacles/" + name + "/pose"; }
+
 constexpr char kMarkers[] = "cloth/markers";
 constexpr int kMarkersQueue = 1;
 constexpr char kState[] = "cloth/state";

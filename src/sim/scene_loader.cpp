@@ -147,15 +147,15 @@ void readProbe(const YamlValue& value, ProbeOptions& probe) {
   for (const YamlValue& times : grasp->list()) probe.grasp.push_back(times.numbers<2>());
 }
 
-/// One as `probe`, or several by name as `probes`.
+/// One as `probe`, or several by name as `probes`, where `probe` is what they have in common.
 void readProbes(const YamlMap& root, std::vector<ProbeOptions>& probes) {
   const auto one = root.find("probe"), several = root.find("probes");
-  if (one && several) several->fail("and probe exclude one another");
   if (one) readProbe(*one, probes.front());
   if (!several) return;
+  const ProbeOptions common = probes.front();
   probes.clear();
   for (const auto& [name, value] : several->entries()) {
-    probes.emplace_back();
+    probes.push_back(common);
     probes.back().name = name;
     readProbe(value, probes.back());
   }

@@ -124,7 +124,7 @@ class DeviceTest : public testing::Test {
   }
 
   void press() {
-    ASSERT_TRUE(waitFor([this] { return diagnostics_.value("haptic thread", "status") == "free"; }));
+    ASSERT_TRUE(waitFor([this] { return diagnostics_.value("probe", "status") == "free"; }));
     driver_.moveTo(kPressed);
     ASSERT_TRUE(waitFor([this] { return driver_.force().y() > 0.1; })) << "nothing felt";
   }
@@ -287,10 +287,10 @@ TEST_F(AdapterTest, BadParametersAreNamed) {
 
 /// Last: the doubt stays. A thousand times too far is what millimetres are for metres.
 TEST_F(DeviceTest, PosesThatCannotBeMetresAreNamedInTheDiagnostics) {
-  EXPECT_EQ(diagnostics_.value("probe input", "units").find("position_unit"), std::string::npos);
+  EXPECT_EQ(diagnostics_.value("probe", "units").find("position_unit"), std::string::npos);
   driver_.moveTo(1e3 * kAbove);
   EXPECT_TRUE(waitFor([this] {
-    return diagnostics_.value("probe input", "units").find("device/position_unit") != std::string::npos;
+    return diagnostics_.value("probe", "units").find("device/position_unit") != std::string::npos;
   }));
 }
 

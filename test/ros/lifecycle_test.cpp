@@ -32,7 +32,7 @@ class LifecycleTest : public testing::Test {
     reaction_ = std::make_unique<ReactionListener>(node_, "probe/reaction");
     device_ = std::make_unique<TestDevice>(node_, Vec3(0.0, 0.0, 0.125));
     const DiagnosticsListener diagnostics(node_);  // a probe must have been clear of the cloth to press on it
-    ASSERT_TRUE(waitFor([&] { return diagnostics.value("haptic thread", "status") == "free"; }));
+    ASSERT_TRUE(waitFor([&] { return diagnostics.value("probe", "status") == "free"; }));
     device_->moveTo(Vec3(0.0, 0.0, 0.100));
     ASSERT_TRUE(waitFor([this] { return reaction_->force().z() > 0.1; })) << process_->output();
   }

@@ -48,7 +48,7 @@ class NodeTest : public testing::Test {
     ASSERT_TRUE(ros::service::call("/haptic_cloth/pause", request));
     ASSERT_TRUE(request.response.success);
   }
-  double input(const std::string& key) { return diagnostics_.number("probe input", key); }
+  double input(const std::string& key) { return diagnostics_.number("probe", key); }
   /// Waits until the diagnostics say of the poses what `condition` wants.
   bool inputBecomes(const std::string& key, double value) {
     return waitFor([&] { return input(key) == value; });
@@ -129,7 +129,7 @@ TEST_F(NodeTest, TheStateIsAWholeMesh) {
 
 TEST_F(NodeTest, PressingIsFeltUpwardsAndLettingGoIsFree) {
   TestDevice device(node_, kAbove);
-  ASSERT_TRUE(waitFor([&] { return diagnostics_.value("haptic thread", "status") == "free"; }));
+  ASSERT_TRUE(waitFor([&] { return diagnostics_.value("probe", "status") == "free"; }));
   EXPECT_EQ(reaction_.force(), Vec3::Zero());
   device.moveTo(kPressed);
   ASSERT_TRUE(waitFor([&] { return reaction_.force().z() > 0.1; })) << "nothing felt";
@@ -149,17 +149,17 @@ TEST_F(NodeTest, TheWrenchCarriesThePosesStamp) {
 
 TEST_F(NodeTest, ASilentDeviceFeelsNothing) {
   TestDevice device(node_, kAbove);
-  ASSERT_TRUE(waitFor([&] { return diagnostics_.value("haptic thread", "status") == "free"; }));
+  ASSERT_TRUE(waitFor([&] { return diagnostics_.value("probe", "status") == "free"; }));
   device.moveTo(kPressed);
   ASSERT_TRUE(waitFor([&] { return reaction_.force().z() > 0.1; }));
   device.silence();
   EXPECT_TRUE(waitFor([&] { return reaction_.force().isZero(0.0); }));
-  EXPECT_TRUE(waitFor([&] { return diagnostics_.value("haptic thread", "status") == "pose stale"; }));
+  EXPECT_TRUE(waitFor([&] { return diagnostics_.value("probe", "status") == "pose stale"; }));
 }
 
 TEST_F(NodeTest, PauseStopsTimeAndForce) {
   TestDevice device(node_, kAbove);
-  ASSERT_TRUE(waitFor([&] { return diagnostics_.value("haptic thread", "status") == "free"; }));
+  ASSERT_TRUE(waitFor([&] { return diagnostics_.value("probe", "status") == "free"; }));
   device.moveTo(kPressed);
   ASSERT_TRUE(waitFor([&] { return reaction_.force().z() > 0.1; }));
   pause(true);
@@ -288,7 +288,7 @@ TEST_F(NodeTest, PosesOfAKnownFrameAreTransformed) {
     pose.header.stamp = ros::Time::now();
     pose.pose = toPose(Vec3(0.0, 0.0, height));
     publisher.publish(pose);
-    if (diagnostics_.value("haptic thread", "status") != "no pose") height = std::min(height + 5e-4, 0.100);
+    if (diagnostics_.value("probe", "status") != "no pose") height = std::min(height + 5e-4, 0.100);
     return reaction_.force().z() < -0.1;
   })) << "force "
       << reaction_.force().transpose();

@@ -32,7 +32,7 @@ TEST(Nodelet, LoadsIsFeltAndUnloadsWithoutForce) {
   ASSERT_TRUE(load("/cloth"));
   const Vec3 above(0.0, 0.0, 0.125), pressed(0.0, 0.0, 0.100);
   const DiagnosticsListener diagnostics(node);  // a probe must have been clear of the cloth to press on it
-  ASSERT_TRUE(waitFor([&] { return diagnostics.value("haptic thread", "status") == "free"; }));
+  ASSERT_TRUE(waitFor([&] { return diagnostics.value("probe", "status") == "free"; }));
   device.moveTo(pressed);
   ASSERT_TRUE(waitFor([&] { return reaction.force().z() > 0.1; }));
   ASSERT_TRUE(unload("/cloth"));
@@ -43,7 +43,7 @@ TEST(Nodelet, LoadsIsFeltAndUnloadsWithoutForce) {
   ASSERT_TRUE(load("/cloth")) << "the manager must have survived";
   device.moveTo(above);
   ASSERT_TRUE(waitFor([&] { return device.arrived(); }));
-  ASSERT_TRUE(waitFor([&] { return diagnostics.value("haptic thread", "status") == "free"; }));
+  ASSERT_TRUE(waitFor([&] { return diagnostics.value("probe", "status") == "free"; }));
   device.moveTo(pressed);
   EXPECT_TRUE(waitFor([&] { return reaction.force().z() > 0.1; }));
 }

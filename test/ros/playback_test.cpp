@@ -39,8 +39,8 @@ TEST(Playback, ARecordedHandFeelsTheCloth) {
   EXPECT_TRUE(reaction.finite());
   EXPECT_TRUE(waitFor([&] { return reaction.force().isZero(0.0); }))
       << "after the last pose the force must go";
-  EXPECT_TRUE(waitFor([&] { return diagnostics.number("probe input", "received") > 500; }));
-  EXPECT_EQ(diagnostics.number("probe input", "dropped"), 0.0);
+  EXPECT_TRUE(waitFor([&] { return diagnostics.number("probe", "received") > 500; }));
+  EXPECT_EQ(diagnostics.number("probe", "dropped"), 0.0);
 }
 
 }  // namespace

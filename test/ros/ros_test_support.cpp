@@ -31,8 +31,8 @@ std::string programDirectory() {
   return program.substr(0, program.rfind('/'));
 }
 
-TestDevice::TestDevice(ros::NodeHandle& node, const Vec3& start)
-    : publisher_(node.advertise<geometry_msgs::PoseStamped>("probe/pose", 1)),
+TestDevice::TestDevice(ros::NodeHandle& node, const Vec3& start, const std::string& topic)
+    : publisher_(node.advertise<geometry_msgs::PoseStamped>(topic, 1)),
       position_(start),
       target_(start),
       thread_([this] { run(); }) {}

@@ -31,7 +31,7 @@ std::string programDirectory();
 /// A device at 500 Hz that moves towards its target at 0.1 m/s.
 class TestDevice {
  public:
-  TestDevice(ros::NodeHandle& node, const Vec3& start);
+  TestDevice(ros::NodeHandle& node, const Vec3& start, const std::string& topic = "probe/pose");
   ~TestDevice();
   void moveTo(const Vec3& target);
   bool arrived() const { return arrived_; }
@@ -69,7 +69,7 @@ class ReactionListener {
 class DiagnosticsListener {
  public:
   explicit DiagnosticsListener(ros::NodeHandle& node);
-  /// "" until it has been heard. @param part "solver", "haptic thread", "probe input", "display"
+  /// "" until it has been heard. @param part "solver", "haptic thread", "display", a probe's name
   std::string value(const std::string& part, const std::string& key) const;
   double number(const std::string& part, const std::string& key) const;
   long count() const { return count_; }

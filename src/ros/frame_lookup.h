@@ -1,0 +1,29 @@
+/// Where the frames of poses stand in the cloth's.
+#pragma once
+
+#include <tf2_ros/buffer.h>
+
+#include <optional>
+#include <string>
+
+#include "haptic_cloth/types.h"
+
+namespace haptic_cloth {
+
+class FrameLookup {
+ public:
+  /// @param frame_id the cloth's frame
+  FrameLookup(const std::string& frame_id, const tf2_ros::Buffer& transforms);
+
+  /// The newest pose of `frame` in the cloth's frame; an empty name means that one. Nothing without a finite
+  /// transform.
+  std::optional<Pose> find(const std::string& frame) const;
+
+  const std::string& clothFrame() const { return frame_id_; }
+
+ private:
+  std::string frame_id_;
+  const tf2_ros::Buffer& transforms_;
+};
+
+}  // namespace haptic_cloth

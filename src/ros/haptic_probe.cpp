@@ -1,0 +1,31 @@
+#include "ros/haptic_probe.h"
+
+#include <ros/time.h>
+
+#include "ros/conversions.h"
+
+namespace haptic_cloth {
+
+HapticProbe::HapticProbe(const std::string& frame_id, const ProbeSettings& settings,
+                         const ros::Publisher& reaction, SharedProbe& shared)
+    : frame_id_(frame_id),
+      device_(settings.device),
+      reaction_(reaction),
+      shared_(shared),
+      loop_(limitsAtProbe(settings.haptics, settings.device)) {}
+
+void HapticProbe::tick(double now, bool paused) {
+  const StampedSample& device = shared_.device_for_haptics.read();
+  force_ = loop_.tick(device.sample, shared_.snapshot.read(), paused, now);
+  // Stated in the frame, axes and scale of the pose it answers. With the pose's stamp the receiver can tell
+  // how old the force is; without a pose, the clock's.
+  const bool answers = device.sample.received >= 0.0;
+  reaction_.publish(toWrench(forceForDriver(device_, device.frame_rotation, force_),
+                             answers ? device.stamp : ros::Time::now(),
+                             answers ? device.frame_id : frame_id_));
+  shared_.felt.write({loop_.status(), force_});
+}
+
+void HapticProbe::sendZero() { reaction_.publish(toWrench(Vec3::Zero(), ros::Time::now(), frame_id_)); }
+
+}  // namespace haptic_cloth

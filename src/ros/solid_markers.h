@@ -1,0 +1,43 @@
+/// One solid of the picture: a marker, or three for a capsule.
+#pragma once
+
+#include <visualization_msgs/MarkerArray.h>
+
+#include <string>
+#include <vector>
+
+#include "haptic_cloth/scene.h"
+
+namespace haptic_cloth {
+
+std_msgs::ColorRGBA markerColor(float r, float g, float b, float a = 1.0F);
+void setScale(visualization_msgs::Marker& marker, double x, double y, double z);
+
+/// Appends a marker of no size. Every id is used once in the array.
+visualization_msgs::Marker& addMarker(visualization_msgs::MarkerArray& array, const std::string& name,
+                                      int type, const std::string& frame_id);
+
+/// A solid among the markers of an array. It keeps its markers from frame to frame.
+class SolidMarkers {
+ public:
+  SolidMarkers(visualization_msgs::MarkerArray& array, const std::string& name, const Obstacle& solid,
+               const std_msgs::ColorRGBA& color, const std::string& frame_id);
+
+  void place(visualization_msgs::MarkerArray& array, const Pose& pose) const;
+  void paint(visualization_msgs::MarkerArray& array, const std_msgs::ColorRGBA& color) const;
+  /// What is not there is not deleted but shrunk to nothing visible, so that it needs no second message.
+  void show(visualization_msgs::MarkerArray& array, bool visible) const;
+
+ private:
+  struct Part {
+    std::size_t marker;  ///< index in the array
+    Vec3 offset;         ///< in the solid's frame [m]
+    Vec3 size;           ///< [m]
+  };
+  std::vector<Part> parts_;
+};
+
+/// The shape of a probe.
+Obstacle shapeOf(const ProbeOptions& probe);
+
+}  // namespace haptic_cloth

@@ -1,0 +1,45 @@
+/// One probe in the solver thread.
+#pragma once
+
+#include "haptic_cloth/simulation.h"
+#include "ros/node_options.h"
+#include "ros/shared_state.h"
+
+namespace haptic_cloth {
+
+/// Between the mailboxes of a probe and the simulation. One thread calls it.
+class SolverProbe {
+ public:
+  /// @param number of the probe in the scene
+  SolverProbe(const NodeOptions& options, int number, Simulation& simulation, SharedProbe& shared);
+
+  /// Hands the newest pose and the grasp to the simulation, or takes the probe out of it when its device is
+  /// silent. @param pace wall time over simulated time [-]
+  void takeDevice(double pace);
+
+  /// Tells the haptic thread what the last step made of the probe.
+  void publishSnapshot(double pace);
+
+  /// Lets go of the cloth, as in a pause.
+  void open();
+
+  /// The simulation has been reset.
+  void forget();
+
+  /// What is shown of it.
+  ProbeView view() const;
+
+ private:
+  void showGrasp();
+
+  int number_;
+  double timeout_;  ///< [s]
+  Simulation& simulation_;
+  SharedProbe& shared_;
+  bool present_ = false;
+  bool closed_ = false;
+  DeviceSample device_;  ///< of the step in hand
+  Quat orientation_ = Quat::Identity();
+};
+
+}  // namespace haptic_cloth
