@@ -43,6 +43,7 @@ void SolverLoop::resetWhenAsked() {
   if (wanted == resets_seen_) return;
   resets_seen_ = wanted;
   simulation_.reset();
+  tracker_.reset();
   probe_present_ = false;
   window_start_ = -1.0;
   // "None yet": the haptic thread ramps down and starts softly on the new cloth.
@@ -88,20 +89,12 @@ void SolverLoop::takeDevice() {
     simulation_.removeDevice();
   }
   probe_present_ = fresh;
-  device_received_ = device.received;
+  device_ = device;
 }
 
 void SolverLoop::publishSnapshot() {
-  const ProbeReport probe = simulation_.probe();
-  ProbeSnapshot snapshot;
-  snapshot.taken = steadyNow();
-  snapshot.device_received = device_received_;
-  snapshot.device = probe.device;
-  snapshot.proxy = probe.proxy;
-  snapshot.proxy_velocity = probe.velocity * (time_step_ / wall_per_step_);
-  snapshot.force = probe.force;
-  snapshot.contact = probe.present && probe.contact;
-  shared_.snapshot.write(snapshot);
+  shared_.snapshot.write(
+      tracker_.update(simulation_.probe(), device_, time_step_, wall_per_step_, steadyNow()));
 }
 
 void SolverLoop::record(const StepReport& report) {

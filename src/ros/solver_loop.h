@@ -2,6 +2,7 @@
 #pragma once
 
 #include "haptic_cloth/simulation.h"
+#include "haptics/probe_tracker.h"
 #include "ros/node_options.h"
 #include "ros/shared_state.h"
 
@@ -27,12 +28,13 @@ class SolverLoop {
   double probe_timeout_;  ///< [s]
   SharedState& shared_;
   Simulation simulation_;
+  ProbeTracker tracker_;
 
   double due_ = -1.0;         ///< start of the next step on the steady clock [s]; < 0: now
   double last_start_ = -1.0;  ///< of a step [s]; < 0: none since start or pause
   double wall_per_step_;      ///< smoothed, at least time_step_ [s]
   bool probe_present_ = false;
-  double device_received_ = -1.0;
+  DeviceSample device_;  ///< of the step in hand
   std::uint64_t resets_seen_ = 0;
 
   SolverStats window_;

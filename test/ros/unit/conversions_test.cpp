@@ -171,9 +171,15 @@ TEST(NodeOptions, TheShippedSettingsAreTheDefaults) {
   EXPECT_EQ(loaded.haptics.pose_timeout, plain.haptics.pose_timeout);
   EXPECT_EQ(loaded.haptics.snapshot_timeout, plain.haptics.snapshot_timeout);
   EXPECT_EQ(loaded.haptics.ramp_time, plain.haptics.ramp_time);
-  // Every key of the code stands in the file: 8 above the groups, of which haptics has 7, markers 2, state 1.
+  EXPECT_EQ(loaded.haptics.passivity.damping, plain.haptics.passivity.damping);
+  EXPECT_EQ(loaded.haptics.passivity.debt, plain.haptics.passivity.debt);
+  EXPECT_EQ(loaded.haptics.passivity.store, plain.haptics.passivity.store);
+  EXPECT_EQ(loaded.haptics.passivity.device_damping, plain.haptics.passivity.device_damping);
+  EXPECT_EQ(loaded.haptics.passivity.loop_delay, plain.haptics.passivity.loop_delay);
+  // Every key of the code stands in the file: 8 above the groups, of which haptics has 8, markers 2, state 1.
   EXPECT_EQ(shipped.size(), 9u);
-  EXPECT_EQ(shipped["haptics"].size(), 7u);
+  EXPECT_EQ(shipped["haptics"].size(), 8u);
+  EXPECT_EQ(shipped["haptics"]["passivity"].size(), 5u);
   EXPECT_EQ(shipped["markers"].size(), 2u);
   EXPECT_EQ(shipped["state"].size(), 1u);
 }
