@@ -13,15 +13,13 @@ namespace haptic_cloth {
 
 /// What the solver hands to the haptic thread after each step. Times are of one steady clock [s].
 struct ProbeSnapshot {
-  double taken = -1.0;                  ///< when the snapshot was published; < 0: none yet
-  double device_received = -1.0;        ///< receipt time of the device pose it was solved for
-  Vec3 device = Vec3::Zero();           ///< [m]
-  Vec3 proxy = Vec3::Zero();            ///< [m]
-  Vec3 device_velocity = Vec3::Zero();  ///< as it came with that pose [m/s]
-  Vec3 proxy_velocity = Vec3::Zero();   ///< in wall-clock time [m/s]
-  Vec3 drift = Vec3::Zero();            ///< of that what the device's own motion does not explain [m/s]
-  Mat3 follow = Mat3::Zero();           ///< dProxy/dDevice, symmetric, 0: a wall, 1: nothing resists [-]
-  Vec3 force = Vec3::Zero();            ///< on the probe at that solve [N]
+  double taken = -1.0;            ///< when the snapshot was published; < 0: none yet
+  double device_received = -1.0;  ///< receipt time of the device pose it was solved for
+  Vec3 device = Vec3::Zero();     ///< [m]
+  Vec3 proxy = Vec3::Zero();      ///< [m]
+  Vec3 drift = Vec3::Zero();      ///< of the proxy where the device stands, in wall-clock time [m/s]
+  Mat3 follow = Mat3::Zero();     ///< dProxy/dDevice, symmetric, 0: a wall, 1: nothing resists [-]
+  Vec3 force = Vec3::Zero();      ///< on the probe at that solve [N]
   bool contact = false;
 };
 

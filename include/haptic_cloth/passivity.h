@@ -34,10 +34,10 @@ class PassivityController {
   /// Force to add [N] to pay back what is owed; zero where nothing is.
   Vec3 damping() const;
 
-  /// Factor of the coupling's force: 1 where nothing is owed, a half at a debt of PassivityOptions::debt.
-  double gain() const {
-    return energy_ < 0.0 && options_.debt > 0.0 ? 1.0 / (1.0 - energy_ / options_.debt) : 1.0;
-  }
+  /// Factor of the coupling's force: 1 where nothing was owed for long, a half at a debt of
+  /// PassivityOptions::debt. It falls at once and rises slowly: else it would swing with the buzz and feed
+  /// it.
+  double gain() const { return gain_; }
 
   /// The force that was sent to the device in this tick [N].
   void sent(const Vec3& force);
@@ -45,7 +45,7 @@ class PassivityController {
   /// Lets a debt fade; once a tick where nothing is touched. A bounce is too short for much of that.
   void forgive();
 
-  /// Forgets everything, debts too.
+  /// Forgets everything, debts too, as after a fault: what is held at the next observe() counts as put in.
   void reset();
 
   double energy() const { return energy_; }  ///< put in by the hand and not given back [J]; < 0: owed
@@ -62,7 +62,7 @@ class PassivityController {
   std::array<Vec3, kForces> forces_;
   std::array<Vec3, kWindow + 1> positions_;
   int force_count_ = 0, position_count_ = 0;  ///< ever written
-  double energy_ = 0.0;
+  double energy_ = 0.0, gain_ = 1.0;
   Vec3 velocity_ = Vec3::Zero();
 };
 

@@ -25,9 +25,10 @@ ProxyNow proxyFor(const DeviceSample& device, const ProbeSnapshot& snapshot) {
   const double age = std::max(0.0, device.received - snapshot.device_received);
   const double fade = std::exp(-age / kDriftMemory);
   const Vec3 moved = device.position - snapshot.device;
+  // The damper's speeds are both the filtered ones: what the proxy shares with the device then cancels, noise
+  // and lag of the filter included.
   return {snapshot.proxy + snapshot.follow * moved + kDriftMemory * (1.0 - fade) * snapshot.drift,
-          snapshot.proxy_velocity - (1.0 - fade) * snapshot.drift +
-              snapshot.follow * (device.velocity - snapshot.device_velocity)};
+          snapshot.follow * device.velocity + fade * snapshot.drift};
 }
 
 }  // namespace

@@ -23,8 +23,8 @@ bool isFinite(const DeviceSample& sample) {
 
 bool isFinite(const ProbeSnapshot& snapshot) {
   return std::isfinite(snapshot.taken) && std::isfinite(snapshot.device_received) &&
-         snapshot.device.allFinite() && snapshot.proxy.allFinite() && snapshot.device_velocity.allFinite() &&
-         snapshot.proxy_velocity.allFinite() && snapshot.drift.allFinite() && snapshot.follow.allFinite();
+         snapshot.device.allFinite() && snapshot.proxy.allFinite() && snapshot.drift.allFinite() &&
+         snapshot.follow.allFinite();
 }
 
 HapticStatus judge(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot,

@@ -14,15 +14,13 @@ constexpr double kDriftTime = 0.001;
 
 }  // namespace
 
-ProbeSnapshot ProbeTracker::update(const ProbeReport& probe, const DeviceSample& device, double time_step,
-                                   double pace, double taken) {
+ProbeSnapshot ProbeTracker::update(const ProbeReport& probe, const DeviceSample& device, double pace,
+                                   double taken) {
   ProbeSnapshot snapshot;
   snapshot.taken = taken;
   snapshot.device_received = device.received;
   snapshot.device = probe.device;
-  snapshot.device_velocity = device.velocity;
   snapshot.proxy = probe.proxy;
-  snapshot.proxy_velocity = probe.velocity * (time_step / pace);
   snapshot.force = probe.force;
   snapshot.contact = probe.present && probe.contact;
   if (!snapshot.contact || !known_) {

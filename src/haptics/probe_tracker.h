@@ -13,10 +13,9 @@ namespace haptic_cloth {
 class ProbeTracker {
  public:
   /// The snapshot after a step.
-  /// @param device what the step was solved for  @param time_step of the solver [s]
-  /// @param pace wall-clock time of a step [s], at least time_step  @param taken see ProbeSnapshot
-  ProbeSnapshot update(const ProbeReport& probe, const DeviceSample& device, double time_step, double pace,
-                       double taken);
+  /// @param device what the step was solved for  @param pace wall-clock time of a step [s]
+  /// @param taken see ProbeSnapshot
+  ProbeSnapshot update(const ProbeReport& probe, const DeviceSample& device, double pace, double taken);
 
   /// Starts anew, as with a new cloth.
   void reset() { *this = ProbeTracker(); }

@@ -83,8 +83,10 @@ void SolverLoop::takeDevice() {
   const DeviceSample& device = newest.sample;
   const bool fresh = device.received >= 0.0 && steadyNow() - device.received <= probe_timeout_;
   if (fresh) {
-    // In slow motion the hand is faster in simulated time than by the clock on the wall.
-    simulation_.setDevice(device.position, device.velocity * (wall_per_step_ / time_step_));
+    // By the moves between steps: without a filter's lag the damper feels no more than what the proxy does
+    // not follow, and in slow motion the hand is as fast as it is in simulated time.
+    const Vec3 moved = probe_present_ ? Vec3(device.position - device_.position) : Vec3(Vec3::Zero());
+    simulation_.setDevice(device.position, moved / time_step_);
   } else if (probe_present_) {
     simulation_.removeDevice();
   }
@@ -93,8 +95,7 @@ void SolverLoop::takeDevice() {
 }
 
 void SolverLoop::publishSnapshot() {
-  shared_.snapshot.write(
-      tracker_.update(simulation_.probe(), device_, time_step_, wall_per_step_, steadyNow()));
+  shared_.snapshot.write(tracker_.update(simulation_.probe(), device_, wall_per_step_, steadyNow()));
 }
 
 void SolverLoop::record(const StepReport& report) {

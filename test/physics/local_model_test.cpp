@@ -119,12 +119,19 @@ std::vector<Case> cases() {
 struct Solved {
   std::vector<ProbeSnapshot> snapshots;
   std::vector<DeviceSample> devices;
+  std::vector<Vec3> velocities;  ///< of the proxy [m/s]
   std::vector<Vec3> forces;
 };
 
-Solved solve(Scene scene, const Path& path, double tolerance_scale) {
-  scene.solver.minimizer.tolerance *= tolerance_scale;
-  if (tolerance_scale < 1.0) scene.solver.minimizer.max_iterations = 2000;
+enum class Role { Snapshots, Reference };
+
+/// As the node does it, or to a finer tolerance.
+Solved solve(Scene scene, const Path& path, Role role) {
+  const bool reference = role == Role::Reference;
+  if (reference) {
+    scene.solver.minimizer.tolerance *= 0.2;
+    scene.solver.minimizer.max_iterations = 2000;
+  }
   Simulation simulation(scene);
   VelocityFilter filter(0.005, 0.05);
   ProbeTracker tracker;
@@ -134,22 +141,25 @@ Solved solve(Scene scene, const Path& path, double tolerance_scale) {
     device.received = k * kTick;
     device.position = path(device.received);
     device.velocity = filter.update(device.position, device.received);
-    simulation.setDevice(device.position, device.velocity);
+    const Vec3 velocity = (device.position - path(device.received - kTick)) / kTick;
+    simulation.setDevice(device.position, velocity);
     simulation.step();
+    const ProbeReport probe = simulation.probe();
     solved.devices.push_back(device);
-    solved.forces.push_back(simulation.probe().force);
-    solved.snapshots.push_back(
-        tracker.update(simulation.probe(), device, kTick, kTick, device.received + 0.9 * kTick));
+    solved.velocities.push_back(probe.velocity);
+    solved.forces.push_back(probe.force);
+    solved.snapshots.push_back(tracker.update(probe, device, kTick, device.received + 0.9 * kTick));
   }
   return solved;
 }
 
 /// The extrapolation that the local model has to beat: proxy and velocity, nothing of the device's motion
 /// since.
-Vec3 plainForce(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot) {
+Vec3 plainForce(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot,
+                const Vec3& velocity) {
   const double age = std::min(0.02, device.received - snapshot.device_received);
-  return options.coupling_stiffness * (snapshot.proxy + age * snapshot.proxy_velocity - device.position) +
-         options.coupling_damping * (snapshot.proxy_velocity - device.velocity);
+  return options.coupling_stiffness * (snapshot.proxy + age * velocity - device.position) +
+         options.coupling_damping * (velocity - device.velocity);
 }
 
 enum class Rule { Plain, Model, ModelAndController };
@@ -163,10 +173,14 @@ std::vector<Vec3> ticked(const Solved& solved, int interval, Rule rule) {
   HapticLoop loop(options);
   std::vector<Vec3> forces;
   ProbeSnapshot snapshot;
+  Vec3 velocity = Vec3::Zero();
   for (int k = 0; k < static_cast<int>(solved.devices.size()); ++k) {
     const DeviceSample& device = solved.devices[k];
-    if (k > 0 && (k - 1) % interval == 0) snapshot = solved.snapshots[k - 1];
-    forces.push_back(rule == Rule::Plain ? plainForce(options, device, snapshot)
+    if (k > 0 && (k - 1) % interval == 0) {
+      snapshot = solved.snapshots[k - 1];
+      velocity = solved.velocities[k - 1];
+    }
+    forces.push_back(rule == Rule::Plain ? plainForce(options, device, snapshot, velocity)
                                          : loop.tick(device, snapshot, false, device.received));
   }
   return forces;
@@ -204,8 +218,8 @@ class LocalModel : public testing::TestWithParam<int> {};
 
 TEST_P(LocalModel, GivesTheSolversForce) {
   const Case drape = cases()[GetParam()];
-  const Solved solved = solve(drape.scene, drape.path, 1.0);
-  const std::vector<Vec3> reference = solve(drape.scene, drape.path, 0.2).forces;
+  const Solved solved = solve(drape.scene, drape.path, Role::Snapshots);
+  const std::vector<Vec3> reference = solve(drape.scene, drape.path, Role::Reference).forces;
   for (const int interval : {1, 5, 10, 20}) {
     const auto errors = [&](Rule rule) {
       return errorsOf(ticked(solved, interval, rule), reference, solved.forces, interval);
@@ -217,10 +231,11 @@ TEST_P(LocalModel, GivesTheSolversForce) {
         "%5.1f (%5.1f, %5.1f)\n",
         drape.name, interval, 100 * model.rms, 100 * plain.rms, 100 * whole.rms, 100 * model.largest,
         100 * plain.largest, 100 * whole.largest, 100 * model.step, 100 * plain.step, 100 * whole.step);
-    if (interval <= 5) {
-      EXPECT_LE(model.rms, tolerance(0.05)) << interval << " ms";
-    }
     EXPECT_LT(model.step, tolerance(0.07)) << interval << " ms";
+    if (interval > 5)
+      continue;  // 10 and 20 ms fall short of 5 % but where the cloth is pressed: docs/design.md
+    EXPECT_LE(model.rms, tolerance(0.05)) << interval << " ms";
+    EXPECT_LE(whole.rms, tolerance(0.05)) << interval << " ms: the controller is felt where nothing buzzes";
   }
 }
 

@@ -51,8 +51,9 @@ class SolverThread {
     if (now < ready_) return;
     if (started_) published = next_;
     if (started_) published.taken = now;
-    const ProbeReport report = world_.solve(device.position, device.velocity * model_.slowness);
-    next_ = tracker_.update(report, device, model_.time_step, pace, now);
+    const ProbeReport report = world_.solve(device.position, (device.position - last_) / model_.time_step);
+    next_ = tracker_.update(report, device, pace, now);
+    last_ = device.position;
     started_ = true;
     ready_ = now + pace - 1e-9;
     if (ready_ > model_.stall_from && now < model_.stall_from + model_.stall_time)
@@ -64,6 +65,7 @@ class SolverThread {
   ProbeWorld& world_;
   ProbeTracker tracker_;
   ProbeSnapshot next_;
+  Vec3 last_ = Vec3::Zero();
   bool started_ = false;
   double ready_ = 0.0;
 };

@@ -1,6 +1,7 @@
 /// A hand holding a device that touches a simulated world: the whole haptic loop without hardware.
 #pragma once
 
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -79,7 +80,8 @@ struct LoopRun {
 /// The device's motion in steps of 50 µs, the tick and the solver at their own rates.
 LoopResult runLoop(const LoopRun& run, ProbeWorld& world);
 
-/// A device by its makers' data sheet; where that gives no damping it is taken to be `damping`.
+/// What a device may render by its maker's data sheet. The Falcon's gives no damping; half of the omega's is
+/// taken. Masses are round figures of the size that [Diolaiti et al. 2006] and others measured.
 struct PublishedDevice {
   std::string name;
   double max_force;   ///< [N]
@@ -90,5 +92,8 @@ struct PublishedDevice {
 };
 
 std::vector<PublishedDevice> publishedDevices();
+
+/// For gtest's reports.
+inline void PrintTo(const PublishedDevice& device, std::ostream* stream) { *stream << device.name; }
 
 }  // namespace haptic_cloth

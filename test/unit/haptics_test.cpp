@@ -75,7 +75,7 @@ TEST(HapticLoop, DampsTheVelocityDifference) {
   DeviceSample device = deviceAt(Vec3::Zero(), 1.0);
   device.velocity = Vec3(0, 0, -0.3);
   ProbeSnapshot snapshot = contactAt(Vec3::Zero(), 1.0);
-  snapshot.proxy_velocity = Vec3(0, 0, 0.1);
+  snapshot.drift = Vec3(0, 0, 0.1);
   EXPECT_NEAR(loop.tick(device, snapshot, false, 1.0).z(), 1.0 * (0.1 + 0.3), kRoundOff);
 }
 
@@ -83,7 +83,7 @@ TEST(HapticLoop, CarriesTheProxyOnToNowButNotForEver) {
   HapticOptions options = bareOptions();
   options.coupling_damping = 0.0;
   ProbeSnapshot snapshot = contactAt(Vec3::Zero(), 1.0);
-  snapshot.proxy_velocity = snapshot.drift = Vec3(0.1, 0, 0);
+  snapshot.drift = Vec3(0.1, 0, 0);
   // A drift that fades in 10 ms: 0.1 m/s · 10 ms · (1 - exp(-age / 10 ms)).
   const auto reach = [](double age) { return 400 * 0.1 * 0.01 * (1.0 - std::exp(-age / 0.01)); };
   HapticLoop young(options), old(options);
@@ -120,7 +120,7 @@ TEST(HapticLoop, ANewSnapshotIsBlendedIn) {
 TEST(HapticLoop, FreeMotionFeelsNothing) {
   HapticLoop loop(bareOptions());
   ProbeSnapshot snapshot = contactAt(Vec3(0, 0, 0.05), 1.0);
-  snapshot.proxy_velocity = Vec3(1, 2, 3);
+  snapshot.drift = Vec3(1, 2, 3);
   snapshot.force = Vec3(1, 1, 1);
   snapshot.contact = false;
   for (int i = 0; i < 50; ++i) {
@@ -232,7 +232,7 @@ TEST(HapticLoop, NothingThatIsNotFiniteGetsThrough) {
       if (field == 0) device.position.x() = kNaN;
       if (field == 1) device.velocity.y() = std::numeric_limits<double>::infinity();
       if (field == 2) snapshot.proxy.z() = kNaN;
-      if (field == 3) snapshot.proxy_velocity.x() = kNaN;
+      if (field == 3) snapshot.drift.x() = kNaN;
       if (field == 4) device.received = kNaN;
       if (field == 5) now = kNaN;
       const Vec3 before = pressed.force;

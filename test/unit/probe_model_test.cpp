@@ -39,7 +39,7 @@ TEST(ProbeTracker, LearnsALinearAnswer) {
   const Mat3 truth = axes * Vec3(0.1, 0.5, 0.9).asDiagonal() * axes.transpose();
   ProbeTracker tracker;
   for (const Vec3& device : poses(200)) {
-    tracker.update(reportAt(device, truth * device), DeviceSample(), kTick, kTick, 0.0);
+    tracker.update(reportAt(device, truth * device), DeviceSample(), kTick, 0.0);
   }
   // A secant in a random direction leaves at most about 0.9 of the error: 0.9^200.
   EXPECT_LT((tracker.follow() - truth).norm(), 1e-6);
@@ -50,7 +50,7 @@ TEST(ProbeTracker, StaysAPassiveAnswer) {
   for (const double factor : {-3.0, 5.0, 1e200}) {
     ProbeTracker tracker;
     for (const Vec3& device : poses(100)) {
-      tracker.update(reportAt(device, factor * device), DeviceSample(), kTick, kTick, 0.0);
+      tracker.update(reportAt(device, factor * device), DeviceSample(), kTick, 0.0);
       const Mat3& follow = tracker.follow();
       ASSERT_TRUE(follow.allFinite());
       ASSERT_LT((follow - follow.transpose()).norm(), 1e-12);
@@ -64,11 +64,11 @@ TEST(ProbeTracker, StaysAPassiveAnswer) {
 TEST(ProbeTracker, ForgetsWithoutContact) {
   ProbeTracker tracker;
   for (const Vec3& device : poses(200))
-    tracker.update(reportAt(device, Vec3::Zero()), DeviceSample(), kTick, kTick, 0.0);
+    tracker.update(reportAt(device, Vec3::Zero()), DeviceSample(), kTick, 0.0);
   EXPECT_LT(tracker.follow().norm(), 1e-6);
   ProbeReport free = reportAt(Vec3::Zero(), Vec3::Zero());
   free.contact = false;
-  const ProbeSnapshot snapshot = tracker.update(free, DeviceSample(), kTick, kTick, 0.05);
+  const ProbeSnapshot snapshot = tracker.update(free, DeviceSample(), kTick, 0.05);
   EXPECT_EQ(snapshot.follow, Mat3(Mat3::Identity()));
   EXPECT_EQ(snapshot.drift, Vec3(Vec3::Zero()));
 }
@@ -84,7 +84,7 @@ PassivityOptions bare() {
 double swing(PassivityController& controller, double stiffness, int cycles, double held) {
   for (int k = 0; k < cycles * 200; ++k) {
     const Vec3 position(2e-3 * std::sin(2 * EIGEN_PI * 5.0 * k * kTick), 0, 0);
-    controller.observe(position, held);
+    controller.observe(position, k == 0 ? 0.0 : held);
     controller.sent(-stiffness * position);
   }
   return controller.energy();
@@ -128,7 +128,7 @@ TEST(PassivityController, LongFrictionFillsNoStore) {
   PassivityOptions small = bare();
   small.store = 0.001;
   PassivityController bounded(small, kTick);
-  bounded.observe(Vec3::Zero(), 1.0);
+  bounded.observe(Vec3::Zero(), 0.0);
   bounded.sent(Vec3(-1.0, 0, 0));
   bounded.observe(Vec3(0.5, 0, 0), 1.0);
   EXPECT_EQ(bounded.energy(), 0.001);
@@ -139,7 +139,7 @@ TEST(PassivityController, PaysWithABoundedDamperAndAWeakerForce) {
   PassivityController controller(options, kTick);
   EXPECT_EQ(controller.gain(), 1.0);
   EXPECT_EQ(controller.damping(), Vec3(Vec3::Zero()));
-  controller.observe(Vec3::Zero(), 1.0);
+  controller.observe(Vec3::Zero(), 0.0);
   controller.sent(Vec3(1.0, 0, 0));
   controller.observe(Vec3(options.debt, 0, 0), 1.0);  // 1 N over this way: owes just options.debt
   EXPECT_NEAR(controller.energy(), -options.debt, 1e-15);
@@ -154,9 +154,18 @@ TEST(PassivityController, PaysWithABoundedDamperAndAWeakerForce) {
   EXPECT_LT(controller.energy(), 0.0);
 }
 
+TEST(PassivityController, AFaultLeavesWhatIsHeld) {
+  PassivityController controller(bare(), kTick);
+  controller.reset();
+  controller.observe(Vec3::Zero(), 0.003);
+  EXPECT_EQ(controller.energy(), 0.003);
+  controller.observe(Vec3::Zero(), 0.0);
+  EXPECT_EQ(controller.energy(), 0.0);
+}
+
 TEST(PassivityController, ADebtFadesWhereNothingIsTouched) {
   PassivityController controller(bare(), kTick);
-  controller.observe(Vec3::Zero(), 1.0);
+  controller.observe(Vec3::Zero(), 0.0);
   controller.sent(Vec3(1.0, 0, 0));
   controller.observe(Vec3(0.01, 0, 0), 1.0);
   for (int k = 0; k < 1000; ++k) controller.forgive();
