@@ -30,7 +30,7 @@ function(haptic_cloth_test_settings name)
   target_link_libraries(${name} haptic_cloth_tools haptic_cloth haptic_cloth_private yaml-cpp Threads::Threads)
 endfunction()
 
-foreach(folder unit physics)
+foreach(folder unit physics stability)
   file(GLOB sources CONFIGURE_DEPENDS test/${folder}/*.cpp)
   if(NOT TARGET simulate)
     list(REMOVE_ITEM sources "${PROJECT_SOURCE_DIR}/test/unit/simulate_test.cpp")

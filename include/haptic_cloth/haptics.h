@@ -6,18 +6,20 @@
 #include <atomic>
 #include <string>
 
+#include "haptic_cloth/passivity.h"
 #include "haptic_cloth/types.h"
 
 namespace haptic_cloth {
 
 /// What the solver hands to the haptic thread after each step. Times are of one steady clock [s].
 struct ProbeSnapshot {
-  double taken = -1.0;                 ///< when the snapshot was published; < 0: none yet
-  double device_received = -1.0;       ///< receipt time of the device pose it was solved for
-  Vec3 device = Vec3::Zero();          ///< [m]
-  Vec3 proxy = Vec3::Zero();           ///< [m]
-  Vec3 proxy_velocity = Vec3::Zero();  ///< in wall-clock time [m/s]
-  Vec3 force = Vec3::Zero();           ///< on the probe at that solve [N]
+  double taken = -1.0;            ///< when the snapshot was published; < 0: none yet
+  double device_received = -1.0;  ///< receipt time of the device pose it was solved for
+  Vec3 device = Vec3::Zero();     ///< [m]
+  Vec3 proxy = Vec3::Zero();      ///< [m]
+  Vec3 drift = Vec3::Zero();      ///< of the proxy where the device stands, in wall-clock time [m/s]
+  Mat3 follow = Mat3::Zero();     ///< dProxy/dDevice, symmetric, 0: a wall, 1: nothing resists [-]
+  Vec3 force = Vec3::Zero();      ///< on the probe at that solve [N]
   bool contact = false;
 };
 
@@ -62,6 +64,7 @@ struct HapticOptions {
   double pose_timeout = 0.05;     ///< an older device pose ramps the force to zero [s]
   double snapshot_timeout = 0.1;  ///< an older snapshot ramps the force to zero [s]
   double ramp_time = 0.02;        ///< from full force to zero [s]
+  PassivityOptions passivity;
   double coupling_stiffness = 400.0;  ///< [N/m], the scene's
   double coupling_damping = 1.0;      ///< [N·s/m], the scene's
 };
@@ -75,7 +78,7 @@ enum class HapticStatus { NoPose, NoSnapshot, PoseStale, SnapshotStale, Paused, 
 
 const char* toString(HapticStatus status);
 
-/// The haptic tick: pure arithmetic on its own state, no clock, no lock, no allocation.
+/// The haptic tick of one probe: pure arithmetic on its own state, no clock, no lock, no allocation.
 class HapticLoop {
  public:
   /// @throws InputError if an option is not valid
@@ -88,8 +91,19 @@ class HapticLoop {
 
   HapticStatus status() const { return status_; }
 
+  /// What the hand has put in and not got back [J]; < 0: what the loop has made and owes.
+  double energy() const { return passivity_.energy(); }
+
  private:
+  Vec3 contactForce(const DeviceSample& device, const ProbeSnapshot& snapshot, double now, double limit);
+  Vec3 handedOver(const DeviceSample& device, const ProbeSnapshot& snapshot, const Vec3& force, double now);
+
   HapticOptions options_;
+  PassivityController passivity_;
+  ProbeSnapshot snapshot_;        ///< of the last tick
+  Vec3 handover_ = Vec3::Zero();  ///< what the last snapshot's force differed by from the newest's [N]
+  double handover_start_ = 0.0;   ///< steady clock [s]
+  double handover_time_ = 0.0;    ///< in which that fades [s]
   HapticStatus status_ = HapticStatus::NoPose;
   Vec3 force_ = Vec3::Zero();
   double last_tick_ = -1.0;

@@ -6,6 +6,7 @@
 namespace haptic_cloth {
 
 using Vec3 = Eigen::Vector3d;
+using Mat3 = Eigen::Matrix3d;
 using Quat = Eigen::Quaterniond;
 
 /// Position [m] and orientation (unit quaternion) of a body in the world frame.

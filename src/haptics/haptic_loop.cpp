@@ -3,12 +3,15 @@
 
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/haptics.h"
+#include "haptics/coupling_model.h"
 
 namespace haptic_cloth {
 namespace {
 
-/// Farther ahead than this a proxy's velocity says nothing of where it is [s].
-constexpr double kMaxPrediction = 0.02;
+/// A new snapshot's force is blended in over this share of the time between it and the last one, [-],
+constexpr double kHandoverShare = 0.5;
+/// but no less and no longer than this [s]: a jump of one solve is felt over two ticks.
+constexpr double kMinHandover = 0.0015, kMaxHandover = 0.02;
 
 /// A late tick may catch up no more of the rate limit than this many ticks' worth, so a stall is not felt as
 /// a jump.
@@ -19,7 +22,9 @@ bool isFinite(const DeviceSample& sample) {
 }
 
 bool isFinite(const ProbeSnapshot& snapshot) {
-  return std::isfinite(snapshot.taken) && snapshot.proxy.allFinite() && snapshot.proxy_velocity.allFinite();
+  return std::isfinite(snapshot.taken) && std::isfinite(snapshot.device_received) &&
+         snapshot.device.allFinite() && snapshot.proxy.allFinite() && snapshot.drift.allFinite() &&
+         snapshot.follow.allFinite();
 }
 
 HapticStatus judge(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot,
@@ -30,15 +35,6 @@ HapticStatus judge(const HapticOptions& options, const DeviceSample& device, con
   if (!isFinite(snapshot) || snapshot.taken < 0.0) return HapticStatus::NoSnapshot;
   if (!(now - snapshot.taken <= options.snapshot_timeout)) return HapticStatus::SnapshotStale;
   return snapshot.contact ? HapticStatus::Contact : HapticStatus::Free;
-}
-
-/// The virtual coupling [N], with the proxy carried on to `now`.
-Vec3 couplingForce(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot,
-                   double now) {
-  const double age = std::clamp(now - snapshot.taken, 0.0, kMaxPrediction);
-  const Vec3 proxy = snapshot.proxy + age * snapshot.proxy_velocity;
-  return options.coupling_stiffness * (proxy - device.position) +
-         options.coupling_damping * (snapshot.proxy_velocity - device.velocity);
 }
 
 /// `force` shortened to `limit` [N], its direction kept. Zero if it is not finite.
@@ -71,6 +67,11 @@ void validateHapticOptions(const HapticOptions& options, const std::string& orig
   require("haptics/pose_timeout", options.pose_timeout, false);
   require("haptics/snapshot_timeout", options.snapshot_timeout, false);
   require("haptics/ramp_time", options.ramp_time, false);
+  require("haptics/passivity/damping", options.passivity.damping, true);
+  require("haptics/passivity/store", options.passivity.store, true);
+  require("haptics/passivity/debt", options.passivity.debt, true);
+  require("haptics/passivity/device_damping", options.passivity.device_damping, true);
+  require("haptics/passivity/loop_delay", options.passivity.loop_delay, true);
   require("probe.coupling_stiffness", options.coupling_stiffness, true);
   require("probe.coupling_damping", options.coupling_damping, true);
 }
@@ -95,7 +96,8 @@ const char* toString(HapticStatus status) {
   return "unknown";
 }
 
-HapticLoop::HapticLoop(const HapticOptions& options) : options_(options) {
+HapticLoop::HapticLoop(const HapticOptions& options)
+    : options_(options), passivity_(options.passivity, 1.0 / options.rate) {
   validateHapticOptions(options, "haptic options");
 }
 
@@ -118,12 +120,45 @@ Vec3 HapticLoop::tick(const DeviceSample& device, const ProbeSnapshot& snapshot,
   Vec3 target = Vec3::Zero();
   double rate = options_.max_force_rate;
   if (status_ == HapticStatus::Contact) {
-    target = limited(couplingForce(options_, device, snapshot, now), soft_ * options_.max_force);
-  } else if (!good) {
+    target = contactForce(device, snapshot, now, soft_ * options_.max_force);
+  } else if (status_ == HapticStatus::Free) {
+    passivity_.observe(device.position, 0.0);
+    passivity_.forgive();
+  } else {
+    passivity_.reset();
     rate = std::min(rate, options_.max_force / options_.ramp_time);
   }
   force_ = approach(force_, target, rate * elapsed);
+  passivity_.sent(force_);
+  snapshot_ = snapshot;
   return force_;
+}
+
+/// Coupling and passivity within the limit of the force.
+Vec3 HapticLoop::contactForce(const DeviceSample& device, const ProbeSnapshot& snapshot, double now,
+                              double limit) {
+  const Vec3 force = handedOver(device, snapshot, couplingForce(options_, device, snapshot), now);
+  passivity_.observe(device.position, heldEnergy(options_, device, snapshot));
+  return limited(passivity_.gain() * limited(force, limit) + passivity_.damping(), limit);
+}
+
+/// `force` of the newest snapshot, without a step where the last one said something else.
+Vec3 HapticLoop::handedOver(const DeviceSample& device, const ProbeSnapshot& snapshot, const Vec3& force,
+                            double now) {
+  const auto remaining = [&] {
+    const double passed = now - handover_start_;
+    return handover_time_ > 0.0 ? std::clamp(1.0 - passed / handover_time_, 0.0, 1.0) : 0.0;
+  };
+  if (snapshot.taken != snapshot_.taken) {
+    const bool both = snapshot_.taken >= 0.0 && snapshot_.contact && isFinite(snapshot_);
+    const Vec3 before =
+        both ? Vec3(couplingForce(options_, device, snapshot_) + remaining() * handover_) : force;
+    handover_ = limited(before - force, options_.max_force);
+    handover_time_ =
+        std::clamp(kHandoverShare * (snapshot.taken - snapshot_.taken), kMinHandover, kMaxHandover);
+    handover_start_ = now - 1.0 / options_.rate;  // the first step of it is this tick's
+  }
+  return force + remaining() * handover_;
 }
 
 }  // namespace haptic_cloth

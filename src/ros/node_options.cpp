@@ -17,6 +17,13 @@ void readHaptics(ParameterGroup group, HapticOptions& haptics) {
   group.read("pose_timeout", haptics.pose_timeout, false);
   group.read("snapshot_timeout", haptics.snapshot_timeout, false);
   group.read("ramp_time", haptics.ramp_time, false);
+  ParameterGroup passivity = group.group("passivity");
+  passivity.read("damping", haptics.passivity.damping, true);
+  passivity.read("debt", haptics.passivity.debt, true);
+  passivity.read("device_damping", haptics.passivity.device_damping, true);
+  passivity.read("store", haptics.passivity.store, true);
+  passivity.read("loop_delay", haptics.passivity.loop_delay, true);
+  passivity.rejectRest();
   group.rejectRest();
 }
 

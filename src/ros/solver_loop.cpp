@@ -37,10 +37,9 @@ void SolverLoop::run() {
     }
     waitUntilDue();
     moveObstacles();
-    const double pace = wall_per_step_ / time_step_;
-    for (SolverProbe& probe : probes_) probe.takeDevice(pace);
+    for (SolverProbe& probe : probes_) probe.takeDevice();
     const StepReport report = simulation_.step();
-    for (SolverProbe& probe : probes_) probe.publishSnapshot(pace);
+    for (SolverProbe& probe : probes_) probe.publishSnapshot(wall_per_step_);
     record(report);
   }
 }

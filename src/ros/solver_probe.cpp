@@ -7,14 +7,17 @@ namespace haptic_cloth {
 SolverProbe::SolverProbe(const NodeOptions& options, int number, Simulation& simulation, SharedProbe& shared)
     : number_(number), timeout_(options.probe_timeout), simulation_(simulation), shared_(shared) {}
 
-void SolverProbe::takeDevice(double pace) {
+void SolverProbe::takeDevice() {
   const StampedSample& newest = shared_.device_for_solver.read();
-  device_ = newest.sample;
+  const DeviceSample& device = newest.sample;
   orientation_ = newest.orientation;
-  const bool fresh = device_.received >= 0.0 && steadyNow() - device_.received <= timeout_;
+  const bool fresh = device.received >= 0.0 && steadyNow() - device.received <= timeout_;
   if (fresh) {
-    // In slow motion the hand is faster in simulated time than by the clock on the wall.
-    simulation_.setDevice(number_, {device_.position, device_.velocity * pace, orientation_});
+    // By the moves between steps: without a filter's lag the damper feels no more than what the proxy does
+    // not follow, and in slow motion the hand is as fast as it is in simulated time.
+    const Vec3 moved = present_ ? Vec3(device.position - device_.position) : Vec3(Vec3::Zero());
+    const double time_step = simulation_.scene().solver.time_step;
+    simulation_.setDevice(number_, {device.position, moved / time_step, orientation_});
     closed_ = shared_.grasp_wanted;
     simulation_.setGrasp(number_, closed_);
   } else {
@@ -24,19 +27,11 @@ void SolverProbe::takeDevice(double pace) {
   }
   present_ = fresh;
   shared_.present = fresh;
+  device_ = device;
 }
 
 void SolverProbe::publishSnapshot(double pace) {
-  const ProbeReport probe = simulation_.probe(number_);
-  ProbeSnapshot snapshot;
-  snapshot.taken = steadyNow();
-  snapshot.device_received = device_.received;
-  snapshot.device = probe.device;
-  snapshot.proxy = probe.proxy;
-  snapshot.proxy_velocity = probe.velocity / pace;
-  snapshot.force = probe.force;
-  snapshot.contact = probe.present && probe.contact;
-  shared_.snapshot.write(snapshot);
+  shared_.snapshot.write(tracker_.update(simulation_.probe(number_), device_, pace, steadyNow()));
   showGrasp();
 }
 
@@ -49,6 +44,7 @@ void SolverProbe::open() {
 }
 
 void SolverProbe::forget() {
+  tracker_.reset();
   present_ = closed_ = false;
   shared_.present = false;
   shared_.grasp_wanted = false;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "haptic_cloth/simulation.h"
+#include "haptics/probe_tracker.h"
 #include "ros/node_options.h"
 #include "ros/shared_state.h"
 
@@ -14,10 +15,10 @@ class SolverProbe {
   SolverProbe(const NodeOptions& options, int number, Simulation& simulation, SharedProbe& shared);
 
   /// Hands the newest pose and the grasp to the simulation, or takes the probe out of it when its device is
-  /// silent. @param pace wall time over simulated time [-]
-  void takeDevice(double pace);
+  /// silent.
+  void takeDevice();
 
-  /// Tells the haptic thread what the last step made of the probe.
+  /// Tells the haptic thread what the last step made of the probe. @param pace wall-clock time of a step [s]
   void publishSnapshot(double pace);
 
   /// Lets go of the cloth, as in a pause.
@@ -38,6 +39,7 @@ class SolverProbe {
   SharedProbe& shared_;
   bool present_ = false;
   bool closed_ = false;
+  ProbeTracker tracker_;
   DeviceSample device_;  ///< of the step in hand
   Quat orientation_ = Quat::Identity();
 };

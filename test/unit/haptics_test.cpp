@@ -39,7 +39,7 @@ DeviceSample deviceAt(const Vec3& position, double received) {
 
 ProbeSnapshot contactAt(const Vec3& proxy, double taken) {
   ProbeSnapshot snapshot;
-  snapshot.taken = taken;
+  snapshot.taken = snapshot.device_received = taken;
   snapshot.proxy = proxy;
   snapshot.contact = true;
   return snapshot;
@@ -75,7 +75,7 @@ TEST(HapticLoop, DampsTheVelocityDifference) {
   DeviceSample device = deviceAt(Vec3::Zero(), 1.0);
   device.velocity = Vec3(0, 0, -0.3);
   ProbeSnapshot snapshot = contactAt(Vec3::Zero(), 1.0);
-  snapshot.proxy_velocity = Vec3(0, 0, 0.1);
+  snapshot.drift = Vec3(0, 0, 0.1);
   EXPECT_NEAR(loop.tick(device, snapshot, false, 1.0).z(), 1.0 * (0.1 + 0.3), kRoundOff);
 }
 
@@ -83,16 +83,44 @@ TEST(HapticLoop, CarriesTheProxyOnToNowButNotForEver) {
   HapticOptions options = bareOptions();
   options.coupling_damping = 0.0;
   ProbeSnapshot snapshot = contactAt(Vec3::Zero(), 1.0);
-  snapshot.proxy_velocity = Vec3(0.1, 0, 0);
+  snapshot.drift = Vec3(0.1, 0, 0);
+  // A drift that fades in 10 ms: 0.1 m/s · 10 ms · (1 - exp(-age / 10 ms)).
+  const auto reach = [](double age) { return 400 * 0.1 * 0.01 * (1.0 - std::exp(-age / 0.01)); };
   HapticLoop young(options), old(options);
-  EXPECT_NEAR(young.tick(deviceAt(Vec3::Zero(), 1.01), snapshot, false, 1.01).x(), 400 * 0.1 * 0.01, 1e-9);
-  EXPECT_NEAR(old.tick(deviceAt(Vec3::Zero(), 1.09), snapshot, false, 1.09).x(), 400 * 0.1 * 0.02, 1e-9);
+  EXPECT_NEAR(young.tick(deviceAt(Vec3::Zero(), 1.01), snapshot, false, 1.01).x(), reach(0.01), 1e-9);
+  EXPECT_NEAR(old.tick(deviceAt(Vec3::Zero(), 1.09), snapshot, false, 1.09).x(), reach(0.09), 1e-9);
+}
+
+TEST(HapticLoop, TheProxyFollowsTheDeviceAsTheClothLetsIt) {
+  HapticOptions options = bareOptions();
+  options.coupling_damping = 0.0;
+  ProbeSnapshot snapshot = contactAt(Vec3(0, 0, 0.004), 1.0);
+  snapshot.follow.diagonal() = Vec3(1.0, 1.0, 0.25);
+  HapticLoop loop(options);
+  // 2 mm along x nothing resists; 1 mm deeper along z the coupling stretches by three quarters of it.
+  const Vec3 force = loop.tick(deviceAt(Vec3(0.002, 0, -0.001), 1.001), snapshot, false, 1.001);
+  EXPECT_NEAR(force.x(), 0.0, kRoundOff);
+  EXPECT_NEAR(force.z(), 400.0 * (0.004 + 0.75 * 0.001), kRoundOff);
+}
+
+TEST(HapticLoop, ANewSnapshotIsBlendedIn) {
+  HapticLoop loop(bareOptions());
+  // Snapshots 10 ms apart, the second 1 mm higher: half of that time, five ticks, for 0.4 N.
+  double now = 1.0;
+  Vec3 force = Vec3::Zero();
+  for (int i = 0; i < 10; ++i, now += kTick)
+    force = loop.tick(deviceAt(Vec3::Zero(), now), contactAt(Vec3(0, 0, 0.002), 1.0), false, now);
+  EXPECT_NEAR(force.z(), 0.8, kRoundOff);
+  for (int i = 1; i <= 8; ++i, now += kTick) {
+    force = loop.tick(deviceAt(Vec3::Zero(), now), contactAt(Vec3(0, 0, 0.003), 1.01), false, now);
+    EXPECT_NEAR(force.z(), 0.8 + 0.08 * std::min(5, i), 1e-9) << "tick " << i;
+  }
 }
 
 TEST(HapticLoop, FreeMotionFeelsNothing) {
   HapticLoop loop(bareOptions());
   ProbeSnapshot snapshot = contactAt(Vec3(0, 0, 0.05), 1.0);
-  snapshot.proxy_velocity = Vec3(1, 2, 3);
+  snapshot.drift = Vec3(1, 2, 3);
   snapshot.force = Vec3(1, 1, 1);
   snapshot.contact = false;
   for (int i = 0; i < 50; ++i) {
@@ -204,7 +232,7 @@ TEST(HapticLoop, NothingThatIsNotFiniteGetsThrough) {
       if (field == 0) device.position.x() = kNaN;
       if (field == 1) device.velocity.y() = std::numeric_limits<double>::infinity();
       if (field == 2) snapshot.proxy.z() = kNaN;
-      if (field == 3) snapshot.proxy_velocity.x() = kNaN;
+      if (field == 3) snapshot.drift.x() = kNaN;
       if (field == 4) device.received = kNaN;
       if (field == 5) now = kNaN;
       const Vec3 before = pressed.force;

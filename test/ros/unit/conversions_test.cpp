@@ -154,11 +154,17 @@ TEST(NodeOptions, TheShippedSettingsAreTheDefaults) {
   EXPECT_EQ(loaded.haptics.pose_timeout, plain.haptics.pose_timeout);
   EXPECT_EQ(loaded.haptics.snapshot_timeout, plain.haptics.snapshot_timeout);
   EXPECT_EQ(loaded.haptics.ramp_time, plain.haptics.ramp_time);
-  // Every key of the code stands in the file: 6 beside the groups, of which device has 10, haptics 7, markers
-  // 2, state 1.
+  EXPECT_EQ(loaded.haptics.passivity.damping, plain.haptics.passivity.damping);
+  EXPECT_EQ(loaded.haptics.passivity.debt, plain.haptics.passivity.debt);
+  EXPECT_EQ(loaded.haptics.passivity.store, plain.haptics.passivity.store);
+  EXPECT_EQ(loaded.haptics.passivity.device_damping, plain.haptics.passivity.device_damping);
+  EXPECT_EQ(loaded.haptics.passivity.loop_delay, plain.haptics.passivity.loop_delay);
+  // Every key of the code stands in the file: 6 beside the groups, of which device has 10, haptics 8, among them
+  // passivity with 5, markers 2, state 1.
   EXPECT_EQ(shipped.size(), 10u);
   EXPECT_EQ(shipped["device"].size(), 10u);
-  EXPECT_EQ(shipped["haptics"].size(), 7u);
+  EXPECT_EQ(shipped["haptics"].size(), 8u);
+  EXPECT_EQ(shipped["haptics"]["passivity"].size(), 5u);
   EXPECT_EQ(shipped["markers"].size(), 2u);
   EXPECT_EQ(shipped["state"].size(), 1u);
 }

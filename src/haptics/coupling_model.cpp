@@ -1,0 +1,48 @@
+#include "haptics/coupling_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptic_cloth {
+namespace {
+
+/// Where the proxy goes of itself, cloth that slides or swings, is forgotten in this time [s]. Beside 5 and
+/// 20 ms the best on the measured strokes (docs/design.md).
+constexpr double kDriftMemory = 0.01;
+
+/// What relaxes holds at most this many times what its local stiffness says [-]: twice where force rises with
+/// any power of length; the rest is for weight that was lifted and cloth in motion.
+constexpr double kHeldShare = 4.0;
+
+/// Where the proxy follows the device fully, the stiffness is taken to be this share of the coupling's [-].
+constexpr double kLeastHold = 0.05;
+
+struct ProxyNow {
+  Vec3 position, velocity;
+};
+
+ProxyNow proxyFor(const DeviceSample& device, const ProbeSnapshot& snapshot) {
+  const double age = std::max(0.0, device.received - snapshot.device_received);
+  const double fade = std::exp(-age / kDriftMemory);
+  const Vec3 moved = device.position - snapshot.device;
+  // The damper's speeds are both the filtered ones: what the proxy shares with the device then cancels, noise
+  // and lag of the filter included.
+  return {snapshot.proxy + snapshot.follow * moved + kDriftMemory * (1.0 - fade) * snapshot.drift,
+          snapshot.follow * device.velocity + fade * snapshot.drift};
+}
+
+}  // namespace
+
+Vec3 couplingForce(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot) {
+  const ProxyNow proxy = proxyFor(device, snapshot);
+  return options.coupling_stiffness * (proxy.position - device.position) +
+         options.coupling_damping * (proxy.velocity - device.velocity);
+}
+
+double heldEnergy(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot) {
+  const Vec3 stretch = proxyFor(device, snapshot).position - device.position;
+  const Mat3 hold = (1.0 + kLeastHold) * Mat3::Identity() - snapshot.follow;
+  return 0.5 * kHeldShare * options.coupling_stiffness * stretch.dot(hold.inverse() * stretch);
+}
+
+}  // namespace haptic_cloth

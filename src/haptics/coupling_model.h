@@ -1,0 +1,16 @@
+/// The virtual coupling's force for poses that are newer than the solver's.
+#pragma once
+
+#include "haptic_cloth/haptics.h"
+
+namespace haptic_cloth {
+
+/// Of the coupling [N], for any pose, by one snapshot: the proxy follows what the device has moved since, by
+/// the solver's measure, and what it did beside that in the solved step goes on for a while.
+Vec3 couplingForce(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot);
+
+/// Bound of the energy that coupling and cloth give back when they relax from here [J]: a few times that of a
+/// spring of the local stiffness k (1 - follow).
+double heldEnergy(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot);
+
+}  // namespace haptic_cloth

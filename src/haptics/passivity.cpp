@@ -1,0 +1,80 @@
+#include "haptic_cloth/passivity.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kMostDebt = 1.0;    ///< more than a device with a hand on it has in motion [J]
+constexpr double kForgetting = 1.0;  ///< of a debt where nothing is touched [s]
+
+/// Of the whole force when nothing is owed any more [s]. Of 0, 10, 20, 30 ms the one at which nothing buzzes
+/// in test/stability; from 0.1 s on slow swings take the buzz's place.
+constexpr double kRecovery = 0.02;
+
+}  // namespace
+
+PassivityController::PassivityController(const PassivityOptions& options, double period)
+    : options_(options), period_(period) {
+  reset();
+}
+
+void PassivityController::reset() {
+  forces_.fill(Vec3::Zero());
+  position_count_ = force_count_ = 0;
+  // What is held where the next contact begins may come out: after a fault the wall pushes the hand back out.
+  energy_ = options_.store;
+  gain_ = 1.0;
+  velocity_ = Vec3::Zero();
+}
+
+/// What pushed the device between the last two poses [N]: the force of the tick in which the first came, or
+/// of earlier ones where the way there and back takes time.
+Vec3 PassivityController::forceFelt() const {
+  const double back = std::min(options_.loop_delay / period_, kForces - 2.0);
+  const int whole = static_cast<int>(back);
+  const double share = back - whole;
+  const auto sentBefore = [this](int ticks) {
+    const int index = force_count_ - 1 - ticks;
+    return index < 0 ? Vec3(Vec3::Zero()) : forces_[index % kForces];
+  };
+  return (1.0 - share) * sentBefore(whole) + share * sentBefore(whole + 1);
+}
+
+void PassivityController::observe(const Vec3& position, double held) {
+  if (position_count_ > 0) {
+    const Vec3& last = positions_[(position_count_ - 1) % (kWindow + 1)];
+    energy_ -= forceFelt().dot(position - last);
+  }
+  positions_[position_count_ % (kWindow + 1)] = position;
+  ++position_count_;
+  const int window = std::min(kWindow, position_count_ - 1);
+  const Vec3& first = positions_[(position_count_ - 1 - window) % (kWindow + 1)];
+  velocity_ = window > 0 ? Vec3((position - first) / (window * period_)) : Vec3(Vec3::Zero());
+  energy_ += options_.device_damping * velocity_.squaredNorm() * period_;
+  energy_ = std::clamp(energy_, -kMostDebt, std::min(options_.store, held));
+  const double debt = std::max(0.0, -energy_);
+  const double wanted = options_.debt > 0.0 ? options_.debt / (options_.debt + debt) : 1.0;
+  gain_ = std::min(wanted, gain_ + period_ / kRecovery);
+}
+
+/// α pays the debt within one tick, but is at most what the device bears: at rest, where the speed is a
+/// quantum of position now and then, the force stays that of a small damper.
+Vec3 PassivityController::damping() const {
+  const double squared = velocity_.squaredNorm();
+  if (energy_ >= 0.0 || squared == 0.0) return Vec3::Zero();
+  const double wanted = -energy_ / (squared * period_);
+  return -std::min(options_.damping, wanted) * velocity_;
+}
+
+void PassivityController::forgive() {
+  if (energy_ < 0.0) energy_ *= std::exp(-period_ / kForgetting);
+}
+
+void PassivityController::sent(const Vec3& force) {
+  forces_[force_count_ % kForces] = force;
+  ++force_count_;
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,36 @@
+/// From the solver's steps to the snapshots of one probe.
+#pragma once
+
+#include "haptic_cloth/haptics.h"
+#include "haptic_cloth/report.h"
+
+namespace haptic_cloth {
+
+/// Learns how one probe's proxy follows its device, by secants of successive solves, so it costs the solver
+/// nothing: Powell's symmetric form of Broyden's update [Powell 1970]. Eigenvalues are kept in 0..1, as those
+/// of the derivative of an elastic equilibrium through a spring are: (k + S)⁻¹ k, S the cloth's stiffness at
+/// the proxy.
+class ProbeTracker {
+ public:
+  /// The snapshot after a step.
+  /// @param device what the step was solved for  @param pace wall-clock time of a step [s]
+  /// @param taken see ProbeSnapshot
+  ProbeSnapshot update(const ProbeReport& probe, const DeviceSample& device, double pace, double taken);
+
+  /// Starts anew, as with a new cloth.
+  void reset() { *this = ProbeTracker(); }
+
+  const Mat3& follow() const { return follow_; }
+
+ private:
+  void learn(const Vec3& device_moved, const Vec3& proxy_moved);
+
+  Mat3 follow_ = Mat3::Identity();  ///< until more is known nothing resists
+  bool touched_ = false;            ///< in the last step
+  bool known_ = false;              ///< there was a last step
+  Vec3 device_ = Vec3::Zero();      ///< of the last step [m]
+  Vec3 proxy_ = Vec3::Zero();       ///< of the last step [m]
+  Vec3 drift_ = Vec3::Zero();       ///< smoothed [m/s]
+};
+
+}  // namespace haptic_cloth

@@ -1,0 +1,165 @@
+#include "stability/closed_loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <random>
+
+#include "haptics/probe_tracker.h"
+#include "haptics/velocity_filter.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kStep = 5e-5;                   ///< of the device's motion [s]
+constexpr double kVelocityTimeConstant = 0.005;  ///< as the node's default [s]
+
+/// A signal that arrives later.
+class DelayLine {
+ public:
+  explicit DelayLine(double delay) : steps_(static_cast<std::size_t>(std::lround(delay / kStep))) {}
+  Vec3 pass(const Vec3& value) {
+    queue_.push_back(value);
+    if (queue_.size() <= steps_) return queue_.front();
+    const Vec3 out = queue_.front();
+    queue_.pop_front();
+    return out;
+  }
+
+ private:
+  std::size_t steps_;
+  std::deque<Vec3> queue_;
+};
+
+/// Extremes of a vector over time.
+struct Range {
+  Vec3 low = Vec3::Constant(1e9), high = Vec3::Constant(-1e9);
+  void add(const Vec3& value) {
+    low = low.cwiseMin(value);
+    high = high.cwiseMax(value);
+  }
+  double half() const { return 0.5 * (high - low).maxCoeff(); }
+};
+
+/// The solver thread: takes the newest pose, and its snapshot comes a step's time later.
+class SolverThread {
+ public:
+  SolverThread(const SolverModel& model, ProbeWorld& world) : model_(model), world_(world) {}
+
+  void run(double now, const DeviceSample& device, ProbeSnapshot& published) {
+    const double pace = model_.time_step * model_.slowness;
+    if (now < ready_) return;
+    if (started_) published = next_;
+    if (started_) published.taken = now;
+    const ProbeReport report = world_.solve(device.position, (device.position - last_) / model_.time_step);
+    next_ = tracker_.update(report, device, pace, now);
+    last_ = device.position;
+    started_ = true;
+    ready_ = now + pace - 1e-9;
+    if (ready_ > model_.stall_from && now < model_.stall_from + model_.stall_time)
+      ready_ += model_.stall_time;
+  }
+
+ private:
+  SolverModel model_;
+  ProbeWorld& world_;
+  ProbeTracker tracker_;
+  ProbeSnapshot next_;
+  Vec3 last_ = Vec3::Zero();
+  bool started_ = false;
+  double ready_ = 0.0;
+};
+
+Vec3 targetAt(const HandModel& hand, double time, Vec3& velocity) {
+  const double s = std::clamp((time - hand.press_from) / hand.press_time, 0.0, 1.0);
+  velocity = 6.0 * s * (1.0 - s) / hand.press_time * (hand.pressed - hand.start);
+  return hand.start + s * s * (3.0 - 2.0 * s) * (hand.pressed - hand.start);
+}
+
+/// One step of the mechanism in the hand.
+void moveDevice(const LoopRun& run, double time, const Vec3& force, Vec3& position, Vec3& velocity) {
+  Vec3 target_velocity;
+  const Vec3 target = targetAt(run.hand, time, target_velocity);
+  const Vec3 hand =
+      run.hand.stiffness * (target - position) + run.hand.damping * (target_velocity - velocity);
+  velocity += kStep / run.device.mass * (force + hand - run.device.damping * velocity);
+  position += kStep * velocity;
+}
+
+}  // namespace
+
+ProbeReport WallWorld::solve(const Vec3& device, const Vec3&) {
+  constexpr double kTimeStep = 1e-3;
+  ProbeReport report;
+  report.present = true;
+  report.device = report.proxy = device;
+  report.contact = device.z() < 0.0;
+  if (report.contact) report.proxy.z() = follow_ * device.z();
+  if (known_) report.velocity = (report.proxy - proxy_) / kTimeStep;
+  known_ = true;
+  proxy_ = report.proxy;
+  return report;
+}
+
+LoopResult runLoop(const LoopRun& run, ProbeWorld& world) {
+  const int steps_per_tick = static_cast<int>(std::lround(1.0 / (run.options.rate * kStep)));
+  HapticLoop loop(run.options);
+  VelocityFilter filter(kVelocityTimeConstant, run.options.pose_timeout);
+  SolverThread solver(run.solver, world);
+  DelayLine way_in(0.5 * run.device.delay), way_out(0.5 * run.device.delay);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> noise(-run.device.noise, run.device.noise);
+  Vec3 position = run.hand.start, velocity = Vec3::Zero(), force = Vec3::Zero();
+  DeviceSample sample;
+  ProbeSnapshot snapshot;
+  LoopResult result;
+  Range path, forces;
+  Vec3 sum = Vec3::Zero();
+  const int steps = static_cast<int>(std::lround(run.time / kStep));
+  for (int k = 0; k < steps; ++k) {
+    const double time = k * kStep;
+    const Vec3 seen = way_in.pass(position);
+    if (k % steps_per_tick == 0) {
+      if (time < run.device.dies_at) {
+        sample.received = time;
+        for (int c = 0; c < 3; ++c)
+          sample.position[c] =
+              run.device.quantum * std::floor((seen[c] + noise(random)) / run.device.quantum);
+        sample.velocity = filter.update(sample.position, time);
+      }
+      solver.run(time, sample, snapshot);
+      const Vec3 before = force;
+      force = loop.tick(sample, snapshot, false, time);
+      result.finite = result.finite && force.allFinite();
+      result.most_force = std::max(result.most_force, force.norm());
+      result.most_change = std::max(result.most_change, (force - before).norm());
+      if (!force.isZero(0.0))
+        result.zero_since = 1e9;
+      else
+        result.zero_since = std::min(result.zero_since, time);
+    }
+    const Vec3 felt = way_out.pass(force);
+    moveDevice(run, time, felt, position, velocity);
+    if (time >= run.time - run.measured) {
+      path.add(position);
+      forces.add(felt);
+      sum += felt;
+      result.generated += felt.dot(velocity) * kStep;
+    }
+  }
+  result.amplitude = path.half();
+  result.force_ripple = forces.half();
+  result.mean_force = sum.norm() * kStep / run.measured;
+  result.force_at_end = force.norm();
+  return result;
+}
+
+std::vector<PublishedDevice> publishedDevices() {
+  return {{"touch", 3.3, 400.0, 4.0, 0.05, 5.5e-5},
+          {"omni", 3.3, 700.0, 5.0, 0.05, 5.5e-5},
+          {"premium", 8.5, 800.0, 5.0, 0.075, 3e-5},
+          {"omega", 12.0, 5000.0, 30.0, 0.2, 1e-5},
+          {"falcon", 8.0, 3000.0, 15.0, 0.25, 6e-5}};
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,114 @@
+/// The closed loop with the real solver: a hand presses on a small cloth over a box.
+/// Criteria as in devices_test.cpp: no buzz, a finite force within its limits, exactly zero after the device
+/// has died. The force at rest is what hand and coupling must find: both are springs, so it is below that of
+/// either alone.
+#include <gtest/gtest.h>
+
+#include "haptic_cloth/simulation.h"
+#include "stability/closed_loop.h"
+#include "support/scenes.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kTop = 0.05;  ///< of the box [m]
+
+Scene smallDrape(double coupling, double damping) {
+  Scene scene = boxDrape(13);
+  scene.cloth.size = {0.12, 0.12};
+  scene.cloth.pose.position.z() = kTop + 0.002;
+  scene.obstacles[0].size = Vec3(0.08, 0.08, 0.05);
+  scene.obstacles[0].pose.position.z() = kTop - 0.025;
+  scene.probe.coupling_stiffness = coupling;
+  scene.probe.coupling_damping = damping;
+  return scene;
+}
+
+/// The probe's device, its pole z = 0 where the probe rests on the cloth.
+class ClothWorldProbe : public ProbeWorld {
+ public:
+  explicit ClothWorldProbe(const Scene& scene)
+      : simulation_(scene), origin_(0.0, 0.0, kTop + scene.cloth.fabric.thickness + scene.probe.radius) {}
+  ProbeReport solve(const Vec3& device, const Vec3& device_velocity) override {
+    simulation_.setDevice(device + origin_, device_velocity);
+    failed_ += simulation_.step().failed;
+    ProbeReport report = simulation_.probe();
+    report.device -= origin_;
+    report.proxy -= origin_;
+    return report;
+  }
+  int failed() const { return failed_; }
+
+ private:
+  Simulation simulation_;
+  Vec3 origin_;
+  int failed_ = 0;
+};
+
+LoopRun touchRun() {
+  LoopRun run;
+  run.options.coupling_stiffness = 400.0;
+  run.options.coupling_damping = 1.0;
+  run.options.soft_start = 0.1;
+  run.device.mass = 0.05;
+  run.device.damping = 0.2;
+  run.device.quantum = 5.5e-5;
+  run.device.noise = 0.5 * run.device.quantum;
+  run.device.delay = 0.001;
+  run.time = 1.5;
+  return run;
+}
+
+LoopResult press(const LoopRun& run) {
+  ClothWorldProbe world(smallDrape(run.options.coupling_stiffness, run.options.coupling_damping));
+  const LoopResult result = runLoop(run, world);
+  EXPECT_EQ(world.failed(), 0);
+  EXPECT_TRUE(result.finite);
+  EXPECT_LE(result.most_force, run.options.max_force * (1.0 + 1e-9));
+  EXPECT_LE(result.most_change, run.options.max_force_rate / run.options.rate * (1.0 + 1e-9));
+  return result;
+}
+
+/// Hand and coupling in a row, 6 mm apart [N].
+double springsInARow(const LoopRun& run) {
+  const double a = run.hand.stiffness, b = run.options.coupling_stiffness;
+  return a * b / (a + b) * -run.hand.pressed.z();
+}
+
+TEST(ClothLoop, IsQuietAndFirm) {
+  const LoopRun run = touchRun();
+  const LoopResult result = press(run);
+  EXPECT_LT(result.amplitude, 1.5e-4);
+  EXPECT_GT(result.mean_force, 0.8 * springsInARow(run));
+  EXPECT_LT(result.mean_force, springsInARow(run) * 1.05);
+}
+
+TEST(ClothLoop, IsQuietWhileTheSolverIsSlow) {
+  LoopRun run = touchRun();
+  run.solver.slowness = 10.0;
+  run.time = 2.5;
+  EXPECT_LT(press(run).amplitude, 1.5e-4);
+}
+
+TEST(ClothLoop, IsQuietAfterAStall) {
+  LoopRun run = touchRun();
+  run.solver.stall_from = 0.5;
+  run.solver.stall_time = 0.5;
+  run.time = 2.0;
+  const LoopResult result = press(run);
+  EXPECT_LT(result.amplitude, 1.5e-4);
+  EXPECT_GT(result.mean_force, 0.8 * springsInARow(run)) << "the force comes back";
+}
+
+TEST(ClothLoop, ADeadDeviceGetsZero) {
+  LoopRun run = touchRun();
+  run.device.dies_at = 0.8;
+  run.time = 1.2;
+  const LoopResult result = press(run);
+  EXPECT_GT(result.most_force, 0.5);
+  EXPECT_EQ(result.force_at_end, 0.0);
+  EXPECT_LE(result.zero_since, run.device.dies_at + run.options.pose_timeout + 0.05);
+}
+
+}  // namespace
+}  // namespace haptic_cloth

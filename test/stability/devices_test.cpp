@@ -1,0 +1,122 @@
+/// Every device within its published limits, on a rigid wall, while the solver does what it may.
+/// Criteria:
+/// * No buzz: at the end the device swings by less than 0.15 mm (z_width_test.cpp: sources) or two quanta of
+/// its
+///   encoders, whichever is more; below two quanta it is the encoder that is seen.
+/// * The force is finite and within force and rate limit, always.
+/// * A device that dies: exactly zero 50 ms after the timeout of its poses, and it stays so.
+/// Published limits: force and stiffness by the makers' data sheets (3D Systems Touch, Geomagic Phantom Omni
+/// and Phantom Premium 1.5, Force Dimension omega.7, Novint Falcon); virtual damping as these devices'
+/// drivers allow it. Mechanism and hand: 0.05 to 0.2 kg, 0.2 N·s/m, and a light grip [Hajian & Howe 1997: 100
+/// to 1000 N/m, 2 N·s/m].
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "stability/closed_loop.h"
+
+namespace haptic_cloth {
+namespace {
+
+LoopRun runOf(const PublishedDevice& device, double stiffness, double damping, double delay) {
+  LoopRun run;
+  run.options.max_force = device.max_force;
+  run.options.max_force_rate = std::max(200.0, 0.5 * device.stiffness);  // 0.5 m/s into the stiffest wall
+  run.options.soft_start = 0.1;
+  run.options.coupling_stiffness = stiffness;
+  run.options.coupling_damping = damping;
+  run.device.damping = 0.2;
+  run.device.quantum = device.resolution;
+  run.device.noise = 0.5 * device.resolution;
+  // What the bound K < (b + B)/(T/2 + t_d) allows, at most (z_width_test.cpp); none where it allows none.
+  const double allowed = (run.device.damping + damping) / stiffness - 0.5 / run.options.rate;
+  run.device.delay = std::clamp(allowed, 0.0, delay);
+  run.time = 2.5;
+  return run;
+}
+
+double buzz(const PublishedDevice& device) { return std::max(1.5e-4, 2.0 * device.resolution); }
+
+class Devices : public testing::TestWithParam<PublishedDevice> {
+ protected:
+  void expectQuiet(const LoopRun& run, double wall_stiffness) {
+    WallWorld wall(run.options.coupling_stiffness, wall_stiffness);
+    const LoopResult result = runLoop(run, wall);
+    const auto what = [&] {
+      return std::to_string(run.options.coupling_stiffness) + " N/m, " +
+             std::to_string(run.options.coupling_damping) + " N·s/m, delay " +
+             std::to_string(run.device.delay) + " s, " + std::to_string(run.device.mass) + " kg, hand " +
+             std::to_string(run.hand.stiffness) + " N/m";
+    };
+    EXPECT_LT(result.amplitude, buzz(GetParam())) << what();
+    EXPECT_TRUE(result.finite) << what();
+    EXPECT_LE(result.most_force, run.options.max_force * (1.0 + 1e-9)) << what();
+    EXPECT_LE(result.most_change, run.options.max_force_rate / run.options.rate * (1.0 + 1e-9)) << what();
+  }
+
+  /// Calls visit(run) for stiffness and damping within the limits, delays to 1 ms where the bound allows
+  /// them, hands and masses.
+  template <class Visit>
+  void forRuns(const Visit& visit) {
+    const PublishedDevice& device = GetParam();
+    for (const double stiffness : {0.25 * device.stiffness, 0.5 * device.stiffness, device.stiffness}) {
+      for (const double damping : {0.0, 0.25 * device.damping, device.damping}) {
+        for (const double delay : {0.0, 0.0005, 0.001}) {
+          for (const double mass : {0.05, 0.1, 0.2}) {
+            for (const double hand : {100.0, 300.0, 1000.0}) {
+              LoopRun run = runOf(device, stiffness, damping, delay);
+              run.device.mass = mass;
+              run.hand.stiffness = hand;
+              visit(run);
+            }
+          }
+        }
+      }
+    }
+  }
+};
+
+TEST_P(Devices, NothingBuzzesOnAWall) {
+  forRuns([&](const LoopRun& run) { expectQuiet(run, 1e9); });
+}
+
+TEST_P(Devices, NothingBuzzesWhileTheSolverIsSlow) {
+  forRuns([&](LoopRun run) {
+    run.solver.slowness = 10.0;
+    expectQuiet(run, 1e9);
+  });
+}
+
+TEST_P(Devices, NothingBuzzesAfterAStall) {
+  forRuns([&](LoopRun run) {
+    run.solver.stall_from = 0.6;
+    run.solver.stall_time = 0.5;
+    expectQuiet(run, 1e9);
+  });
+}
+
+TEST_P(Devices, NothingBuzzesOnASoftWall) {
+  forRuns([&](LoopRun run) {
+    run.solver.slowness = 5.0;
+    expectQuiet(run, 200.0);
+  });
+}
+
+TEST_P(Devices, ADeadDeviceGetsZero) {
+  constexpr double kRamp = 0.05;
+  LoopRun run = runOf(GetParam(), GetParam().stiffness, 1.0, 0.001);
+  run.device.dies_at = 1.0;
+  WallWorld wall(run.options.coupling_stiffness, 1e9);
+  const LoopResult result = runLoop(run, wall);
+  EXPECT_GT(result.most_force, 0.5);
+  EXPECT_TRUE(result.finite);
+  EXPECT_EQ(result.force_at_end, 0.0);
+  EXPECT_LE(result.zero_since, run.device.dies_at + run.options.pose_timeout + kRamp);
+}
+
+INSTANTIATE_TEST_SUITE_P(Published, Devices, testing::ValuesIn(publishedDevices()),
+                         [](const auto& info) { return info.param.name; });
+
+}  // namespace
+}  // namespace haptic_cloth

@@ -1,0 +1,176 @@
+/// What one probe learns of the cloth, and what it owes the hand.
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "haptic_cloth/passivity.h"
+#include "haptics/probe_tracker.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kTick = 1e-3;
+
+ProbeReport reportAt(const Vec3& device, const Vec3& proxy) {
+  ProbeReport report;
+  report.present = report.contact = true;
+  report.device = device;
+  report.proxy = proxy;
+  return report;
+}
+
+/// Poses that move by up to 0.1 mm a step in all directions.
+std::vector<Vec3> poses(int count) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> step(-1e-4, 1e-4);
+  std::vector<Vec3> poses(1, Vec3::Zero());
+  while (static_cast<int>(poses.size()) < count)
+    poses.push_back(poses.back() + Vec3(step(random), step(random), step(random)));
+  return poses;
+}
+
+TEST(ProbeTracker, LearnsALinearAnswer) {
+  // An elastic cloth behind a spring: symmetric, eigenvalues 0.1, 0.5 and 0.9 on tilted axes.
+  const Quat turn(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
+  const Mat3 axes = turn.toRotationMatrix();
+  const Mat3 truth = axes * Vec3(0.1, 0.5, 0.9).asDiagonal() * axes.transpose();
+  ProbeTracker tracker;
+  for (const Vec3& device : poses(200)) {
+    tracker.update(reportAt(device, truth * device), DeviceSample(), kTick, 0.0);
+  }
+  // A secant in a random direction leaves at most about 0.9 of the error: 0.9^200.
+  EXPECT_LT((tracker.follow() - truth).norm(), 1e-6);
+}
+
+TEST(ProbeTracker, StaysAPassiveAnswer) {
+  // Proxies that run away, against the device, and not a number.
+  for (const double factor : {-3.0, 5.0, 1e200}) {
+    ProbeTracker tracker;
+    for (const Vec3& device : poses(100)) {
+      tracker.update(reportAt(device, factor * device), DeviceSample(), kTick, 0.0);
+      const Mat3& follow = tracker.follow();
+      ASSERT_TRUE(follow.allFinite());
+      ASSERT_LT((follow - follow.transpose()).norm(), 1e-12);
+      const Vec3 eigenvalues = Eigen::SelfAdjointEigenSolver<Mat3>(follow).eigenvalues();
+      ASSERT_GE(eigenvalues.minCoeff(), -1e-9);
+      ASSERT_LE(eigenvalues.maxCoeff(), 1.0 + 1e-9);
+    }
+  }
+}
+
+TEST(ProbeTracker, ForgetsWithoutContact) {
+  ProbeTracker tracker;
+  for (const Vec3& device : poses(200))
+    tracker.update(reportAt(device, Vec3::Zero()), DeviceSample(), kTick, 0.0);
+  EXPECT_LT(tracker.follow().norm(), 1e-6);
+  ProbeReport free = reportAt(Vec3::Zero(), Vec3::Zero());
+  free.contact = false;
+  const ProbeSnapshot snapshot = tracker.update(free, DeviceSample(), kTick, 0.05);
+  EXPECT_EQ(snapshot.follow, Mat3(Mat3::Identity()));
+  EXPECT_EQ(snapshot.drift, Vec3(Vec3::Zero()));
+}
+
+PassivityOptions bare() {
+  PassivityOptions options;
+  options.device_damping = 0.0;
+  options.loop_delay = 0.0;
+  return options;
+}
+
+/// Swings 2 mm, 5 times a second, on -k x sampled each tick and held; returns the energy at the end [J].
+double swing(PassivityController& controller, double stiffness, int cycles, double held) {
+  for (int k = 0; k < cycles * 200; ++k) {
+    const Vec3 position(2e-3 * std::sin(2 * EIGEN_PI * 5.0 * k * kTick), 0, 0);
+    controller.observe(position, k == 0 ? 0.0 : held);
+    controller.sent(-stiffness * position);
+  }
+  return controller.energy();
+}
+
+TEST(PassivityController, FindsTheEnergyThatSamplingMakes) {
+  // A sampled spring lags by half a tick and makes π k (ω T/2) A² a cycle [Colgate & Schenkel 1994], to
+  // second order in ω T; ω T = 0.03.
+  PassivityController controller(bare(), kTick);
+  const double omega = 2 * EIGEN_PI * 5.0, amplitude = 2e-3;
+  const double made = EIGEN_PI * 400.0 * 0.5 * omega * kTick * amplitude * amplitude;
+  EXPECT_NEAR(swing(controller, 400.0, 10, 1.0), -10 * made, 0.02 * 10 * made);
+}
+
+TEST(PassivityController, FindsTheEnergyThatADelayMakes) {
+  // Delay t_d adds to T/2.
+  PassivityOptions options = bare();
+  options.loop_delay = 0.0025;
+  PassivityController controller(options, kTick);
+  const double omega = 2 * EIGEN_PI * 5.0, amplitude = 2e-3;
+  const double made = EIGEN_PI * 400.0 * omega * (0.5 * kTick + 0.0025) * amplitude * amplitude;
+  EXPECT_NEAR(swing(controller, 400.0, 10, 1.0), -10 * made, 0.02 * 10 * made);
+}
+
+TEST(PassivityController, CountsOnTheHandsDamping) {
+  // b > K T/2: nothing is ever owed at the end of a cycle.
+  PassivityOptions options = bare();
+  options.device_damping = 0.3;
+  PassivityController controller(options, kTick);
+  EXPECT_GE(swing(controller, 400.0, 10, 1.0), 0.0);
+}
+
+TEST(PassivityController, LongFrictionFillsNoStore) {
+  // 1 N against 0.2 m/s for 10 s puts 2 J in. What may come out again is what coupling and cloth hold.
+  PassivityController controller(bare(), kTick);
+  for (int k = 0; k < 10000; ++k) {
+    controller.observe(Vec3(0.2 * k * kTick, 0, 0), 0.003);
+    controller.sent(Vec3(-1.0, 0, 0));
+  }
+  EXPECT_EQ(controller.energy(), 0.003);
+  PassivityOptions small = bare();
+  small.store = 0.001;
+  PassivityController bounded(small, kTick);
+  bounded.observe(Vec3::Zero(), 0.0);
+  bounded.sent(Vec3(-1.0, 0, 0));
+  bounded.observe(Vec3(0.5, 0, 0), 1.0);
+  EXPECT_EQ(bounded.energy(), 0.001);
+}
+
+TEST(PassivityController, PaysWithABoundedDamperAndAWeakerForce) {
+  const PassivityOptions options = bare();
+  PassivityController controller(options, kTick);
+  EXPECT_EQ(controller.gain(), 1.0);
+  EXPECT_EQ(controller.damping(), Vec3(Vec3::Zero()));
+  controller.observe(Vec3::Zero(), 0.0);
+  controller.sent(Vec3(1.0, 0, 0));
+  controller.observe(Vec3(options.debt, 0, 0), 1.0);  // 1 N over this way: owes just options.debt
+  EXPECT_NEAR(controller.energy(), -options.debt, 1e-15);
+  EXPECT_NEAR(controller.gain(), 0.5, 1e-12);
+  EXPECT_NEAR(controller.damping().x(), -options.damping * controller.velocity().x(), 1e-12);
+  // It stands: no force from the damper, however much is owed.
+  for (int k = 0; k < 10; ++k) {
+    controller.sent(Vec3(1.0, 0, 0));
+    controller.observe(Vec3(options.debt, 0, 0), 1.0);
+  }
+  EXPECT_EQ(controller.damping(), Vec3(Vec3::Zero()));
+  EXPECT_LT(controller.energy(), 0.0);
+}
+
+TEST(PassivityController, AFaultLeavesWhatIsHeld) {
+  PassivityController controller(bare(), kTick);
+  controller.reset();
+  controller.observe(Vec3::Zero(), 0.003);
+  EXPECT_EQ(controller.energy(), 0.003);
+  controller.observe(Vec3::Zero(), 0.0);
+  EXPECT_EQ(controller.energy(), 0.0);
+}
+
+TEST(PassivityController, ADebtFadesWhereNothingIsTouched) {
+  PassivityController controller(bare(), kTick);
+  controller.observe(Vec3::Zero(), 0.0);
+  controller.sent(Vec3(1.0, 0, 0));
+  controller.observe(Vec3(0.01, 0, 0), 1.0);
+  for (int k = 0; k < 1000; ++k) controller.forgive();
+  EXPECT_NEAR(controller.energy(), -0.01 * std::exp(-1.0), 1e-9);
+}
+
+}  // namespace
+}  // namespace haptic_cloth
