@@ -193,6 +193,7 @@ TEST_F(FingersTest, PauseSilenceAndResetOpenTheGrasp) {
   EXPECT_TRUE(says("left", "grasp", "open"));
   left_->moveTo(kLeftAbove);
   left_->resume();
+  ASSERT_TRUE(waitFor([this] { return left_->arrived(); }));
   ASSERT_TRUE(waitFor([this] { return grasp("left", true); }));
   EXPECT_TRUE(says("left", "grasp", "closed"));
   std_srvs::Empty empty;
