@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -59,7 +60,12 @@ TEST(Conversions, Transformed) {
   geometry_msgs::TransformStamped transform;
   transform.transform.translation.z = 1.0;
   transform.transform.rotation.z = transform.transform.rotation.w = std::sqrt(0.5);
-  EXPECT_TRUE(transformed(transform, Vec3(1, 0, 0)).isApprox(Vec3(0, 1, 1), 1e-12));
+  const Pose frame = toPose(transform);
+  // A quarter of a turn about z, after a quarter about x: the pose's z axis goes to -y and from there to x.
+  const Quat about_x(Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitX()));
+  const Pose there = composed(frame, {Vec3(1, 0, 0), about_x});
+  EXPECT_TRUE(there.position.isApprox(Vec3(0, 1, 1), 1e-12));
+  EXPECT_TRUE((there.orientation * Vec3::UnitZ()).isApprox(Vec3::UnitX(), 1e-12));
 }
 
 TEST(Conversions, Wrench) {
@@ -159,9 +165,10 @@ TEST(NodeOptions, TheShippedSettingsAreTheDefaults) {
   EXPECT_EQ(loaded.haptics.passivity.store, plain.haptics.passivity.store);
   EXPECT_EQ(loaded.haptics.passivity.device_damping, plain.haptics.passivity.device_damping);
   EXPECT_EQ(loaded.haptics.passivity.loop_delay, plain.haptics.passivity.loop_delay);
-  // Every key of the code stands in the file: 6 beside the groups, of which device has 10, haptics 8, among them
+  // Every key of the code stands in the file: 6 beside the groups, of which device has 10, devices 0, haptics 8, among them
   // passivity with 5, markers 2, state 1.
-  EXPECT_EQ(shipped.size(), 10u);
+  EXPECT_EQ(shipped.size(), 11u);
+  EXPECT_EQ(shipped["devices"].size(), 0u);
   EXPECT_EQ(shipped["device"].size(), 10u);
   EXPECT_EQ(shipped["haptics"].size(), 8u);
   EXPECT_EQ(shipped["haptics"]["passivity"].size(), 5u);
@@ -183,7 +190,34 @@ TEST(NodeOptions, SceneByParametersOrByFile) {
   const NodeOptions loaded = parseNodeOptions(file, "test");
   EXPECT_EQ(loaded.scene.cloth.particles[0], 17);
   EXPECT_EQ(loaded.scene.probes[0].coupling_stiffness, 250.0);
-  EXPECT_EQ(loaded.haptics.coupling_stiffness, 250.0);
+  EXPECT_EQ(loaded.probes[0].haptics.coupling_stiffness, 250.0);
+}
+
+TEST(NodeOptions, EveryProbeHasItsOwnDeviceAndCoupling) {
+  const auto with = [](const std::string& devices) {
+    XmlRpcValue parameters = sceneParameters();
+    parameters["probe"] = toParameter(YAML::Load("{coupling_stiffness: 300, radius: 0.01}"));
+    parameters["probes"] = toParameter(YAML::Load("{thumb: {}, index: {coupling_stiffness: 150}}"));
+    parameters["device"]["position_scale"] = 2.0;
+    parameters["devices"] = toParameter(YAML::Load(devices));
+    return parameters;
+  };
+  const NodeOptions options =
+      parseNodeOptions(with("{thumb: {offset: [0, 0, 1], force_scale: 0.5}}"), "test");
+  ASSERT_EQ(options.probes.size(), 2u);
+  // A map of parameters comes sorted by name.
+  const int thumb = options.scene.probes[0].name == "thumb" ? 0 : 1, index = 1 - thumb;
+  EXPECT_EQ(options.scene.probes[index].name, "index");
+  EXPECT_EQ(options.probes[thumb].haptics.coupling_stiffness, 300.0);
+  EXPECT_EQ(options.probes[index].haptics.coupling_stiffness, 150.0);
+  EXPECT_EQ(options.scene.probes[index].radius, 0.01);
+  EXPECT_EQ(options.probes[thumb].device.offset, Vec3(0, 0, 1));
+  EXPECT_EQ(options.probes[thumb].device.force_scale, 0.5);
+  EXPECT_EQ(options.probes[index].device.offset, Vec3(0, 0, 0));
+  EXPECT_EQ(options.probes[index].device.force_scale, 1.0);
+  for (const ProbeSettings& probe : options.probes) EXPECT_EQ(probe.device.position_scale, 2.0);
+  EXPECT_NE(messageOf(with("{little: {}}")).find("devices/little: unknown parameter"), std::string::npos);
+  EXPECT_NE(messageOf(with("{thumb: {ofset: 1}}")).find("devices/thumb/ofset"), std::string::npos);
 }
 
 TEST(NodeOptions, TheBudgetOfAStepIsTheSmallerOne) {
@@ -260,6 +294,8 @@ class MarkersTest : public testing::Test {
     Simulation simulation(scene_);
     simulation.positions(frame_.positions);
     simulation.cells(frame_.cells);
+    frame_.probes.resize(scene_.probes.size());
+    for (const Obstacle& obstacle : scene_.obstacles) frame_.obstacles.push_back(obstacle.pose);
   }
   Scene scene_;
   DisplayFrame frame_;
@@ -267,9 +303,9 @@ class MarkersTest : public testing::Test {
 
 TEST_F(MarkersTest, CountsStayTheSameForEveryMesh) {
   MarkerBuilder builder(scene_, "world", 0.05);
-  const auto first = builder.build(frame_, Vec3::Zero(), ros::Time(1.0));
+  const auto first = builder.build(frame_, {Vec3::Zero()}, ros::Time(1.0));
   frame_.cells = {{{0, 16, 16 * 17, 17 * 17 - 1}, 4}};  // one coarse cell
-  const auto second = builder.build(frame_, Vec3(0, 0, 1), ros::Time(2.0));
+  const auto second = builder.build(frame_, {Vec3(0, 0, 1)}, ros::Time(2.0));
   ASSERT_EQ(first.markers.size(), second.markers.size());
   for (std::size_t k = 0; k < 2; ++k) {
     EXPECT_EQ(first.markers[k].points.size(), second.markers[k].points.size());
@@ -282,7 +318,7 @@ TEST_F(MarkersTest, CountsStayTheSameForEveryMesh) {
 TEST_F(MarkersTest, EveryMarkerIsOneThatRvizTakes) {
   MarkerBuilder builder(scene_, "world", 0.05);
   std::set<std::pair<std::string, int>> names;
-  for (const auto& marker : builder.build(frame_, Vec3(0, 0, 1), ros::Time(1.0)).markers) {
+  for (const auto& marker : builder.build(frame_, {Vec3(0, 0, 1)}, ros::Time(1.0)).markers) {
     EXPECT_TRUE(names.emplace(marker.ns, marker.id).second);
     EXPECT_TRUE(isUnit(marker.pose.orientation));
     EXPECT_TRUE(isFinite(marker.pose));
@@ -296,13 +332,52 @@ TEST_F(MarkersTest, EveryMarkerIsOneThatRvizTakes) {
 
 TEST_F(MarkersTest, TheForceArrowPointsAlongTheForce) {
   MarkerBuilder builder(scene_, "world", 0.05);
-  frame_.probe.present = true;
-  frame_.probe.proxy = Vec3(0.1, 0.2, 0.3);
-  const auto& arrow = builder.build(frame_, Vec3(0, 0, 2.0), ros::Time(1.0)).markers[4];
+  frame_.probes[0].report.present = true;
+  frame_.probes[0].report.proxy = Vec3(0.1, 0.2, 0.3);
+  const auto& arrow = builder.build(frame_, {Vec3(0, 0, 2.0)}, ros::Time(1.0)).markers[4];
   EXPECT_EQ(arrow.action, visualization_msgs::Marker::ADD);
   EXPECT_TRUE((toVec3(arrow.points[1]) - toVec3(arrow.points[0])).isApprox(Vec3(0, 0, 0.1), 1e-12));
-  EXPECT_EQ(builder.build(frame_, Vec3::Zero(), ros::Time(1.0)).markers[4].action,
+  EXPECT_EQ(builder.build(frame_, {Vec3::Zero()}, ros::Time(1.0)).markers[4].action,
             visualization_msgs::Marker::DELETE);
+}
+
+TEST_F(MarkersTest, CapsulesAndObstaclesStandWhereTheyAre) {
+  scene_.probes.resize(2);
+  scene_.probes[1].name = "finger";
+  scene_.probes[1].radius = 0.01;
+  scene_.probes[1].length = 0.04;
+  frame_.probes.resize(2);
+  ProbeView& finger = frame_.probes[1];
+  finger.report.present = true;
+  finger.report.proxy = Vec3(0.1, 0.2, 0.3);
+  finger.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitX());
+  const Pose moved{Vec3(1, 2, 3), Quat(Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitX()))};
+  frame_.obstacles[0] = moved;
+  MarkerBuilder builder(scene_, "world", 0.05);
+  const auto parts = [&](const std::string& name) {
+    std::vector<visualization_msgs::Marker> markers;
+    for (const auto& marker : builder.build(frame_, {Vec3::Zero(), Vec3::Zero()}, ros::Time(1.0)).markers) {
+      if (marker.ns == name) markers.push_back(marker);
+    }
+    return markers;
+  };
+  const auto proxy = parts("finger/proxy");
+  ASSERT_EQ(proxy.size(), 3u);
+  EXPECT_EQ(proxy[0].scale.z, 0.04);
+  EXPECT_TRUE(toVec3(proxy[1].pose.position).isApprox(Vec3(0.08, 0.2, 0.3), 1e-12));
+  EXPECT_TRUE(toVec3(proxy[2].pose.position).isApprox(Vec3(0.12, 0.2, 0.3), 1e-12));
+  EXPECT_LT(parts("probe/proxy")[0].scale.x, 1e-5) << "not there";
+  const auto box = parts("obstacles")[0];
+  EXPECT_EQ(toVec3(box.pose.position), moved.position);
+  EXPECT_EQ(toQuat(box.pose.orientation).coeffs(), moved.orientation.coeffs());
+
+  const auto colour = [&](GraspState grasp) {
+    finger.grasp = grasp;
+    const auto color = parts("finger/proxy")[0].color;
+    return std::array<float, 3>{color.r, color.g, color.b};
+  };
+  EXPECT_NE(colour(GraspState::Open), colour(GraspState::Closed));
+  EXPECT_NE(colour(GraspState::Closed), colour(GraspState::Holding));
 }
 
 TEST(Diagnostics, LevelsSayWhatIsWrong) {
@@ -325,10 +400,17 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
   EXPECT_EQ(hapticStatus(haptic, 1000.0, "SCHED_FIFO", 20.0).level, DiagnosticStatus::ERROR);
 
   InputCounters counters;
-  EXPECT_EQ(inputStatus(counters).level, DiagnosticStatus::OK);
+  const auto probe = [&] { return probeStatus("thumb", counters, FeltForce(), GraspState::Closed); };
+  EXPECT_EQ(probe().level, DiagnosticStatus::OK);
+  EXPECT_EQ(probe().name, "haptic_cloth: thumb");
   counters.received = 5;
   counters.late = 2;
-  EXPECT_EQ(inputStatus(counters).level, DiagnosticStatus::WARN);
+  EXPECT_EQ(probe().level, DiagnosticStatus::WARN);
+  ObstacleCounters moved;
+  moved.received = 3;
+  EXPECT_EQ(obstacleStatus("table", moved).level, DiagnosticStatus::OK);
+  moved.unknown_frame = 1;
+  EXPECT_EQ(obstacleStatus("table", moved).level, DiagnosticStatus::WARN);
   EXPECT_EQ(displayStatus(0, 0, false, 0).level, DiagnosticStatus::WARN);
 }
 

@@ -175,7 +175,7 @@ TEST(UnitCheck, DiagnosticsNameTheRemedy) {
   InputCounters counters;
   counters.received = 5;
   counters.doubt = UnitDoubt::TooFar;
-  const auto status = inputStatus(counters);
+  const auto status = probeStatus("probe", counters, FeltForce(), GraspState::Open);
   EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::WARN);
   EXPECT_NE(status.message.find("device/position_unit to 0.001"), std::string::npos) << status.message;
 }
@@ -206,6 +206,24 @@ std::set<std::string> names(const std::string& folder) {
   return stems;
 }
 
+/// What mouse_hand sends for a place in the scene comes back to that place.
+TEST(DeviceMap, DriversSideUndoesPlaced) {
+  DeviceOptions device;
+  device.position_unit = 0.001;
+  device.position_scale = 2.0;
+  device.offset = Vec3(0.1, -0.2, 0.3);
+  device.orientation = Quat(Eigen::AngleAxisd(0.8, Vec3(1, -2, 0.5).normalized()));
+  const Vec3 position(0.4, 0.5, -0.6);
+  const Quat orientation(Eigen::AngleAxisd(1.3, Vec3(0, 1, 2).normalized()));
+  EXPECT_LT((placed(device, positionForDriver(device, position)) - position).norm(), 1e-12);
+  EXPECT_LT(placed(device, orientationForDriver(device, orientation)).angularDistance(orientation), 1e-7);
+  // A body keeps its shape: where its tip is does not depend on whether body or driver's axes are turned.
+  const Vec3 tip(0.0, 0.0, 0.02);
+  device.position_scale = 1.0;
+  const Vec3 placed_tip = placed(device, position + orientation * tip / device.position_unit);
+  EXPECT_LT((placed_tip - placed(device, position) - placed(device, orientation) * tip).norm(), 1e-12);
+}
+
 TEST(DevicePresets, EveryPairOfDeviceAndDriverLoadsWithoutWarning) {
   EXPECT_EQ(names("devices"),
             (std::set<std::string>{"touch", "omni", "premium", "omega", "sigma", "falcon", "mouse"}));
@@ -216,7 +234,7 @@ TEST(DevicePresets, EveryPairOfDeviceAndDriverLoadsWithoutWarning) {
       NodeOptions options;
       ASSERT_NO_THROW(options = load({kConfig / "node.yaml", kConfig / "devices" / (device + ".yaml"),
                                       kConfig / "drivers" / (driver + ".yaml")}));
-      EXPECT_TRUE(deviceWarnings(options.device, options.haptics).empty());
+      EXPECT_TRUE(deviceWarnings(options.probes[0].device, options.probes[0].haptics).empty());
     }
   }
 }
@@ -239,9 +257,10 @@ TEST(DevicePresets, StayWithinThePublishedLimits) {
     EXPECT_EQ(options.device.max_damping, limits.damping);
     EXPECT_EQ(options.device.workspace_radius, limits.radius);
     EXPECT_LE(options.haptics.max_force, limits.force);
-    const double felt = feltStiffness(options.device, options.haptics);
+    const double felt = feltStiffness(options.device, options.probes[0].haptics);
     EXPECT_LE(felt, 0.5 * limits.stiffness);
-    EXPECT_LE(felt, feltDamping(options.device, options.haptics) / (0.5e-3 + limits.delay) * (1.0 + 1e-12));
+    EXPECT_LE(felt, feltDamping(options.device, options.probes[0].haptics) / (0.5e-3 + limits.delay) *
+                        (1.0 + 1e-12));
     EXPECT_GE(options.haptics.max_force_rate, 0.99 * felt) << "a hand of 1 m/s";
   }
 }
