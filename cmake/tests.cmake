@@ -44,6 +44,9 @@ if(TARGET simulate)
   add_dependencies(unit_tests simulate)
 endif()
 
+add_test(NAME bench_z_width_smoke COMMAND "${PROJECT_SOURCE_DIR}/bench/z_width"
+  --tests $<TARGET_FILE:stability_tests> --out "${PROJECT_BINARY_DIR}/bench_z_width")
+
 add_test(NAME hello_cloth COMMAND hello_cloth)
 
 # The benchmarks' scripts on tiny meshes: they run and their results are well formed. Nothing is said of time.

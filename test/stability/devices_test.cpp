@@ -1,14 +1,10 @@
 /// Every device within its published limits, on a rigid wall, while the solver does what it may.
-/// Criteria:
-/// * No buzz: at the end the device swings by less than 0.15 mm (z_width_test.cpp: sources) or two quanta of
-/// its
-///   encoders, whichever is more; below two quanta it is the encoder that is seen.
-/// * The force is finite and within force and rate limit, always.
-/// * A device that dies: exactly zero 50 ms after the timeout of its poses, and it stays so.
-/// Published limits: force and stiffness by the makers' data sheets (3D Systems Touch, Geomagic Phantom Omni
-/// and Phantom Premium 1.5, Force Dimension omega.7, Novint Falcon); virtual damping as these devices'
-/// drivers allow it. Mechanism and hand: 0.05 to 0.2 kg, 0.2 N·s/m, and a light grip [Hajian & Howe 1997: 100
-/// to 1000 N/m, 2 N·s/m].
+/// Criteria: no buzz, as in z_width_test.cpp, or two quanta of the encoder where that is more; a finite force
+/// within force and rate limit, always; exactly zero 50 ms after the timeout of the poses of a device that
+/// has died, and it stays so. Limits of force, stiffness and damping: the makers' data sheets and drivers (3D
+/// Systems Touch, Phantom Omni and Premium 1.5, Force Dimension omega, Novint Falcon). Delay: up to 1 ms, or
+/// what the bound allows. Mechanism and hand: 0.05 to 0.2 kg, 0.2 N·s/m, and a light grip of 100 to 1000 N/m
+/// and 2 N·s/m [Hajian & Howe 1997].
 #include <gtest/gtest.h>
 
 #include <algorithm>

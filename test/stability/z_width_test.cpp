@@ -1,14 +1,14 @@
-/// The closed loop of hand, mechanism, delay, tick, solver and wall over coupling stiffness, delay and
-/// damping. Criteria:
-/// * Without the controller, half of the bound K < (b + B)/(T/2 + t_d) is stable, and 2.5 times the bound is
-/// not
-///   [Gil, Sánchez, Hulin, Preusche & Hirzinger 2009, "Stability boundary for haptic rendering: influence of
-///   damping and delay"; Colgate & Schenkel 1994 for t_d = 0]: the loop that is simulated here is the one the
-///   theory knows. The bound is a linear one of a free mechanism; the hand's stiffness and damping only help.
-/// * With the controller nothing buzzes, at any stiffness and delay of the grid: the device swings by less
-/// than
-///   kBuzz in the end. A hand feels vibrations of a few tenths of a millimetre below 30 Hz, where these loops
-///   swing [Verrillo 1963; Brisben, Hsiao & Johnson 1999: 0.1 to 0.2 mm held in the hand].
+/// The closed loop of hand, mechanism, delay, tick, solver and wall over stiffness, delay and damping.
+/// Criterion 1: without the controller half of the bound K < (b + B)/(T/2 + t_d) is quiet and 2.5 times the
+/// bound is not [Gil, Sánchez, Hulin, Preusche & Hirzinger 2009, "Stability boundary for haptic rendering:
+/// influence of damping and delay"; Colgate & Schenkel 1994 for t_d = 0]: the loop simulated here is the one
+/// the theory knows. The bound is linear and for a free mechanism; what the hand damps helps a little.
+/// Criterion 2: with the controller nothing buzzes, at any stiffness and delay.
+/// A buzz is a swing of more than kBuzz in the end: five quanta of the encoder, below which the quantiser has
+/// limit cycles of its own, and of the order of what a hand feels below 30 Hz, where these loops swing (from
+/// memory of the literature on vibration thresholds).
+/// Criterion 2 is reached with mechanisms of 1 N·s/m and more. With 0.2 N·s/m 17 of 200 points of the full
+/// grid, most of them just above the bound, swing by up to 0.75 mm; they are held to kNearQuiet.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -25,6 +25,7 @@ namespace {
 constexpr double kCouplingDamping = 1.0;  ///< B, the scene's default [N·s/m]
 constexpr double kMass = 0.1;             ///< [kg]
 constexpr double kBuzz = 1.5e-4;          ///< half of peak to peak [m]
+constexpr double kNearQuiet = 1e-3;       ///< with a mechanism of 0.2 N·s/m [m]
 
 /// K of the bound [N/m].
 double bound(const HapticOptions& options, const DeviceModel& device) {
@@ -85,7 +86,7 @@ TEST(ZWidth, NothingBuzzesWithTheController) {
 TEST(ZWidth, WritesTheGrid) {
   const char* file = std::getenv("HAPTIC_CLOTH_Z_WIDTH");
   std::ofstream stream(file != nullptr ? file : "/dev/null");
-  const int columns = file != nullptr ? 25 : 3;
+  const int columns = file != nullptr ? 25 : 5;
   stream << "controller,delay,damping,stiffness,bound,amplitude,generated,mean_force,stable\n";
   int rows = 0;
   for (const bool controlled : {false, true}) {
@@ -96,6 +97,10 @@ TEST(ZWidth, WritesTheGrid) {
           const LoopRun run = runOf(stiffness, delay, damping, controlled);
           const LoopResult result = touchWall(run);
           ASSERT_TRUE(result.finite && std::isfinite(result.amplitude));
+          if (controlled) {
+            EXPECT_LT(result.amplitude, damping < 1.0 ? kNearQuiet : kBuzz)
+                << stiffness << " N/m, " << delay << " s, " << damping << " N·s/m";
+          }
           stream << controlled << ',' << delay << ',' << damping << ',' << stiffness << ','
                  << bound(run.options, run.device) << ',' << result.amplitude << ',' << result.generated
                  << ',' << result.mean_force << ',' << (result.amplitude < kBuzz) << '\n';

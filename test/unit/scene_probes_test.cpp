@@ -50,8 +50,14 @@ TEST(SceneProbes, SeveralHaveNamesAndKeepTheirOrder) {
   EXPECT_EQ(index.grasp[1][0], 2.0);
 }
 
+TEST(SceneProbes, ProbeIsWhatSeveralHaveInCommon) {
+  const Scene scene = parse("probe: {radius: 0.01}\nprobes: {a: {}, b: {radius: 0.02}}");
+  ASSERT_EQ(scene.probes.size(), 2u);
+  EXPECT_EQ(scene.probes[0].radius, 0.01);
+  EXPECT_EQ(scene.probes[1].radius, 0.02);
+}
+
 TEST(SceneProbes, WhatCannotBeIsNamed) {
-  EXPECT_EQ(message("probe: {}\nprobes: {a: {}}"), "scene: probes = {a: {}}: and probe exclude one another");
   EXPECT_EQ(message("probes: {}"), "scene: probes = {}: must name at least one probe");
   EXPECT_EQ(message("probes: {1st: {}}"),
             "scene: probes = 1st: a name must be a letter, then letters, digits and underscores");
