@@ -3,7 +3,6 @@
 /// motion the hand is slow as well.
 #include <geometry_msgs/PoseStamped.h>
 #include <haptic_cloth/ClothState.h>
-#include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <std_msgs/Bool.h>
 #include <std_srvs/Empty.h>
@@ -55,7 +54,6 @@ class ClothClock {
     time_ = std::max(time_, heard_ + pace_ * ahead);
     return time_;
   }
-  void restart() { *this = ClothClock(); }
 
  private:
   static constexpr double kAhead = 0.1;  ///< [s]
@@ -116,11 +114,13 @@ int run(int argc, char** argv) {
   }
   const double period = 1.0 / path.rate;
   ClothClock clock;
-  const ros::Subscriber state = node.subscribe<haptic_cloth::ClothState>(
-      topics::kState, topics::kStateQueue,
-      [&clock](const haptic_cloth::ClothState::ConstPtr& message) { clock.hear(message->time); });
-  double lead = kLead, due = haptic_cloth::steadyNow();
   bool started = false;
+  ros::Time start;  // what was said before is of the time before the reset
+  const ros::Subscriber state = node.subscribe<haptic_cloth::ClothState>(
+      topics::kState, topics::kStateQueue, [&](const haptic_cloth::ClothState::ConstPtr& message) {
+        if (started && message->header.stamp > start) clock.hear(message->time);
+      });
+  double lead = kLead, due = haptic_cloth::steadyNow();
   while (ros::ok()) {
     haptic_cloth::sleepUntil(due += period);
     const bool heard =
@@ -130,8 +130,7 @@ int run(int argc, char** argv) {
       std_srvs::Empty empty;
       started = ros::service::call(served + "/" + topics::kReset, empty);
       due = haptic_cloth::steadyNow();
-      ros::getGlobalCallbackQueue()->clear();  // of the time before
-      clock.restart();
+      start = ros::Time::now();
     }
     ros::spinOnce();
     for (PathProbe& probe : probes) probe.step(started ? clock.read() : 0.0);
