@@ -1,8 +1,11 @@
 /// A hand that does what the scene says: every probe of the node with a path follows it, and grasps in its
-/// times. Time starts when the node has taken the first pose of each.
+/// times. Time starts with a reset of the cloth, once the node hears every probe, and is the cloth's: in slow
+/// motion the hand is slow as well.
 #include <geometry_msgs/PoseStamped.h>
+#include <haptic_cloth/ClothState.h>
 #include <ros/ros.h>
 #include <std_msgs/Bool.h>
+#include <std_srvs/Empty.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -19,8 +22,8 @@ namespace {
 
 namespace topics = haptic_cloth::topics;
 
-/// Poses sent before time starts: the node must know each probe before it can grasp [s].
-constexpr double kLead = 1.0;
+/// Poses sent before the reset: the node must know where each probe is when the cloth starts anew [s].
+constexpr double kLead = 0.5;
 
 struct PathOptions {
   std::string node = "haptic_cloth";  ///< whose probes these are; its parameters say which
@@ -34,6 +37,28 @@ PathOptions readPathOptions(haptic_cloth::ParameterGroup group) {
   group.rejectRest();
   return options;
 }
+
+/// The cloth's time between two messages that tell it, at the pace of the last.
+class ClothClock {
+ public:
+  void hear(double cloth_time) {
+    const double now = haptic_cloth::steadyNow();
+    const bool forward = cloth_time > heard_ && now > when_;
+    if (when_ > 0.0 && forward) pace_ = std::min(1.0, (cloth_time - heard_) / (now - when_));
+    heard_ = cloth_time;
+    when_ = now;
+  }
+  /// Never backwards, and never far ahead of what was heard.
+  double read() {
+    const double ahead = std::min(haptic_cloth::steadyNow() - when_, kAhead);
+    time_ = std::max(time_, heard_ + pace_ * ahead);
+    return time_;
+  }
+
+ private:
+  static constexpr double kAhead = 0.1;  ///< [s]
+  double heard_ = 0.0, when_ = 0.0, pace_ = 0.0, time_ = 0.0;
+};
 
 /// One probe on its path.
 class PathProbe {
@@ -88,13 +113,27 @@ int run(int argc, char** argv) {
     if (!options.scene.probes[k].path.empty()) probes.emplace_back(options, k, node);
   }
   const double period = 1.0 / path.rate;
-  double time = -kLead, due = haptic_cloth::steadyNow();
+  ClothClock clock;
+  bool started = false;
+  ros::Time start;  // what was said before is of the time before the reset
+  const ros::Subscriber state = node.subscribe<haptic_cloth::ClothState>(
+      topics::kState, topics::kStateQueue, [&](const haptic_cloth::ClothState::ConstPtr& message) {
+        if (started && message->header.stamp > start) clock.hear(message->time);
+      });
+  double lead = kLead, due = haptic_cloth::steadyNow();
   while (ros::ok()) {
     haptic_cloth::sleepUntil(due += period);
     const bool heard =
         std::all_of(probes.begin(), probes.end(), [](const PathProbe& probe) { return probe.isHeard(); });
-    if (heard) time += period;
-    for (PathProbe& probe : probes) probe.step(time);
+    if (heard) lead -= period;
+    if (lead < 0.0 && !started) {
+      std_srvs::Empty empty;
+      started = ros::service::call(served + "/" + topics::kReset, empty);
+      due = haptic_cloth::steadyNow();
+      start = ros::Time::now();
+    }
+    ros::spinOnce();
+    for (PathProbe& probe : probes) probe.step(started ? clock.read() : 0.0);
   }
   return 0;
 }

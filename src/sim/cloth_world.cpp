@@ -111,7 +111,9 @@ void ClothWorld::removeDevice(int k) {
 void ClothWorld::setGrasp(int k, bool closed) {
   memories_[k].closed = closed;
   const auto let_go = [&](const HeldParticle& held) { return held.probe == k; };
-  if (!closed) held_.erase(std::remove_if(held_.begin(), held_.end(), let_go), held_.end());
+  if (closed) return;
+  held_.erase(std::remove_if(held_.begin(), held_.end(), let_go), held_.end());
+  touched_by_[k].clear();  // it may close again elsewhere
 }
 
 StepReport ClothWorld::step() {

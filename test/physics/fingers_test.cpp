@@ -190,6 +190,9 @@ TEST(Grasp, LiftsTheClothAndFeelsItsWeight) {
   EXPECT_FALSE(simulation.probe().grasps);
   move(simulation, device, {Vec3::Zero()}, 0.1);
   EXPECT_FALSE(simulation.probe().contact) << "let go";
+  simulation.setGrasp(0, true);
+  move(simulation, device, {Vec3::Zero()}, 0.01);
+  EXPECT_FALSE(simulation.probe().grasps) << "what it held before is far away";
 }
 
 TEST(Grasp, ClosedInTheAirItTakesWhatItMeets) {

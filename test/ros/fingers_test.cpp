@@ -195,7 +195,7 @@ TEST_F(FingersTest, PauseSilenceAndResetOpenTheGrasp) {
   left_->resume();
   ASSERT_TRUE(waitFor([this] { return left_->arrived(); }));
   ASSERT_TRUE(waitFor([this] { return grasp("left", true); }));
-  EXPECT_TRUE(says("left", "grasp", "closed"));
+  EXPECT_TRUE(says("left", "grasp", "closed")) << diagnostics_.value("left", "grasp");
   std_srvs::Empty empty;
   ASSERT_TRUE(ros::service::call("/haptic_cloth/reset", empty));
   EXPECT_TRUE(says("left", "grasp", "open"));
