@@ -165,8 +165,8 @@ TEST(NodeOptions, TheShippedSettingsAreTheDefaults) {
   EXPECT_EQ(loaded.haptics.passivity.store, plain.haptics.passivity.store);
   EXPECT_EQ(loaded.haptics.passivity.device_damping, plain.haptics.passivity.device_damping);
   EXPECT_EQ(loaded.haptics.passivity.loop_delay, plain.haptics.passivity.loop_delay);
-  // Every key of the code stands in the file: 6 beside the groups, of which device has 10, devices 0, haptics 8, among them
-  // passivity with 5, markers 2, state 1.
+  // Every key of the code stands in the file: 6 beside the groups, of which device has 10, devices 0, haptics
+  // 8, among them passivity with 5, markers 2, state 1.
   EXPECT_EQ(shipped.size(), 11u);
   EXPECT_EQ(shipped["devices"].size(), 0u);
   EXPECT_EQ(shipped["device"].size(), 10u);
