@@ -217,6 +217,21 @@ class Simulator:
         _note(directory, {"wall_times": wall_times, "peak_memory": result.peak_memory})
         return result
 
+    def measure_in_turn(self, scene, choices):
+        """measure() for a list of overrides, the repeats in rounds of all of them: a machine that gets slower meets all
+        alike. None where one failed."""
+        kept, wall_times, results = (self.repeat, self.resume), [[] for _ in choices], []
+        self.repeat, self.resume = 1, False
+        for _ in range(kept[0]):
+            results = [self.measure(scene, overrides) for overrides in choices]
+            for times, result in zip(wall_times, results):
+                times += result.wall_times if result else []
+        self.repeat, self.resume = kept
+        for times, result in zip(wall_times, results):
+            if result:
+                result.wall_times = times
+        return results
+
     def reference(self, scene):
         """Truth and a check with twice its time step and tolerance, finest mesh, from the cache if there."""
         results = []

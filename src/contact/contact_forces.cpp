@@ -68,11 +68,12 @@ ContactSet::Energy ContactSet::evaluate(int begin, int end, const Field& nodes) 
   return energy;
 }
 
-double ContactSet::curvature(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies) const {
+double ContactSet::curvature(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
+                             bool whole_way) const {
   double sum = 0.0;
   forGroups(begin, end, [&](const Group& group, int first, int last) {
     const Vec3 moved = motionOf(group.solid, d_proxies);
-    sum += sampleCurvature(packs_.data(), first, last, d.arrays(), moved.data());
+    sum += sampleCurvature(packs_.data(), first, last, d.arrays(), moved.data(), whole_way && isProbe(group.solid));
   });
   return sum;
 }

@@ -85,7 +85,9 @@ class ContactSet {
   Energy evaluate(int begin, int end, const Field& nodes);
 
   /// d · H⁺ d of samples begin..end at the last evaluation. @param d_proxies of all probes
-  double curvature(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies) const;
+  /// @param whole_way friction as all of d meets it, not its first bit: sliding cloth does not stick
+  double curvature(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
+                   bool whole_way) const;
 
   /// Adds the energy gradient [N] at nodes begin..end, and the diagonal of H⁺ [N/m] at all nodes.
   void addGradient(int begin, int end, Field& gradient) const;

@@ -99,7 +99,7 @@ HAPTIC_CLOTH_CLONES void solidDistances(const SolidLanes& solid, int count, cons
 }
 
 HAPTIC_CLOTH_CLONES double sampleCurvature(const SamplePack* packs, int begin, int end, const ConstArrays& d,
-                                           const double* d_origin) {
+                                           const double* d_origin, bool whole_way) {
   Lanes sum{};
   for (int p = begin; p < end; ++p) {
     const SamplePack& pack = packs[p];
@@ -108,7 +108,10 @@ HAPTIC_CLOTH_CLONES double sampleCurvature(const SamplePack* packs, int begin, i
     Lanes3 moved = at(pack, d);
     moved = {moved.x - d_origin[0], moved.y - d_origin[1], moved.z - d_origin[2]};
     const Lanes normal = dot(load3(pack.normal), moved), start = dot(load3(pack.start_normal), moved);
-    sum += across * normal * normal + along * (dot(moved, moved) - start * start);
+    const Lanes square = larger(dot(moved, moved) - start * start, Lanes{});
+    const Lanes stuck = along * square;
+    sum += across * normal * normal +
+           (whole_way ? smaller(stuck, load(pack.friction) * squareRoot(square)) : stuck);
   }
   return total(sum);
 }

@@ -42,9 +42,11 @@ struct ContactEnergy {
 ContactEnergy evaluateSamples(SamplePack* packs, int begin, int end, const SampleContext& context,
                               const ConstArrays& x, const MutableArrays& slots, int first);
 
-/// d · H⁺ d of packs begin..end at the last evaluation. @param d_origin of the solid
+/// d · H⁺ d of packs begin..end at the last evaluation. @param d_origin of the solid  @param whole_way
+/// friction counts as over all of d: what resists a slip of nothing by its full force resists a long one by
+/// no more
 double sampleCurvature(const SamplePack* packs, int begin, int end, const ConstArrays& d,
-                       const double* d_origin);
+                       const double* d_origin, bool whole_way);
 
 /// Largest factor of d that lets no sample use up more than `share` of its gap to the solid.
 double largestStep(const SamplePack* packs, int begin, int end, double share, const ConstArrays& d,

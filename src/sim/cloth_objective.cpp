@@ -284,17 +284,23 @@ double ClothObjective::gatherNodes(int begin, int end) {
 Objective::Along ClothObjective::along(const Vector& d) {
   unpack(d, motion_, proxy_motions_);
   carryHeld(proxy_motions_, false, motion_);
-  return {curvature(), present_ > 0 ? contacts_.maxStep(motion_, proxy_motions_) : 1e300};
+  return {curvature(false), present_ > 0 ? contacts_.maxStep(motion_, proxy_motions_) : 1e300};
 }
 
-double ClothObjective::curvature() {
+double ClothObjective::curvatureOfWay(const Vector& d) {
+  unpack(d, motion_, proxy_motions_);
+  carryHeld(proxy_motions_, false, motion_);
+  return curvature(true);
+}
+
+double ClothObjective::curvature(bool whole_way) {
   const int internal = internal_.size();
   const Sums elements = team_.sum(awake_elements_.size(), [&](int from, int to) {
     Sums sums = Sums::Zero();
     awake_elements_.forPart(from, to, [&](int begin, int end) {
       sums[0] += internal_.curvature(std::min(begin, internal), std::min(end, internal), motion_) +
                  contacts_.curvature(std::max(begin, internal) - internal, std::max(end, internal) - internal,
-                                     motion_, proxy_motions_);
+                                     motion_, proxy_motions_, whole_way);
     });
     return sums;
   });

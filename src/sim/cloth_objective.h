@@ -73,6 +73,9 @@ class ClothObjective : public Objective {
   int size() const override { return 3 * (mesh_.free + present_); }
   double evaluate(const Vector& x, Vector& gradient) override;
   Along along(const Vector& d) override;
+
+  /// d · H⁺ d at the last evaluated point, friction as it is over all of d.
+  double curvatureOfWay(const Vector& d);
   void fitPreconditioner() override;
   void precondition(const Vector& gradient, Vector& z) const override;
   double residual(const Vector& gradient) const override;
@@ -135,7 +138,7 @@ class ClothObjective : public Objective {
   void listAwake();
   Sums evaluateElements(int begin, int end);
   double gatherNodes(int begin, int end);
-  double curvature();
+  double curvature(bool whole_way);
   Motion motion() const;
 
   const ActiveMesh& mesh_;

@@ -167,8 +167,8 @@ std::array<double, 2> ClothWorld::stepsAlongWays() {
     ways_[1].segment<3>(objective.proxyAt(probe)).setZero();
   }
   motion_.head(size) = ways_[0].head(size) + ways_[1].head(size);
-  const double a = objective.along(ways_[0]).curvature, b = objective.along(ways_[1]).curvature,
-               both = objective.along(motion_).curvature, mixed = 0.5 * (both - a - b);
+  const double a = objective.curvatureOfWay(ways_[0]), b = objective.curvatureOfWay(ways_[1]),
+               both = objective.curvatureOfWay(motion_), mixed = 0.5 * (both - a - b);
   const double p = -gradient_.head(size).dot(ways_[0].head(size)),
                q = -gradient_.head(size).dot(ways_[1].head(size));
   const double determinant = a * b - mixed * mixed;
