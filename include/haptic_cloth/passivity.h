@@ -11,9 +11,14 @@ namespace haptic_cloth {
 struct PassivityOptions {
   double damping = 2.0;  ///< most that the controller adds [N·s/m]
   double debt = 5e-4;    ///< of energy at which the coupling is left half of its force [J]; 0: all of it
-  double store = 0.05;   ///< most energy put in earlier that may come out again [J]
+  double store = 0.05;   ///< most energy put into the cloth earlier that may come out again [J]
   double device_damping = 0.5;  ///< of mechanism and hand, which may be counted on [N·s/m]
   double loop_delay = 0.001;  ///< from a force leaving to a pose that has felt it, beyond the tick's own [s]
+};
+
+/// What could come out again at a pose [J]: of the coupling's spring, known exactly, and of the cloth.
+struct HeldEnergy {
+  double coupling = 0.0, cloth = 0.0;
 };
 
 /// Time-domain passivity observer and controller of one probe's device port [Hannaford & Ryu 2002], impedance
@@ -28,8 +33,8 @@ class PassivityController {
   /// @param period of the ticks [s]
   PassivityController(const PassivityOptions& options, double period);
 
-  /// Takes in a device position [m] and what the coupling holds now [J]; once a tick, before damping().
-  void observe(const Vec3& position, double held);
+  /// Takes in a device position [m] and what is held there; once a tick, before damping().
+  void observe(const Vec3& position, const HeldEnergy& held);
 
   /// Force to add [N] to pay back what is owed; zero where nothing is.
   Vec3 damping() const;

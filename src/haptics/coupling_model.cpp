@@ -39,10 +39,13 @@ Vec3 couplingForce(const HapticOptions& options, const DeviceSample& device, con
          options.coupling_damping * (proxy.velocity - device.velocity);
 }
 
-double heldEnergy(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot) {
+HeldEnergy heldEnergy(const HapticOptions& options, const DeviceSample& device,
+                      const ProbeSnapshot& snapshot) {
   const Vec3 stretch = proxyFor(device, snapshot).position - device.position;
   const Mat3 hold = (1.0 + kLeastHold) * Mat3::Identity() - snapshot.follow;
-  return 0.5 * kHeldShare * options.coupling_stiffness * stretch.dot(hold.inverse() * stretch);
+  const double coupling = 0.5 * options.coupling_stiffness * stretch.squaredNorm();
+  const double all = 0.5 * kHeldShare * options.coupling_stiffness * stretch.dot(hold.inverse() * stretch);
+  return {coupling, all - coupling};
 }
 
 }  // namespace haptic_cloth

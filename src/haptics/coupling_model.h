@@ -9,8 +9,9 @@ namespace haptic_cloth {
 /// the solver's measure, and what it did beside that in the solved step goes on for a while.
 Vec3 couplingForce(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot);
 
-/// Bound of the energy that coupling and cloth give back when they relax from here [J]: a few times that of a
+/// What coupling and cloth give back at most when they relax from here: together a few times the energy of a
 /// spring of the local stiffness k (1 - follow).
-double heldEnergy(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot);
+HeldEnergy heldEnergy(const HapticOptions& options, const DeviceSample& device,
+                      const ProbeSnapshot& snapshot);
 
 }  // namespace haptic_cloth

@@ -122,7 +122,7 @@ Vec3 HapticLoop::tick(const DeviceSample& device, const ProbeSnapshot& snapshot,
   if (status_ == HapticStatus::Contact) {
     target = contactForce(device, snapshot, now, soft_ * options_.max_force);
   } else if (status_ == HapticStatus::Free) {
-    passivity_.observe(device.position, 0.0);
+    passivity_.observe(device.position, {});
     passivity_.forgive();
   } else {
     passivity_.reset();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace haptic_cloth {
 namespace {
@@ -24,7 +25,7 @@ void PassivityController::reset() {
   forces_.fill(Vec3::Zero());
   position_count_ = force_count_ = 0;
   // What is held where the next contact begins may come out: after a fault the wall pushes the hand back out.
-  energy_ = options_.store;
+  energy_ = std::numeric_limits<double>::max();  // until observe() bounds it
   gain_ = 1.0;
   velocity_ = Vec3::Zero();
 }
@@ -42,7 +43,7 @@ Vec3 PassivityController::forceFelt() const {
   return (1.0 - share) * sentBefore(whole) + share * sentBefore(whole + 1);
 }
 
-void PassivityController::observe(const Vec3& position, double held) {
+void PassivityController::observe(const Vec3& position, const HeldEnergy& held) {
   if (position_count_ > 0) {
     const Vec3& last = positions_[(position_count_ - 1) % (kWindow + 1)];
     energy_ -= forceFelt().dot(position - last);
@@ -53,7 +54,7 @@ void PassivityController::observe(const Vec3& position, double held) {
   const Vec3& first = positions_[(position_count_ - 1 - window) % (kWindow + 1)];
   velocity_ = window > 0 ? Vec3((position - first) / (window * period_)) : Vec3(Vec3::Zero());
   energy_ += options_.device_damping * velocity_.squaredNorm() * period_;
-  energy_ = std::clamp(energy_, -kMostDebt, std::min(options_.store, held));
+  energy_ = std::clamp(energy_, -kMostDebt, held.coupling + std::min(options_.store, held.cloth));
   const double debt = std::max(0.0, -energy_);
   const double wanted = options_.debt > 0.0 ? options_.debt / (options_.debt + debt) : 1.0;
   gain_ = std::min(wanted, gain_ + period_ / kRecovery);

@@ -237,11 +237,7 @@ TEST_P(LocalModel, GivesTheSolversForce) {
     if (interval > 5)
       continue;  // 10 and 20 ms fall short of 5 % but where the cloth is pressed: docs/design.md
     EXPECT_LE(model.rms, tolerance(0.05)) << interval << " ms";
-    // Falls short: pressed over a gap between sharp edges, the controller finds energy that the loop has not
-    // made, and takes a fifth of the force. The cause is not known (docs/design.md).
-    const bool sharp_gap = GetParam() == 1;
-    EXPECT_LE(whole.rms, tolerance(sharp_gap ? 0.25 : 0.05))
-        << interval << " ms: the controller is felt where nothing buzzes";
+    EXPECT_LE(whole.rms, tolerance(0.05)) << interval << " ms: the controller is felt where nothing buzzes";
   }
 }
 

@@ -84,7 +84,7 @@ PassivityOptions bare() {
 double swing(PassivityController& controller, double stiffness, int cycles, double held) {
   for (int k = 0; k < cycles * 200; ++k) {
     const Vec3 position(2e-3 * std::sin(2 * EIGEN_PI * 5.0 * k * kTick), 0, 0);
-    controller.observe(position, k == 0 ? 0.0 : held);
+    controller.observe(position, {0.0, k == 0 ? 0.0 : held});
     controller.sent(-stiffness * position);
   }
   return controller.energy();
@@ -121,17 +121,21 @@ TEST(PassivityController, LongFrictionFillsNoStore) {
   // 1 N against 0.2 m/s for 10 s puts 2 J in. What may come out again is what coupling and cloth hold.
   PassivityController controller(bare(), kTick);
   for (int k = 0; k < 10000; ++k) {
-    controller.observe(Vec3(0.2 * k * kTick, 0, 0), 0.003);
+    controller.observe(Vec3(0.2 * k * kTick, 0, 0), {0.0, 0.003});
     controller.sent(Vec3(-1.0, 0, 0));
   }
   EXPECT_EQ(controller.energy(), 0.003);
   PassivityOptions small = bare();
   small.store = 0.001;
   PassivityController bounded(small, kTick);
-  bounded.observe(Vec3::Zero(), 0.0);
+  bounded.observe(Vec3::Zero(), {0.0, 0.0});
   bounded.sent(Vec3(-1.0, 0, 0));
-  bounded.observe(Vec3(0.5, 0, 0), 1.0);
+  bounded.observe(Vec3(0.5, 0, 0), {0.0, 1.0});
   EXPECT_EQ(bounded.energy(), 0.001);
+  // What the coupling's own spring holds comes on top of the store: it is known exactly.
+  bounded.sent(Vec3(-1.0, 0, 0));
+  bounded.observe(Vec3(1.0, 0, 0), {0.002, 1.0});
+  EXPECT_EQ(bounded.energy(), 0.003);
 }
 
 TEST(PassivityController, PaysWithABoundedDamperAndAWeakerForce) {
@@ -139,16 +143,16 @@ TEST(PassivityController, PaysWithABoundedDamperAndAWeakerForce) {
   PassivityController controller(options, kTick);
   EXPECT_EQ(controller.gain(), 1.0);
   EXPECT_EQ(controller.damping(), Vec3(Vec3::Zero()));
-  controller.observe(Vec3::Zero(), 0.0);
+  controller.observe(Vec3::Zero(), {0.0, 0.0});
   controller.sent(Vec3(1.0, 0, 0));
-  controller.observe(Vec3(options.debt, 0, 0), 1.0);  // 1 N over this way: owes just options.debt
+  controller.observe(Vec3(options.debt, 0, 0), {0.0, 1.0});  // 1 N over this way: owes just options.debt
   EXPECT_NEAR(controller.energy(), -options.debt, 1e-15);
   EXPECT_NEAR(controller.gain(), 0.5, 1e-12);
   EXPECT_NEAR(controller.damping().x(), -options.damping * controller.velocity().x(), 1e-12);
   // It stands: no force from the damper, however much is owed.
   for (int k = 0; k < 10; ++k) {
     controller.sent(Vec3(1.0, 0, 0));
-    controller.observe(Vec3(options.debt, 0, 0), 1.0);
+    controller.observe(Vec3(options.debt, 0, 0), {0.0, 1.0});
   }
   EXPECT_EQ(controller.damping(), Vec3(Vec3::Zero()));
   EXPECT_LT(controller.energy(), 0.0);
@@ -157,17 +161,17 @@ TEST(PassivityController, PaysWithABoundedDamperAndAWeakerForce) {
 TEST(PassivityController, AFaultLeavesWhatIsHeld) {
   PassivityController controller(bare(), kTick);
   controller.reset();
-  controller.observe(Vec3::Zero(), 0.003);
+  controller.observe(Vec3::Zero(), {0.0, 0.003});
   EXPECT_EQ(controller.energy(), 0.003);
-  controller.observe(Vec3::Zero(), 0.0);
+  controller.observe(Vec3::Zero(), {0.0, 0.0});
   EXPECT_EQ(controller.energy(), 0.0);
 }
 
 TEST(PassivityController, ADebtFadesWhereNothingIsTouched) {
   PassivityController controller(bare(), kTick);
-  controller.observe(Vec3::Zero(), 0.0);
+  controller.observe(Vec3::Zero(), {0.0, 0.0});
   controller.sent(Vec3(1.0, 0, 0));
-  controller.observe(Vec3(0.01, 0, 0), 1.0);
+  controller.observe(Vec3(0.01, 0, 0), {0.0, 1.0});
   for (int k = 0; k < 1000; ++k) controller.forgive();
   EXPECT_NEAR(controller.energy(), -0.01 * std::exp(-1.0), 1e-9);
 }
