@@ -26,6 +26,10 @@ ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
   for (auto* list : {&node_area_, &still_}) list->reserve(grid.particles());
   node_gaps_.reserve(padded(grid.particles()));
   node_normals_.reserve(grid.particles());
+  margins_.reserve(capacity);
+  points_.reserve(capacity);
+  for (auto& gaps : sample_gaps_) gaps.reserve(padded(capacity));
+  for (Field& normals : sample_normals_) normals.reserve(capacity);
 }
 
 Vec3 ContactSet::samplePosition(const ContactSample& sample, const Field& values) const {
@@ -60,6 +64,7 @@ void ContactSet::beginGroup(int solid) { groups_.push_back({solid, size() / kLan
 /// Fills the last pack up with samples that do nothing.
 void ContactSet::endGroup() {
   Group& group = groups_.back();
+  siftSamples(kLanes * group.begin, group.solid);
   while (size() % kLanes != 0) samples_.push_back(nodePoint(0, 0.0, group.solid));
   group.end = size() / kLanes;
   packs_.resize(group.end);
@@ -204,6 +209,7 @@ bool ContactSet::isClear(const ActiveMesh& mesh, const Field& nodes, int probe) 
   samples_.clear();
   still_.assign(mesh.nodes(), 0.0);
   sampleProbe(mesh, nodes, still_, {probe, 0.0});
+  siftSamples(0, obstacles_ + probe);
   const bool clear = samples_.empty();
   samples_.clear();
   return clear;
@@ -236,24 +242,57 @@ double ContactSet::raise(int solid, double gap) const {
   return gap < 0.0 ? law_.firmGap() - gap : 0.0;
 }
 
-void ContactSet::addSample(ContactSample sample, const Field& nodes, double margin) {
-  const Solid &now = solids_[sample.solid], &then = before_[sample.solid];
-  const Vec3 position = samplePosition(sample, nodes);
-  const Distance end = now.distance(position);
-  const double gap = end.value;
-  if (gap > margin) return;
-  const bool still = now.position() == then.position() && now.rotation() == then.rotation();
-  // What a moving solid presses on only at the end of the step does not rub yet.
-  const Distance d = still ? end : then.distance(position);
-  sample.raised = raise(sample.solid, d.value);
-  sample.friction_force = now.friction() * sample.area * law_(d.value + sample.raised).pressure;
-  const Eigen::Matrix3d turn = now.rotation() * then.rotation().transpose();
-  const Vec3 carried = still ? position : now.position() + turn * (position - then.position());
-  sample.start = carried - origin(sample.solid);
-  sample.carry = carried - position;
-  sample.start_normal = still ? d.normal : turn * d.normal;
-  sample.clearance = gap - law_.range() - sample.carry.norm();
+/// @param margin farther away from its solid it does not count [m]
+void ContactSet::addSample(const ContactSample& sample, const Field& nodes, double margin) {
+  const int index = static_cast<int>(margins_.size());
+  points_.resize(index + 1);
+  points_.set(index, samplePosition(sample, nodes));
+  margins_.push_back(margin);
   samples_.push_back(sample);
+}
+
+/// Of the samples from `first` on, all of one solid, keeps those that are near, as they start the step.
+void ContactSet::siftSamples(int first, int solid) {
+  const Solid &now = solids_[solid], &then = before_[solid];
+  const bool still = now.position() == then.position() && now.rotation() == then.rotation();
+  const int count = static_cast<int>(margins_.size());
+  for (const int end : {0, 1}) {
+    sample_gaps_[end].resize(padded(count));
+    sample_normals_[end].resize(count);
+    solidDistances((end == 0 ? now : then).lanes(), count, points_.arrays(), sample_gaps_[end].data(),
+                   sample_normals_[end].arrays());
+    if (still) break;
+  }
+  int kept = first;
+  for (int k = 0; k < count; ++k) {
+    const Distance end{sample_gaps_[0][k], sample_normals_[0][k]};
+    if (end.value > margins_[k]) continue;
+    const Distance start = still ? end : Distance{sample_gaps_[1][k], sample_normals_[1][k]};
+    samples_[kept++] = started(samples_[first + k], points_[k], end, start, still);
+  }
+  samples_.resize(kept);
+  margins_.clear();
+  points_.resize(0);
+}
+
+/// What moving solids press on only at the end of the step does not rub yet.
+/// @param now, then from the solid at the end of the step and at its start
+ContactSample ContactSet::started(ContactSample sample, const Vec3& point, const Distance& now,
+                                  const Distance& then, bool still) const {
+  const Solid &solid = solids_[sample.solid], &before = before_[sample.solid];
+  sample.raised = raise(sample.solid, then.value);
+  sample.friction_force = solid.friction() * sample.area * law_(then.value + sample.raised).pressure;
+  Vec3 carried = point;
+  sample.start_normal = then.normal;
+  if (!still) {
+    const Eigen::Matrix3d turn = solid.rotation() * before.rotation().transpose();
+    carried = solid.position() + turn * (point - before.position());
+    sample.start_normal = turn * then.normal;
+  }
+  sample.start = carried - origin(sample.solid);
+  sample.carry = carried - point;
+  sample.clearance = now.value - law_.range() - sample.carry.norm();
+  return sample;
 }
 
 void ContactSet::buildRows(int nodes) {

@@ -148,7 +148,10 @@ class ContactSet {
   static ContactSample nodePoint(int node, double area, int solid);
   static ContactSample surfacePoint(const Patch& patch, double u, double v, double area, int solid);
   double raise(int solid, double gap) const;
-  void addSample(ContactSample sample, const Field& nodes, double margin);
+  void addSample(const ContactSample& sample, const Field& nodes, double margin);
+  void siftSamples(int first, int solid);
+  ContactSample started(ContactSample sample, const Vec3& point, const Distance& now, const Distance& then,
+                        bool still) const;
   void beginGroup(int solid);
   void endGroup();
   void packGroup(const Group& group);
@@ -175,7 +178,12 @@ class ContactSet {
   std::vector<double> node_area_;  ///< scratch of sampleObstacles() [m²]
   std::vector<double> node_gaps_;  ///< scratch of sampleObstacles(): of the nodes to one obstacle [m]
   Field node_normals_;             ///< the same
-  std::vector<double> still_;      ///< scratch of isClear(): no reach [m]
+  std::vector<double> margins_;    ///< of the samples of the group in hand: how near they must be [m]
+  Field points_;                   ///< where these are [m]
+  /// Of these to the solid at the end of the step and at its start.
+  std::array<std::vector<double>, 2> sample_gaps_;
+  std::array<Field, 2> sample_normals_;
+  std::vector<double> still_;  ///< scratch of isClear(): no reach [m]
   std::vector<Entry> entries_;
 };
 

@@ -120,13 +120,18 @@ void ClothWorld::lookAtRest() {
   x_.head(size) = start_.head(size);
 }
 
-/// Positions as the joint cost has them; forces and energies then are those of the laws there, as ever.
+/// Positions as the joint cost has them; forces and energies then are those of the laws there, as ever. What a
+/// limit has ended on the way may be worse than rest, by Φ: then it is rest.
 MinimizerReport ClothWorld::minimiseJoint() {
   joint_->begin(start_, x_, joint_x_);
   const MinimizerReport report = minimizer_.minimize(*joint_, joint_x_, team);
   cost = joint_->costs();
   x_.head(objective.size()) = joint_x_.head(objective.size());
-  objective.evaluate(x_, gradient_);
+  const double value = objective.evaluate(x_, gradient_);
+  if (report.why != Termination::Converged && !(value <= at_rest_)) {
+    x_.head(objective.size()) = start_.head(objective.size());
+    objective.evaluate(x_, gradient_);
+  }
   return report;
 }
 
