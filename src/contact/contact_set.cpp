@@ -32,7 +32,7 @@ void ContactSet::serialize(Archive& archive) {
   archive("now", solids_);
   archive("before", before_);
   archive.each("target_positions", targets_, &Pose::position);
-  for (Pose& target : targets_) archive("target_orientation", target.orientation);
+  archive.each("target_orientations", targets_, &Pose::orientation);
 }
 
 Vec3 ContactSet::samplePosition(const ContactSample& sample, const Field& values) const {

@@ -1,5 +1,6 @@
 // The part of ClothWorld that is saved and loaded.
 #include <climits>
+#include <string>
 
 #include "sim/cloth_world.h"
 #include "sim/scene_identity.h"
@@ -50,11 +51,12 @@ void ClothWorld::serializeProbes(Archive& archive) {
   archive.each("probe_force", probes, &ProbeReport::force);
   archive.each("probe_contact", probes, &ProbeReport::contact);
   archive.each("probe_grasps", probes, &ProbeReport::grasps);
-  for (std::vector<int>& touched : touched_by_) {
-    archive.length("touched", touched, particles);
-    archive.within("touched_particles", touched, 0, particles - 1);
+  for (int k = 0; k < count; ++k) {
+    const std::string name = "touched[" + std::to_string(k) + "]";
+    archive.length(name + ".count", touched_by_[k], particles);
+    archive.within(name, touched_by_[k], 0, particles - 1);
   }
-  archive.length("held", held_, particles);
+  archive.length("held_count", held_, particles);
   archive.each("held_particles", held_, &HeldParticle::particle);
   archive.each("held_by", held_, &HeldParticle::probe);
   archive.each("held_offsets", held_, &HeldParticle::offset);

@@ -75,6 +75,9 @@ class Archive {
     } else {
       (*this)(name, values);
     }
+    if constexpr (std::is_same_v<Member, Eigen::Quaterniond>) {
+      for (const Member& turn : values) check(isTurn(turn), name, "must have norm 1");
+    }
     for (std::size_t k = 0; k < elements.size(); ++k) elements[k].*member = static_cast<Member>(values[k]);
   }
 

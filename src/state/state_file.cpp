@@ -75,9 +75,9 @@ class PartialFile {
 }  // namespace
 
 void checkStateFile(const std::string& file) {
+  if (file.empty()) throw InputError("state file", "", "", "must have a name");
   const fs::path path = target(file);
   const auto refuse = [&](const std::string& rule) { throw InputError(path.string(), "", "", rule); };
-  if (file.empty()) throw InputError("state file", "", "", "must have a name");
   std::error_code error;
   if (fs::exists(path, error)) {
     if (!fs::is_regular_file(path, error)) refuse("must be a regular file");

@@ -16,6 +16,7 @@ struct Exercised {
   int idle = 0, asleep = 0;        ///< steps left out; steps in which some slept and some did not
   int touched = 0, held = 0;       ///< steps in which a probe was in contact; in which one held cloth
   int ignored = 0;                 ///< steps in which a probe was there, in the cloth, and touched nothing
+  int most_awake = 0;              ///< particles
   int moved = 0;                   ///< steps in which an obstacle changed its pose
 };
 
