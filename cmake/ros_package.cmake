@@ -4,6 +4,7 @@ find_package(catkin REQUIRED COMPONENTS
   message_generation)
 
 add_message_files(FILES ClothState.msg)
+add_service_files(FILES SaveState.srv LoadState.srv)
 generate_messages(DEPENDENCIES std_msgs)
 
 catkin_package(

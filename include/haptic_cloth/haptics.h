@@ -21,6 +21,7 @@ struct ProbeSnapshot {
   Mat3 follow = Mat3::Zero();     ///< dProxy/dDevice, symmetric, 0: a wall, 1: nothing resists [-]
   Vec3 force = Vec3::Zero();      ///< on the probe at that solve [N]
   bool contact = false;
+  int cloth = 0;  ///< counts up where another takes its place, by a reset or a loaded state
 };
 
 /// A device pose as received.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "haptic_cloth/report.h"
@@ -50,6 +51,16 @@ class Simulation {
 
   /// Back to the flat start at time 0, without probes, obstacles as in the scene.
   void reset();
+
+  /// The whole state between two steps, for loadState() here or in another process; files:
+  /// haptic_cloth/state_file.h.
+  std::string saveState() const;
+
+  /// Goes on where saveState() was called, to the last bit, whatever the number of threads. The scene must be
+  /// the same but for paths, grasps, stop, threads and time budget.
+  /// @param origin names the source in messages
+  /// @throws InputError naming what differs or does not fit; the simulation then is as it was
+  void loadState(const std::string& saved, const std::string& origin);
 
   const Scene& scene() const;
   double time() const;  ///< simulated since reset [s]

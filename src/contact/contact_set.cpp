@@ -32,6 +32,13 @@ ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
   for (Field& normals : sample_normals_) normals.reserve(capacity);
 }
 
+void ContactSet::serialize(Archive& archive) {
+  archive("now", solids_);
+  archive("before", before_);
+  archive.each("target_positions", targets_, &Pose::position);
+  archive.each("target_orientations", targets_, &Pose::orientation);
+}
+
 Vec3 ContactSet::samplePosition(const ContactSample& sample, const Field& values) const {
   return sample.weights[0] * values[sample.nodes[0]] + sample.weights[1] * values[sample.nodes[1]] +
          sample.weights[2] * values[sample.nodes[2]] + sample.weights[3] * values[sample.nodes[3]];

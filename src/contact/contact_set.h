@@ -54,6 +54,9 @@ class ContactSet {
   bool obstaclesMove() const;  ///< some have not arrived
   const Solid& obstacle(int k) const { return solids_[k]; }
 
+  /// Where the solids are and are sent: samples and their friction are found anew in each step.
+  void serialize(Archive& archive);
+
   /// A probe at the start of a step: its proxy [m] and how it turns meanwhile.
   void startProbe(int probe, const Vec3& proxy, const Quat& before, const Quat& after);
 

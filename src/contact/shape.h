@@ -2,6 +2,7 @@
 #pragma once
 
 #include "haptic_cloth/scene.h"
+#include "state/archive.h"
 
 namespace haptic_cloth {
 
@@ -26,6 +27,11 @@ class Solid {
   void turn(const Quat& orientation) { rotation_ = orientation.toRotationMatrix(); }
   const Vec3& position() const { return position_; }
   const Eigen::Matrix3d& rotation() const { return rotation_; }
+
+  void serialize(Archive& archive) {
+    archive("position", position_);
+    archive("rotation", rotation_);
+  }
 
   /// Of its narrowest part, half the way through [m]; infinite for a plane.
   double halfWidth() const;

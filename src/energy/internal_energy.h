@@ -37,6 +37,10 @@ class InternalEnergy {
   void remember(const Field& x, ForceHistory& history) const;
   void recall(const Field& x, ForceHistory& history);
 
+  /// The elements' memory, and the last step's normals, with which the mesh is looked at. @pre on loading:
+  /// resize() and setNormals()
+  void serialize(Archive& archive);
+
   /// Energy the elements could give back. Without memory the same as evaluate()'s sum.
   Energy stored(const Field& x) const;
 
@@ -101,6 +105,7 @@ class InternalEnergy {
     Loop::Step get(int place) const { return packs_[place / kLanes].get(place % kLanes); }
     void set(int place, const Loop::Step& step) { packs_[place / kLanes].set(place % kLanes, step); }
     const StepLanes* packs() const { return packs_.empty() ? nullptr : packs_.data(); }
+    void serialize(Archive& archive);
 
    private:
     std::vector<StepLanes> packs_;

@@ -52,6 +52,19 @@ void InternalEnergy::commit(int begin, int end, const Field& x) {
       });
 }
 
+void InternalEnergy::serialize(Archive& archive) {
+  archive("edges", edge_steps_);
+  archive("triples", triple_steps_);
+  archive("patches", patch_steps_);
+  archive("normals", node_normals_);
+  archive("patch_normals", patch_normals_);
+}
+
+void InternalEnergy::Steps::serialize(Archive& archive) {
+  constexpr std::size_t kDoubles = sizeof(StepLanes) / sizeof(double);
+  archive.doubles("memory", packs_.empty() ? nullptr : packs_.front().play, kDoubles * packs_.size());
+}
+
 InternalEnergy::Energy InternalEnergy::stored(const Field& x) const {
   Energy energy;
   forEach(

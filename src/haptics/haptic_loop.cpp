@@ -110,6 +110,8 @@ Vec3 HapticLoop::tick(const DeviceSample& device, const ProbeSnapshot& snapshot,
   if (std::isfinite(now)) last_tick_ = now;
 
   status_ = judge(options_, device, snapshot, paused, now);
+  // Of another cloth: one tick without a snapshot, so that the force starts softly however fast it came.
+  if (snapshot.cloth != snapshot_.cloth) status_ = HapticStatus::NoSnapshot;
   const bool good = status_ == HapticStatus::Free || status_ == HapticStatus::Contact;
 
   // A fault starts the soft start anew; its limit holds for the target only, the way down is the ramp's.

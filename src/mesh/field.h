@@ -7,6 +7,7 @@
 
 #include "haptic_cloth/types.h"
 #include "parallel/lanes.h"
+#include "state/archive.h"
 
 namespace haptic_cloth {
 
@@ -42,6 +43,12 @@ class Field {
   }
   void add(int n, const Vec3& value) {
     for (int c = 0; c < 3; ++c) coordinates_[c][n] += value[c];
+  }
+
+  void serialize(Archive& archive) {
+    archive("x", coordinates_[0]);
+    archive("y", coordinates_[1]);
+    archive("z", coordinates_[2]);
   }
 
   /// Array of one coordinate: 0 x, 1 y, 2 z.

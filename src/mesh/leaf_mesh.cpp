@@ -92,4 +92,26 @@ void LeafMesh::leaves(std::vector<Cell>& leaves) const {
   }
 }
 
+void LeafMesh::serialize(Archive& archive) {
+  std::vector<std::uint8_t> levels = level_;
+  archive.within("levels", levels, 0, grid_.levels);
+  if (archive.loads()) archive.check(takeOver(levels), "levels", "must make a balanced mesh");
+}
+
+/// Splits from the coarsest mesh on, which keeps all rules. @return whether that led to these levels
+bool LeafMesh::takeOver(const std::vector<std::uint8_t>& levels) {
+  std::fill(level_.begin(), level_.end(), static_cast<std::uint8_t>(grid_.levels));
+  std::vector<Cell> done;
+  for (int level = grid_.levels; level > 0; --level) {
+    const int s = 1 << level;
+    for (int j = 0; j + 1 < grid_.rows; j += s) {
+      for (int i = 0; i + 1 < grid_.columns; i += s) {
+        const Cell cell{i, j, level};
+        if (levels[grid_.cell(i, j)] < level || !pinsAllow(cell)) split(cell, done);
+      }
+    }
+  }
+  return level_ == levels;
+}
+
 }  // namespace haptic_cloth

@@ -6,6 +6,7 @@
 
 #include "haptic_cloth/scene.h"
 #include "mesh/grid.h"
+#include "state/archive.h"
 
 namespace haptic_cloth {
 
@@ -38,10 +39,13 @@ class LeafMesh {
   /// All leaves, rows of their lower left corners from bottom to top.
   void leaves(std::vector<Cell>& leaves) const;
 
+  void serialize(Archive& archive);
+
  private:
   bool isLeaf(const Cell& cell) const;
   bool pinsAllow(const Cell& cell) const;
   void fill(const Cell& cell);
+  bool takeOver(const std::vector<std::uint8_t>& levels);
 
   Grid grid_;
   std::vector<char> pinned_;         ///< a particle each

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "mesh/active_mesh.h"
+#include "state/archive.h"
 
 namespace haptic_cloth {
 
@@ -12,6 +13,11 @@ namespace haptic_cloth {
 struct ParticleState {
   std::vector<Vec3> position;  ///< [m]
   std::vector<Vec3> velocity;  ///< [m/s]
+
+  void serialize(Archive& archive) {
+    archive("position", position);
+    archive("velocity", velocity);
+  }
 };
 
 /// Values of all particles a cell covers, bilinear in its corners.

@@ -14,6 +14,7 @@
 #include <chrono>
 #include <deque>
 #include <future>
+#include <optional>
 #include <vector>
 
 #include "ros/display_thread.h"
@@ -23,6 +24,7 @@
 #include "ros/obstacle_topics.h"
 #include "ros/probe_topics.h"
 #include "ros/solver_loop.h"
+#include "ros/state_services.h"
 #include "ros/steady_clock.h"
 #include "ros/topics.h"
 
@@ -132,8 +134,9 @@ class HapticClothServer::Implementation {
   /// Full names of all services of this node.
   std::vector<std::string> services() const {
     std::vector<std::string> names{
-        private_node_.resolveName(topics::kReset), private_node_.resolveName(topics::kPause),
-        ros::this_node::getName() + "/get_loggers", ros::this_node::getName() + "/set_logger_level"};
+        private_node_.resolveName(topics::kReset),     private_node_.resolveName(topics::kPause),
+        private_node_.resolveName(topics::kSaveState), private_node_.resolveName(topics::kLoadState),
+        ros::this_node::getName() + "/get_loggers",    ros::this_node::getName() + "/set_logger_level"};
     for (const ProbeTopics& probe : probes_) names.push_back(probe.service());
     return names;
   }
@@ -142,6 +145,7 @@ class HapticClothServer::Implementation {
     private_node_.setCallbackQueue(&service_queue_);
     reset_service_ = private_node_.advertiseService(topics::kReset, &Implementation::reset, this);
     pause_service_ = private_node_.advertiseService(topics::kPause, &Implementation::pause, this);
+    state_services_.emplace(private_node_, shared_);
   }
 
   bool reset(std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
@@ -177,6 +181,7 @@ class HapticClothServer::Implementation {
   MasterWatch master_;
   DisplayThread display_;
   ros::ServiceServer reset_service_, pause_service_;
+  std::optional<StateServices> state_services_;
   ros::AsyncSpinner pose_spinner_, service_spinner_;
   std::vector<std::future<void>> threads_;
 };

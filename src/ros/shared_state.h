@@ -12,6 +12,7 @@
 #include "haptic_cloth/report.h"
 #include "haptic_cloth/simulation.h"
 #include "haptics/lateness.h"
+#include "ros/solver_tasks.h"
 
 namespace haptic_cloth {
 
@@ -99,6 +100,8 @@ struct SharedState {
   Mailbox<DisplayFrame> frame;        ///< solver thread → display thread
   Mailbox<SolverStats> solver_stats;  ///< solver thread → display thread
   Mailbox<HapticStats> haptic_stats;  ///< haptic thread → display thread
+
+  SolverTasks tasks;  ///< services → solver thread
 
   std::atomic<bool> stop{false};
   std::atomic<bool> paused{false};

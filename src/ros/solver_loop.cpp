@@ -28,6 +28,7 @@ SolverLoop::SolverLoop(const NodeOptions& options, SharedState& shared)
 void SolverLoop::run() {
   while (!shared_.stop) {
     resetWhenAsked();
+    shared_.tasks.work(*this);
     copyFrameWhenWanted();
     if (shared_.paused) {
       due_ = last_start_ = window_start_ = -1.0;
@@ -49,6 +50,20 @@ void SolverLoop::resetWhenAsked() {
   if (wanted == resets_seen_) return;
   resets_seen_ = wanted;
   simulation_.reset();
+  startAnew();
+  shared_.resets_done = wanted;
+}
+
+/// The hands are where they are now, and may have been elsewhere then: none may find itself holding cloth, or
+/// on the other side of it. So probes come as they do after silence.
+void SolverLoop::loadState(const std::string& state, const std::string& origin) {
+  simulation_.loadState(state, origin);
+  for (std::size_t k = 0; k < probes_.size(); ++k) simulation_.removeDevice(static_cast<int>(k));
+  startAnew();
+}
+
+/// What was said and seen of another cloth is forgotten.
+void SolverLoop::startAnew() {
   for (SolverProbe& probe : probes_) probe.forget();
   // Where an obstacle was sent before is forgotten, too.
   for (std::size_t k = 0; k < targets_seen_.size(); ++k)
@@ -56,7 +71,6 @@ void SolverLoop::resetWhenAsked() {
   window_start_ = -1.0;
   shared_.frame_wanted = true;
   copyFrameWhenWanted();
-  shared_.resets_done = wanted;
 }
 
 void SolverLoop::copyFrameWhenWanted() {

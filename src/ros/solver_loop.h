@@ -1,6 +1,7 @@
 /// The solver thread: steps without pause, never ahead of wall time.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "haptic_cloth/simulation.h"
@@ -18,8 +19,14 @@ class SolverLoop {
   /// Runs until shared.stop.
   void run();
 
+  /// For SolverTasks, between two steps.
+  const Simulation& simulation() const { return simulation_; }
+  /// @throws InputError where the state does not fit; all is as it was then
+  void loadState(const std::string& state, const std::string& origin);
+
  private:
   void resetWhenAsked();
+  void startAnew();
   void copyFrameWhenWanted();
   void waitUntilDue();
   void moveObstacles();

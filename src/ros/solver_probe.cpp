@@ -31,7 +31,9 @@ void SolverProbe::takeDevice() {
 }
 
 void SolverProbe::publishSnapshot(double pace) {
-  shared_.snapshot.write(tracker_.update(simulation_.probe(number_), device_, pace, steadyNow()));
+  ProbeSnapshot snapshot = tracker_.update(simulation_.probe(number_), device_, pace, steadyNow());
+  snapshot.cloth = cloth_;
+  shared_.snapshot.write(snapshot);
   showGrasp();
 }
 
@@ -49,7 +51,8 @@ void SolverProbe::forget() {
   shared_.present = false;
   shared_.grasp_wanted = false;
   shared_.grasp = GraspState::Open;
-  // "None yet": the haptic thread ramps down and starts softly on the new cloth.
+  // "None yet": the haptic thread ramps down. Should it miss that, it still starts softly on another cloth.
+  ++cloth_;
   shared_.snapshot.write(ProbeSnapshot());
 }
 

@@ -24,7 +24,7 @@ class SolverProbe {
   /// Lets go of the cloth, as in a pause.
   void open();
 
-  /// The simulation has been reset.
+  /// The simulation has been reset, or goes on from another state.
   void forget();
 
   /// What is shown of it.
@@ -39,6 +39,7 @@ class SolverProbe {
   SharedProbe& shared_;
   bool present_ = false;
   bool closed_ = false;
+  int cloth_ = 0;  ///< see ProbeSnapshot
   ProbeTracker tracker_;
   DeviceSample device_;  ///< of the step in hand
   Quat orientation_ = Quat::Identity();

@@ -42,6 +42,8 @@ constexpr char kDeviceForce[] = "device/force";
 // Private services.
 constexpr char kReset[] = "reset";
 constexpr char kPause[] = "pause";
+constexpr char kSaveState[] = "save_state";
+constexpr char kLoadState[] = "load_state";
 
 }  // namespace topics
 }  // namespace haptic_cloth

@@ -30,6 +30,9 @@ class Adaptation {
   /// For looks from now on. @pre the same levels
   void setOptions(const AdaptOptions& options) { options_ = options; }
 
+  /// The age of the leaves. @param steps made so far
+  void serialize(Archive& archive, long steps) { archive.within("born", born_, -options_.minimum_age, steps); }
+
   /// What the last apply() changed: parents merged, then cells split, in order.
   const std::vector<Cell>& merged() const { return merged_; }
   const std::vector<Cell>& split() const { return split_; }

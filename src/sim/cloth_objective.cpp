@@ -87,6 +87,19 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
   lookAtAll();
 }
 
+void ProbeStep::serialize(Archive& archive) {
+  archive("present", present);
+  archive("device", device);
+  archive("device_velocity", device_velocity);
+  archive("proxy", proxy);
+}
+
+void ClothObjective::serialize(Archive& archive) {
+  archive("probes", probes_);
+  archive("proxies", proxies_);
+  archive("energies", energies_);
+}
+
 void ClothObjective::lookAtAll() {
   awake_elements_.clear();
   awake_elements_.add(0, internal_.size() + contacts_.size());

@@ -24,6 +24,8 @@ struct ProbeStep {
   Vec3 device = Vec3::Zero();           ///< where the device is at the end of the step [m]
   Vec3 device_velocity = Vec3::Zero();  ///< [m/s]
   Vec3 proxy = Vec3::Zero();            ///< where the proxy is at the start of the step [m]
+
+  void serialize(Archive& archive);
 };
 
 /// A node that moves with a probe's proxy.
@@ -102,6 +104,9 @@ class ClothObjective : public Objective {
   double couplingStiffness(int probe) const {
     return couplings_[probe].stiffness + couplings_[probe].damping / h_;
   }
+
+  /// The end of the last step as far as it is asked for afterwards; begin() does not look at it.
+  void serialize(Archive& archive);
 
   double timeStep() const { return h_; }
   Preconditioner preconditioner() const { return preconditioner_; }

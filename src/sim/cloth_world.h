@@ -14,6 +14,7 @@
 #include "sim/cloth_objective.h"
 #include "sim/joint_objective.h"
 #include "solver/minimizer.h"
+#include "state/archive.h"
 
 namespace haptic_cloth {
 
@@ -28,6 +29,11 @@ class ClothWorld {
   void setGrasp(int probe, bool closed);
   void moveObstacle(int obstacle, const Pose& pose) { contacts.moveObstacle(obstacle, pose); }
   StepReport step();
+
+  /// All that the next step, or what is asked before it, reads from the steps before; the rest is scratch or
+  /// the scene's. To load: into a world of that scene that has made no step, which must not be used if this
+  /// throws.
+  void serialize(Archive& archive);
 
   /// How the mesh follows the shape from the next step on. @pre the same levels
   void setAdaptOptions(const AdaptOptions& options) {
@@ -65,6 +71,9 @@ class ClothWorld {
     idle_ = false;
   }
   void gatherNodes();
+  void serializeCloth(Archive& archive);
+  void serializeProbes(Archive& archive);
+  void serializeIdle(Archive& archive);
   void adapt(StepReport& report);
   void solve(StepReport& report);
   void takeHold();
@@ -102,6 +111,8 @@ class ClothWorld {
     bool closed = false;   ///< it grasps what it touches
     Quat before = Quat::Identity(), after = Quat::Identity();  ///< how it turns in the step in hand
     double coupling = 0.0;                                     ///< energy at the end of the last step [J]
+
+    void serialize(Archive& archive);
   };
   struct HeldParticle {
     int particle, probe;

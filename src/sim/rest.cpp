@@ -20,6 +20,13 @@ void Rest::look(const ActiveMesh& mesh, const Field& forces) {
   }
 }
 
+void Rest::serialize(Archive& archive) {
+  archive.each("still", particles_, &Particle::still);
+  for (const Particle& p : particles_) archive.check(p.still >= 0, "still", "must be >= 0");
+  archive.each("known", particles_, &Particle::known);
+  archive.each("force", particles_, &Particle::force);
+}
+
 void Rest::disturb(const Grid& grid, const Cell& cell) {
   for (int j = cell.j; j <= cell.j + cell.span(); ++j) {
     for (int i = cell.i; i <= cell.i + cell.span(); ++i) particles_[grid.particle(i, j)] = Particle();

@@ -37,6 +37,8 @@ class Rest {
     }
   }
 
+  void serialize(Archive& archive);
+
   /// Corners and inside of a cell that changes.
   void disturb(const Grid& grid, const Cell& cell);
 

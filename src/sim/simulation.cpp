@@ -46,6 +46,20 @@ StepReport Simulation::step() { return implementation_->world.step(); }
 
 void Simulation::reset() { implementation_ = std::make_unique<Implementation>(Scene(scene())); }
 
+std::string Simulation::saveState() const {
+  Archive archive;
+  implementation_->world.serialize(archive);
+  return archive.sealed();
+}
+
+void Simulation::loadState(const std::string& saved, const std::string& origin) {
+  Archive archive(saved, origin);
+  auto loaded = std::make_unique<Implementation>(Scene(scene()));
+  loaded->world.serialize(archive);
+  archive.finish();
+  implementation_ = std::move(loaded);
+}
+
 const Scene& Simulation::scene() const { return implementation_->world.scene; }
 double Simulation::time() const { return implementation_->world.time(); }
 int Simulation::threads() const { return implementation_->world.team.threads(); }

@@ -12,6 +12,7 @@
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/scene.h"
 #include "haptic_cloth/simulation.h"
+#include "haptic_cloth/state_file.h"
 #include "tools/outputs.h"
 #include "tools/run.h"
 #include "tools/summary.h"
@@ -38,13 +39,17 @@ constexpr const char* kFooter =
     "  probe.csv      time, device x y z, proxy x y z, force on the probe x y z; of several, probe_NAME.csv\n"
     "  particles.csv  i,j,active,x,y,z for every particle of the finest grid\n"
     "  mesh.ply       the active mesh as triangles\n"
+    "To go on from a state, let it stop later: simulate drape.yaml --save-state drape.state, then\n"
+    "simulate drape.yaml --resume drape.state --set stop.time=4. The files then tell of the second run.\n"
     "Exit status: 0 success; 2 bad input, nothing written; 3 the simulation failed (a final state\n"
-    "that is not finite, or more than 10 % of the steps failed), files are written.";
+    "that is not finite, or more than 10 % of the steps failed), files are written; a state only where\n"
+    "it is finite.";
 
 struct Arguments {
   std::string scene;
   std::vector<std::string> overrides;
   std::string out;
+  std::string resume, save_state;
 };
 
 /// One line on a terminal, rewritten a few times a second; nothing when stderr is a file or pipe.
@@ -80,10 +85,17 @@ void addArguments(CLI::App& app, Arguments& arguments) {
       ->type_size(1)
       ->allow_extra_args(false);
   app.add_option("--out", arguments.out, "DIR: directory for the results, created if need be");
+  app.add_option("--resume", arguments.resume,
+                 "FILE: goes on from a saved state of this scene, as if it had never ended");
+  app.add_option("--save-state", arguments.save_state, "FILE: writes the state at the end, for --resume");
 }
 
 int simulate(const Arguments& arguments) {
   Simulation simulation(haptic_cloth::loadScene(arguments.scene, arguments.overrides));
+  if (!arguments.resume.empty()) {
+    simulation.loadState(haptic_cloth::readStateFile(arguments.resume), arguments.resume);
+  }
+  if (!arguments.save_state.empty()) haptic_cloth::checkStateFile(arguments.save_state);
   if (!arguments.out.empty()) haptic_cloth::prepareDirectory(arguments.out);
 
   Progress progress(simulation.scene().stop.time);
@@ -99,6 +111,9 @@ int simulate(const Arguments& arguments) {
     std::cout << haptic_cloth::briefReport(simulation, totals) << std::endl;
   } else {
     haptic_cloth::writeOutputs(arguments.out, simulation, record, succeeded);
+  }
+  if (!arguments.save_state.empty() && finite) {
+    haptic_cloth::writeStateFile(arguments.save_state, simulation.saveState());
   }
   if (succeeded) return kSuccess;
   std::cerr << arguments.scene << ": simulation failed: "

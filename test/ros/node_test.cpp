@@ -2,6 +2,8 @@
 #include <geometry_msgs/TransformStamped.h>
 #include <gtest/gtest.h>
 #include <haptic_cloth/ClothState.h>
+#include <haptic_cloth/LoadState.h>
+#include <haptic_cloth/SaveState.h>
 #include <ros/ros.h>
 #include <std_srvs/Empty.h>
 #include <std_srvs/SetBool.h>
@@ -10,6 +12,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <memory>
 
@@ -191,6 +195,103 @@ TEST_F(NodeTest, ResetStartsAnew) {
   pause(true);
   reset();
   EXPECT_TRUE(waitFor([&] { return time == 0.0; }));
+}
+
+/// A service that answers how it went. @return its message, after "failed: " where it did not work
+template <class Service>
+std::string call(const std::string& name, const std::string& file) {
+  Service service;
+  service.request.file = file;
+  if (!ros::service::call("/haptic_cloth/" + name, service)) return "no answer";
+  return (service.response.success ? "" : "failed: ") + service.response.message;
+}
+
+/// A folder for the states of a test.
+struct Folder {
+  Folder()
+      : path(std::filesystem::temp_directory_path() / ("haptic_cloth_node_" + std::to_string(getpid()))) {
+    std::filesystem::create_directories(path);
+  }
+  ~Folder() { std::filesystem::remove_all(path); }
+  std::string file(const std::string& name) const { return (path / name).string(); }
+  std::filesystem::path path;
+};
+
+TEST_F(NodeTest, GoesOnFromASavedStateWithoutAHandInIt) {
+  const Folder folder;
+  std::mutex mutex;
+  ClothState newest;
+  std::atomic<double> time{-1.0};
+  ros::Subscriber subscriber =
+      node_.subscribe<ClothState>("cloth/state", 1, [&](const ClothState::ConstPtr& message) {
+        const std::lock_guard<std::mutex> lock(mutex);
+        newest = *message;
+        time = message->time;
+      });
+  TestDevice device(node_, kAbove);
+  ASSERT_TRUE(waitFor([&] { return diagnostics_.value("probe", "status") == "free"; }));
+  device.moveTo(kPressed);
+  ASSERT_TRUE(waitFor([&] { return reaction_.force().z() > 0.1; }));
+  ASSERT_EQ(call<SaveState>("save_state", folder.file("pressed")).find("saved "), 0u);
+  EXPECT_GT(reaction_.force().z(), 0.1) << "saving must not be felt";
+
+  // In a pause there is one state to look at.
+  device.silence();
+  pause(true);
+  ASSERT_TRUE(waitFor([&] { return reaction_.force().isZero(0.0); }));
+  ASSERT_EQ(call<LoadState>("load_state", folder.file("pressed")).find("loaded "), 0u);
+  ASSERT_EQ(call<SaveState>("save_state", folder.file("paused")).find("saved "), 0u);
+  double at = -1.0;
+  ASSERT_TRUE(waitFor([&] {
+    const double before = at;
+    at = time;
+    return before == at && at > 0.0;
+  }));
+  mutex.lock();
+  const ClothState then = newest;
+  mutex.unlock();
+
+  pause(false);
+  ASSERT_TRUE(waitFor([&] { return time > then.time + 0.2; }));
+  pause(true);
+  ASSERT_EQ(call<LoadState>("load_state", folder.file("paused")).find("loaded "), 0u);
+  ASSERT_TRUE(waitFor([&] { return time == then.time; }));
+  mutex.lock();
+  EXPECT_EQ(newest.positions, then.positions);
+  EXPECT_EQ(newest.particles, then.particles);
+  mutex.unlock();
+
+  // The hand is in the cloth of the state: it feels nothing until it has been clear of it.
+  pause(false);
+  device.resume();
+  ASSERT_TRUE(waitFor([&] { return diagnostics_.value("probe", "status") == "free"; }));
+  EXPECT_EQ(reaction_.force(), Vec3::Zero());
+  device.moveTo(kAbove);
+  ASSERT_TRUE(waitFor([&] { return device.arrived(); }));
+  device.moveTo(kPressed);
+  EXPECT_TRUE(waitFor([&] { return reaction_.force().z() > 0.1; }));
+}
+
+TEST_F(NodeTest, RefusesStatesThatDoNotFitAndGoesOn) {
+  const Folder folder;
+  std::ofstream(folder.file("notes")) << "no state";
+  const auto expect = [](const std::string& message, const std::string& word) {
+    EXPECT_EQ(message.find("failed: "), 0u) << message;
+    EXPECT_NE(message.find(word), std::string::npos) << message;
+  };
+  expect(call<LoadState>("load_state", folder.file("absent")), "No such file");
+  expect(call<LoadState>("load_state", folder.file("notes")), "does not begin");
+  expect(call<LoadState>("load_state", ""), "cannot be read");
+  expect(call<SaveState>("save_state", folder.file("notes")), "would be lost");
+  expect(call<SaveState>("save_state", folder.file("none/here")), "No such file");
+  expect(call<SaveState>("save_state", "/dev/full"), "regular file");
+  expect(call<SaveState>("save_state", ""), "name");
+  std::atomic<double> time{-1.0};
+  ros::Subscriber subscriber = node_.subscribe<ClothState>(
+      "cloth/state", 1, [&](const ClothState::ConstPtr& message) { time = message->time; });
+  ASSERT_TRUE(waitFor([&] { return time > 0.0; }));
+  const double now = time;
+  EXPECT_TRUE(waitFor([&] { return time > now; }));
 }
 
 TEST_F(NodeTest, BadPosesAreDroppedAndCounted) {

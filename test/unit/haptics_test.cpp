@@ -117,6 +117,31 @@ TEST(HapticLoop, ANewSnapshotIsBlendedIn) {
   }
 }
 
+TEST(HapticLoop, AnotherClothStartsSoftlyHoweverFastItCame) {
+  PressedLoop pressed;
+  ASSERT_NEAR(pressed.force.z(), 2.0, 1e-6);
+  // Not one tick without a snapshot: the one before was of this cloth, the next is of another.
+  ProbeSnapshot other = contactAt(Vec3(0.0, 0.0, 0.005), pressed.now);
+  other.cloth = 1;
+  const HapticOptions& options = pressed.options;
+  const auto tick = [&] {
+    pressed.now += kTick;
+    other.taken = pressed.now;
+    return pressed.loop.tick(deviceAt(Vec3::Zero(), pressed.now), other, false, pressed.now).z();
+  };
+  tick();
+  EXPECT_EQ(pressed.loop.status(), HapticStatus::NoSnapshot);
+  double last = 2.0;
+  for (int i = 1; i <= 1000; ++i) {
+    const double force = tick(), soft = std::min(1.0, i * kTick / options.soft_start) * options.max_force;
+    EXPECT_LE(std::abs(force - last), options.max_force_rate * kTick + kRoundOff);
+    // The way down from 2 N at 200 N/s takes 10 ticks.
+    if (i > 10) EXPECT_LE(force, soft + kRoundOff);
+    last = force;
+  }
+  EXPECT_NEAR(last, 2.0, 1e-6);
+}
+
 TEST(HapticLoop, FreeMotionFeelsNothing) {
   HapticLoop loop(bareOptions());
   ProbeSnapshot snapshot = contactAt(Vec3(0, 0, 0.05), 1.0);

@@ -237,4 +237,35 @@ TEST_F(Simulate, BadInputLeavesOldResultsAlone) {
   EXPECT_EQ(readText(folder_ / "old/summary.json"), "{}");
 }
 
+TEST_F(Simulate, GoesOnFromASavedStateToTheLastBit) {
+  ASSERT_EQ(run("scene.yaml --out whole").status, 0);
+  const Outcome first = run("scene.yaml --set stop.time=0.013 --save-state half.state");
+  ASSERT_EQ(first.status, 0) << first.error;
+  const Outcome second = run("scene.yaml --resume half.state --set solver.threads=2 --out rest");
+  ASSERT_EQ(second.status, 0) << second.error;
+  const auto whole = nlohmann::json::parse(readText(folder_ / "whole/summary.json"));
+  const auto rest = nlohmann::json::parse(readText(folder_ / "rest/summary.json"));
+  for (const char* key : {"state_hash", "simulated_time", "energy", "probe_force", "support_force"}) {
+    EXPECT_EQ(whole[key], rest[key]) << key;
+  }
+  EXPECT_EQ(rest["steps"], 17);
+  EXPECT_EQ(readText(folder_ / "whole/particles.csv"), readText(folder_ / "rest/particles.csv"));
+  EXPECT_EQ(readLines(folder_ / "whole/probe.csv")[14], readLines(folder_ / "rest/probe.csv")[1]);
+}
+
+TEST_F(Simulate, RefusesStatesItCannotUse) {
+  ASSERT_EQ(run("scene.yaml --set stop.time=0.002 --save-state a.state").status, 0);
+  const std::string saved = readText(folder_ / "a.state");
+  write("cut.state", saved.substr(0, saved.size() / 2));
+  expectRefused("scene.yaml --resume absent.state", {"absent.state", "No such file"});
+  expectRefused("scene.yaml --resume cut.state", {"cut.state", "cut off"});
+  expectRefused("scene.yaml --resume linen.yaml", {"linen.yaml", "does not begin"});
+  expectRefused("scene.yaml --resume a.state --set gravity='[0,0,-1]'", {"a.state: gravity", "-9.81", "-1"});
+  expectRefused("scene.yaml --save-state scene.yaml", {"scene.yaml", "would be lost"});
+  expectRefused("scene.yaml --save-state nowhere/a.state", {"nowhere", "No such file"});
+  expectRefused("scene.yaml --save-state /dev/full", {"/dev/full", "regular file"});
+  EXPECT_EQ(readText(folder_ / "scene.yaml"), kScene);
+  EXPECT_EQ(readText(folder_ / "a.state"), saved);
+}
+
 }  // namespace

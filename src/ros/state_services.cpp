@@ -1,0 +1,77 @@
+#include "ros/state_services.h"
+
+#include <ros/console.h>
+
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+#include "haptic_cloth/state_file.h"
+#include "ros/solver_loop.h"
+#include "ros/topics.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kPatience = 5.0;  ///< for the step in hand to end [s]
+
+/// What a service answers: what `work` says, or what it throws.
+template <class Response, class Work>
+bool answer(Response& response, const Work& work) {
+  try {
+    response.message = work();
+    response.success = true;
+    ROS_INFO_STREAM(response.message);
+  } catch (const std::exception& error) {
+    response.success = false;
+    response.message = error.what();
+    ROS_WARN_STREAM(response.message);
+  }
+  return true;
+}
+
+std::string at(const std::string& what, const std::string& file, double time) {
+  std::ostringstream text;
+  text << what << ' ' << file << ", " << time << " s since reset";
+  return text.str();
+}
+
+}  // namespace
+
+StateServices::StateServices(ros::NodeHandle& private_node, SharedState& shared)
+    : shared_(shared),
+      save_service_(private_node.advertiseService(topics::kSaveState, &StateServices::save, this)),
+      load_service_(private_node.advertiseService(topics::kLoadState, &StateServices::load, this)) {}
+
+bool StateServices::save(SaveState::Request& request, SaveState::Response& response) {
+  return answer(response, [&] {
+    checkStateFile(request.file);
+    std::string state;
+    double time = 0.0;
+    run([&](SolverLoop& loop) {
+      state = loop.simulation().saveState();
+      time = loop.simulation().time();
+    });
+    writeStateFile(request.file, state);
+    return at("saved", request.file, time);
+  });
+}
+
+bool StateServices::load(LoadState::Request& request, LoadState::Response& response) {
+  return answer(response, [&] {
+    const std::string state = readStateFile(request.file);
+    double time = 0.0;
+    run([&](SolverLoop& loop) {
+      loop.loadState(state, request.file);
+      time = loop.simulation().time();
+    });
+    return at("loaded", request.file, time);
+  });
+}
+
+void StateServices::run(const SolverTasks::Work& work) const {
+  if (!shared_.tasks.run(work, shared_.stop, kPatience))
+    throw std::runtime_error("the solver does not answer");
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,183 @@
+#include "state/archive.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <sstream>
+
+#include "haptic_cloth/error.h"
+#include "haptic_cloth/state_file.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr std::uint32_t kByteOrder = 0x01020304;
+constexpr std::uint32_t kVersion = 1;  // of the envelope and of what is in it
+
+/// After kStateMagic, before the entries.
+struct Envelope {
+  std::uint32_t byte_order, version;
+  std::uint64_t size, checksum;  ///< of the entries
+};
+static_assert(sizeof(Envelope) == 24, "no padding: files are read on other machines");
+
+/// FNV-1a, 64 bit: no change of one byte goes unseen.
+std::uint64_t checksum(const std::string& bytes) {
+  std::uint64_t hash = 14695981039346656037ull;
+  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
+  return hash;
+}
+
+template <class T>
+void append(std::string& bytes, const T& value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
+}
+
+}  // namespace
+
+Archive::Archive(const std::string& sealed, std::string origin) : loads_(true), origin_(std::move(origin)) {
+  const std::string magic = kStateMagic;
+  if (sealed.compare(0, magic.size(), magic) != 0)
+    fail("", "", "must be a state that was saved: it does not begin as one");
+  const std::size_t begin = magic.size() + sizeof(Envelope);
+  if (sealed.size() < begin) fail("", "", "is cut off");
+  Envelope envelope{};
+  std::memcpy(&envelope, sealed.data() + magic.size(), sizeof(envelope));
+  if (envelope.byte_order != kByteOrder) fail("", "", "comes from a machine with another byte order");
+  if (envelope.version != kVersion) {
+    fail("version", std::to_string(envelope.version),
+         "must be " + std::to_string(kVersion) + ", the one this program writes");
+  }
+  if (sealed.size() - begin != envelope.size) {
+    fail("", "",
+         "has " + std::to_string(sealed.size() - begin) + " bytes of " + std::to_string(envelope.size) +
+             ": it is cut off or has grown");
+  }
+  entries_ = sealed.substr(begin);
+  if (checksum(entries_) != envelope.checksum) fail("", "", "is damaged: its checksum does not fit");
+}
+
+std::string Archive::sealed() const {
+  std::string bytes = kStateMagic;
+  append(bytes, Envelope{kByteOrder, kVersion, entries_.size(), checksum(entries_)});
+  return bytes + entries_;
+}
+
+std::size_t Archive::sizeOf(Type type) {
+  switch (type) {
+    case Type::Byte:
+      return 1;
+    case Type::Int:
+      return sizeof(int);
+    case Type::Long:
+      return sizeof(long);
+    case Type::Double:
+      break;
+  }
+  return sizeof(double);
+}
+
+bool Archive::isTurn(const Eigen::Quaterniond& turn) {
+  constexpr double kNorm = 1e-3;  // as in scenes
+  return std::abs(turn.norm() - 1.0) <= kNorm;
+}
+
+void Archive::write(const std::string& name, Type type, const void* data, std::size_t count) {
+  const std::string path = prefix_ + name;
+  append(entries_, static_cast<std::uint32_t>(path.size()));
+  entries_ += path;
+  append(entries_, type);
+  append(entries_, static_cast<std::uint64_t>(count));
+  entries_.append(static_cast<const char*>(data), count * sizeOf(type));
+}
+
+/// The next entry, which must have this name; lengths are compared in a way that cannot overflow.
+Archive::Header Archive::read(const std::string& name) {
+  const auto take = [&](std::size_t size) {
+    if (entries_.size() - at_ < size) fail(name, "", "is missing");
+    at_ += size;
+    return entries_.data() + at_ - size;
+  };
+  std::uint32_t length = 0;
+  std::memcpy(&length, take(sizeof(length)), sizeof(length));
+  const std::string found(take(length), length);
+  if (found != prefix_ + name) fail(name, "", "must follow here, where '" + found + "' does");
+  Header header{};
+  std::memcpy(&header.type, take(sizeof(header.type)), sizeof(header.type));
+  std::uint64_t count = 0;
+  std::memcpy(&count, take(sizeof(count)), sizeof(count));
+  if (count > entries_.size()) fail(name, "", "is cut off");
+  header.count = count;
+  header.begin = at_;
+  take(count * sizeOf(header.type));
+  return header;
+}
+
+void Archive::entry(const std::string& name, Type type, void* data, std::size_t count) {
+  if (!loads_) return write(name, type, data, count);
+  const Header header = read(name);
+  if (header.type != type) fail(name, "", "has another type than it should");
+  if (header.count != count) {
+    fail(name, "", "has " + std::to_string(header.count) + " values, not " + std::to_string(count));
+  }
+  if (count > 0) std::memcpy(data, entries_.data() + header.begin, count * sizeOf(type));
+  if (type != Type::Double) return;
+  const auto* first = static_cast<const double*>(data);
+  check(std::all_of(first, first + count, [](double value) { return std::isfinite(value); }), name,
+        "must be finite");
+}
+
+void Archive::compare(const std::string& name, Type type, const void* data, std::size_t count) {
+  if (!loads_) return write(name, type, data, count);
+  const Header header = read(name);
+  const auto* here = static_cast<const char*>(data);
+  const std::size_t size = count * sizeOf(type);
+  if (header.type == type && header.count == count && entries_.compare(header.begin, size, here, size) == 0)
+    return;
+  differs(name, header, text(type, here, count));
+}
+
+void Archive::similar(const std::string& name, const std::vector<double>& values) {
+  constexpr double kRounding = 1e-9;
+  if (!loads_) return write(name, Type::Double, values.data(), values.size());
+  const Header header = read(name);
+  std::vector<double> found(header.type == Type::Double ? header.count : 0);
+  if (!found.empty())
+    std::memcpy(found.data(), entries_.data() + header.begin, found.size() * sizeof(double));
+  double largest = 0.0, difference = 0.0;
+  for (std::size_t k = 0; k < values.size() && found.size() == values.size(); ++k) {
+    largest = std::max(largest, std::abs(values[k]));
+    difference = std::max(difference, std::abs(values[k] - found[k]));
+  }
+  if (found.size() == values.size() && difference <= kRounding * largest) return;
+  differs(name, header, "other values");
+}
+
+std::string Archive::text(Type type, const char* bytes, std::size_t count) const {
+  if (type == Type::Byte) return count > 0 ? std::string(bytes, count) : "''";
+  constexpr std::size_t kMost = 8;
+  if (count > kMost) return std::to_string(count) + " values";
+  std::ostringstream text;
+  text.precision(12);
+  for (std::size_t k = 0; k < count; ++k) {
+    double number = 0.0;
+    int whole = 0;
+    if (type == Type::Int) std::memcpy(&whole, bytes + k * sizeof(whole), sizeof(whole));
+    if (type == Type::Double) std::memcpy(&number, bytes + k * sizeof(number), sizeof(number));
+    text << (k > 0 ? ", " : "") << (type == Type::Int ? whole : number);
+  }
+  return count == 1 ? text.str() : "[" + text.str() + "]";
+}
+
+void Archive::differs(const std::string& name, const Header& found, const std::string& here) const {
+  fail(name, text(found.type, entries_.data() + found.begin, found.count), "the scene here has " + here);
+}
+
+void Archive::fail(const std::string& name, const std::string& value, const std::string& rule) const {
+  throw InputError(origin_, name.empty() ? "" : prefix_ + name, value, rule);
+}
+
+void Archive::finish() const { check(at_ == entries_.size(), "", "has more entries than it should"); }
+
+}  // namespace haptic_cloth

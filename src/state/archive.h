@@ -1,0 +1,184 @@
+/// Named entries of a state, written and read by the same code: each class names its members once, and what
+/// is saved cannot drift from what is loaded.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace haptic_cloth {
+
+/// Entries follow one another in the order they are named in. Each has its name, type and length, and its
+/// bytes as they are in memory: what is loaded equals what was saved to the last bit. Loading checks names,
+/// types, lengths and that every double is finite; who serializes checks the rest.
+class Archive {
+ public:
+  /// To save.
+  Archive() = default;
+
+  /// To load what sealed() gave. @param origin names the source in messages
+  /// @throws InputError where it is not whole, or of another version or kind of machine
+  Archive(const std::string& sealed, std::string origin);
+
+  bool loads() const { return loads_; }
+
+  /// All entries with what tells whether they are whole. @pre this one saves
+  std::string sealed() const;
+
+  /// An entry: a number, an Eigen object of doubles, or a vector of such, which has the length of that
+  /// loaded; or the entries of an object with serialize(Archive&), or of each of a vector of those.
+  /// @throws InputError where what is loaded does not fit
+  template <class T>
+  void operator()(const std::string& name, T& value) {
+    if constexpr (std::is_same_v<T, bool>) {
+      char kept = value ? 1 : 0;
+      within(name, kept, 0, 1);
+      value = kept != 0;
+    } else if constexpr (Serialized<T>::value) {
+      const std::string outer = prefix_;
+      prefix_ += name + ".";
+      value.serialize(*this);
+      prefix_ = outer;
+    } else if constexpr (Listed<T>::value) {
+      list(name, value);
+    } else {
+      entry(name, typeOf<T>(), &value, sizeof(T) / sizeOf(typeOf<T>()));
+    }
+    if constexpr (std::is_same_v<T, Eigen::Quaterniond>) check(isTurn(value), name, "must have norm 1");
+  }
+
+  /// The same for integers from low to high, one or a vector of them.
+  template <class T>
+  void within(const std::string& name, T& value, long low, long high) {
+    (*this)(name, value);
+    bool inside = true;
+    if constexpr (Listed<T>::value) {
+      for (const auto& number : value) inside = inside && low <= number && number <= high;
+    } else {
+      inside = low <= value && value <= high;
+    }
+    check(inside, name, "must be from " + std::to_string(low) + " to " + std::to_string(high));
+  }
+
+  /// One member of all elements, as one entry.
+  template <class T, class Member>
+  void each(const std::string& name, std::vector<T>& elements, Member T::*member) {
+    using Kept = std::conditional_t<std::is_same_v<Member, bool>, char, Member>;  // no bits of vector<bool>
+    std::vector<Kept> values;
+    values.reserve(elements.size());
+    for (const T& element : elements) values.push_back(element.*member);
+    if constexpr (std::is_same_v<Member, bool>) {
+      within(name, values, 0, 1);
+    } else {
+      (*this)(name, values);
+    }
+    if constexpr (std::is_same_v<Member, Eigen::Quaterniond>) {
+      for (const Member& turn : values) check(isTurn(turn), name, "must have norm 1");
+    }
+    for (std::size_t k = 0; k < elements.size(); ++k) elements[k].*member = static_cast<Member>(values[k]);
+  }
+
+  /// The length of a vector that has no fixed one; what is loaded makes it so long. @param most it may be
+  template <class T>
+  void length(const std::string& name, std::vector<T>& elements, std::size_t most) {
+    long size = static_cast<long>(elements.size());
+    within(name, size, 0, static_cast<long>(most));
+    elements.resize(size);
+  }
+
+  /// `count` doubles in a row.
+  void doubles(const std::string& name, double* first, std::size_t count) {
+    entry(name, Type::Double, first, count);
+  }
+
+  /// What the state belongs to: saved, but never changed by loading. @throws InputError where it differs
+  void same(const std::string& name, double value) { compare(name, Type::Double, &value, 1); }
+  void same(const std::string& name, int value) { compare(name, Type::Int, &value, 1); }
+  void same(const std::string& name, const std::string& value) {
+    compare(name, Type::Byte, value.data(), value.size());
+  }
+  void same(const std::string& name, const double* first, std::size_t count) {
+    compare(name, Type::Double, first, count);
+  }
+
+  /// The same for what was computed: to 1e-9 of the largest, as another machine may round otherwise.
+  void similar(const std::string& name, const std::vector<double>& values);
+
+  /// @throws InputError where loading and not `right`
+  void check(bool right, const std::string& name, const std::string& rule) const {
+    if (loads_ && !right) fail(name, "", rule);
+  }
+
+  /// To be called last. @throws InputError where more was saved than was loaded
+  void finish() const;
+
+ private:
+  enum class Type : char { Byte = 'b', Int = 'i', Long = 'l', Double = 'd' };
+
+  struct Header {
+    Type type;
+    std::size_t count;
+    std::size_t begin;  ///< of its bytes
+  };
+
+  template <class T, class = void>
+  struct Serialized : std::false_type {};
+  template <class T>
+  struct Serialized<T, std::void_t<decltype(std::declval<T&>().serialize(std::declval<Archive&>()))>>
+      : std::true_type {};
+  template <class T>
+  struct Listed : std::false_type {};
+  template <class T>
+  struct Listed<std::vector<T>> : std::true_type {};
+
+  template <class T, class = void>
+  struct OfDoubles : std::is_same<T, double> {};
+  template <class T>
+  struct OfDoubles<T, std::void_t<typename T::Scalar>> : std::is_same<typename T::Scalar, double> {};
+
+  template <class T>
+  static constexpr Type typeOf() {
+    if constexpr (std::is_same_v<T, int>) {
+      return Type::Int;
+    } else if constexpr (std::is_same_v<T, long>) {
+      return Type::Long;
+    } else if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, double>) {
+      static_assert(sizeof(T) == 1, "only int, long, double and bytes are saved");
+      return Type::Byte;
+    } else {
+      static_assert(OfDoubles<T>::value, "no entry");
+      return Type::Double;
+    }
+  }
+
+  static std::size_t sizeOf(Type type);
+  static bool isTurn(const Eigen::Quaterniond& turn);
+
+  template <class T>
+  void list(const std::string& name, std::vector<T>& values) {
+    if constexpr (Serialized<T>::value) {
+      for (std::size_t k = 0; k < values.size(); ++k)
+        (*this)(name + "[" + std::to_string(k) + "]", values[k]);
+    } else {
+      constexpr Type kType = typeOf<T>();
+      entry(name, kType, values.data(), values.size() * (sizeof(T) / sizeOf(kType)));
+    }
+  }
+
+  void entry(const std::string& name, Type type, void* data, std::size_t count);
+  void compare(const std::string& name, Type type, const void* data, std::size_t count);
+  void write(const std::string& name, Type type, const void* data, std::size_t count);
+  Header read(const std::string& name);
+  std::string text(Type type, const char* bytes, std::size_t count) const;
+  [[noreturn]] void fail(const std::string& name, const std::string& value, const std::string& rule) const;
+  [[noreturn]] void differs(const std::string& name, const Header& found, const std::string& here) const;
+
+  bool loads_ = false;
+  std::string entries_, origin_, prefix_;
+  std::size_t at_ = 0;  ///< what is read next
+};
+
+}  // namespace haptic_cloth

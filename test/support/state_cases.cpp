@@ -1,0 +1,303 @@
+#include "support/state_cases.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "support/scenes.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kStep = 1e-3;  ///< of all cases [s]
+
+/// With memory in tension, bending and shear, and twist.
+Fabric richFabric() {
+  Fabric fabric = loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/winter_suiting.yaml");
+  fabric.twist_rigidity = 1e-5;
+  return fabric;
+}
+
+/// Square, with cells of 5 mm, held on all sides.
+Scene heldSheet(int particles, Strategy strategy) {
+  const double size = 0.005 * (particles - 1);
+  Scene scene = sheetScene(richFabric(), particles, particles, size, size);
+  pinAllSides(scene);
+  setStrategy(scene, strategy, 2);
+  scene.adapt.minimum_age = 9;
+  scene.probes[0].radius = 0.008;
+  scene.air_damping = 2.0;
+  return scene;
+}
+
+/// A capsule comes down, slides and turns; the mesh follows it.
+Scene capsuleScene(int particles, Strategy strategy) {
+  Scene scene = heldSheet(particles, strategy);
+  scene.probes[0].length = 0.01;
+  scene.probes[0].friction = 0.4;
+  scene.adapt.coarsen_below = 0.5;
+  scene.adapt.refine_above_strain = 0.01;
+  scene.adapt.coarsen_below_strain = 0.008;
+  return scene;
+}
+
+void driveCapsule(Simulation& simulation, int step) {
+  const double t = step * kStep, down = std::min(t, 0.04), slid = std::max(0.0, t - 0.04);
+  const Vec3 position(-0.015 + 0.3 * slid, 0.1 * slid, 0.014 - 0.4 * down), velocity(0.3, 0.1, 0.0);
+  const Quat turn(Eigen::AngleAxisd(8.0 * t, Vec3(1.0, 2.0, 1.0).normalized()));
+  simulation.setDevice(0, {position, velocity, turn});
+}
+
+StateCase slidingCapsule() {
+  return {"a sliding capsule",
+          capsuleScene(17, Strategy::Amrc),
+          driveCapsule,
+          120,
+          {1, 37, 70, 71, 72},
+          [](const Exercised& did) { return did.touched > 50 && did.refined > 0 && did.coarsened > 0; }};
+}
+
+StateCase jointCost() {
+  Scene scene = capsuleScene(9, Strategy::Refine);
+  scene.solver.cost = Cost::Joint;
+  scene.solver.minimizer.max_iterations = 30;
+  return {"joint cost", scene,   driveCapsule,
+          50,           {1, 30}, [](const Exercised& did) {
+            return did.touched > 20 && did.refined > 0; }};
+}
+
+/// Two probes, one of which takes hold, lifts and lets go; the other appears in the cloth, and is gone later.
+StateCase graspedSheet() {
+  Scene scene = sheetScene(richFabric(), 17, 17, 0.08, 0.08);
+  setStrategy(scene, Strategy::Amrc, 2);
+  scene.adapt.minimum_age = 9;
+  pin(scene, 0, 0, 0, 16);
+  scene.probes.resize(2);
+  scene.probes[0].name = "thumb";
+  scene.probes[1].name = "index";
+  const auto drive = [](Simulation& simulation, int step) {
+    const double t = step * kStep, down = std::min(t, 0.03), lifted = std::max(0.0, t - 0.05);
+    simulation.setDevice(0, {Vec3(0.02, 0.0, 0.012 - 0.4 * down + 0.3 * lifted), Vec3(0.0, 0.0, 0.1)});
+    if (step == 30) simulation.setGrasp(0, true);
+    if (step == 110) simulation.setGrasp(0, false);
+    if (step == 5) simulation.setDevice(1, {Vec3(-0.02, 0.01, 0.0), Vec3(0.0, 0.05, 0.0)});
+    if (step == 60) simulation.setDevice(1, {Vec3(-0.02, 0.01, -0.02), Vec3::Zero()});
+    if (step == 125) simulation.removeDevice(1);
+  };
+  return {"a grasp", scene, drive, 140, {6, 31, 33, 35, 70, 105, 126}, [](const Exercised& did) {
+            return did.held > 20 && did.ignored > 5;
+          }};
+}
+
+/// A box is sent through a hanging cloth, farther than it may go in a step, and turned.
+StateCase movedObstacles() {
+  Scene scene = boxDrape(17);
+  scene.cloth.fabric = richFabric();
+  scene.obstacles[0].name = "box";
+  Obstacle ball;
+  ball.shape = Shape::Sphere;
+  ball.radius = 0.02;
+  ball.pose.position = Vec3(0.05, 0.0, 0.05);
+  scene.obstacles.push_back(ball);
+  const auto drive = [](Simulation& simulation, int step) {
+    const Quat turn(Eigen::AngleAxisd(0.7, Vec3::UnitZ()));
+    if (step == 20) simulation.moveObstacle(0, {Vec3(0.05, 0.02, -0.03), turn});
+    if (step >= 60) simulation.moveObstacle(1, {Vec3(0.05, 0.0, 0.05 - 2e-4 * (step - 60)), turn});
+  };
+  return {"moving obstacles",
+          scene,
+          drive,
+          120,
+          {21, 22, 60, 90},
+          [](const Exercised& did) {
+            return did.moved > 50; }};
+}
+
+/// Comes to rest, is left out, and wakes: by a probe that pushes a corner of it, by a shift of an obstacle
+/// that it does not touch.
+StateCase sleepingSheet() {
+  Scene scene = heldSheet(33, Strategy::Finest);
+  scene.air_damping = 30.0;
+  scene.solver.sleep_speed = 5e-3;
+  scene.probes[0].radius = 0.004;
+  Obstacle far;
+  far.shape = Shape::Sphere;
+  far.radius = 0.05;
+  far.pose.position = Vec3(0.0, 0.0, 1.0);
+  scene.obstacles = {far};
+  const auto drive = [](Simulation& simulation, int step) {
+    if (step == 0) simulation.setDevice(0, {Vec3(-0.06, -0.06, 0.008), Vec3::Zero()});
+    if (step == 240) simulation.moveObstacle(0, {Vec3(0.0, 0.0, 1.01), Quat::Identity()});
+    if (step == 241) simulation.moveObstacle(0, {Vec3(0.0, 0.0, 1.0), Quat::Identity()});
+    const double down = std::max(0, step - 250) * 1e-4;
+    if (down > 0.0) simulation.setDevice(0, {Vec3(-0.06, -0.06, 0.008 - down), Vec3(0.0, 0.0, -0.1)});
+  };
+  return {"sleep", scene, drive, 310, {60, 130, 200, 242, 295}, [](const Exercised& did) {
+            return did.idle > 10 && did.asleep > 10 && did.touched > 10;
+          }};
+}
+
+/// FNV-1a, 64 bit, as the format has it.
+class Hash {
+ public:
+  void add(const void* data, std::size_t size) {
+    const auto* bytes = static_cast<const unsigned char*>(data);
+    for (std::size_t k = 0; k < size; ++k) value_ = (value_ ^ bytes[k]) * 1099511628211ull;
+  }
+  template <class T>
+  void add(const std::vector<T>& values) {
+    add(values.data(), values.size() * sizeof(T));
+  }
+  void add(double value) { add(&value, sizeof(value)); }
+  void add(const Vec3& value) { add(value.data(), 3 * sizeof(double)); }
+  std::uint64_t value() const { return value_; }
+
+ private:
+  std::uint64_t value_ = 14695981039346656037ull;
+};
+
+void add(Hash& hash, const EnergyReport& energy) {
+  for (const double part : {energy.kinetic, energy.gravity, energy.stretch, energy.bend, energy.shear,
+                            energy.contact, energy.coupling, energy.dissipated}) {
+    hash.add(part);
+  }
+}
+
+}  // namespace
+
+std::vector<StateCase> stateCases() {
+  return {slidingCapsule(), jointCost(), graspedSheet(), movedObstacles(), sleepingSheet()};
+}
+
+std::uint64_t readings(const Simulation& simulation) {
+  Hash hash;
+  std::vector<Vec3> positions;
+  std::vector<CellView> cells;
+  std::vector<float> tension, bending;
+  simulation.positions(positions);
+  simulation.cells(cells);
+  simulation.cellLoads(tension, bending);
+  hash.add(positions);
+  hash.add(cells);
+  hash.add(tension);
+  hash.add(bending);
+  add(hash, simulation.energy());
+  for (std::size_t k = 0; k < simulation.scene().probes.size(); ++k) {
+    const ProbeReport probe = simulation.probe(static_cast<int>(k));
+    for (const Vec3& vector : {probe.device, probe.proxy, probe.velocity, probe.force}) hash.add(vector);
+    hash.add(4.0 * probe.present + 2.0 * probe.contact + probe.grasps);
+  }
+  for (std::size_t k = 0; k < simulation.scene().obstacles.size(); ++k) {
+    const Pose pose = simulation.obstaclePose(static_cast<int>(k));
+    hash.add(pose.position);
+    hash.add(pose.orientation.coeffs().data(), 4 * sizeof(double));
+  }
+  const CostReport cost = simulation.cost();
+  for (const double value : {cost.motion, cost.stretch, cost.bend, cost.shear, simulation.maxSpeed(),
+                             simulation.maxStrain(), simulation.time(), simulation.mass()}) {
+    hash.add(value);
+  }
+  hash.add(simulation.supportForce());
+  return hash.value();
+}
+
+std::uint64_t readings(const Simulation& simulation, const StepReport& report) {
+  Hash hash;
+  hash.add(static_cast<double>(readings(simulation) >> 11));
+  const MinimizerReport& solve = report.minimizer;
+  for (const double value :
+       {report.time, double(report.active_particles), double(report.awake_particles), double(report.refined),
+        double(report.coarsened), double(report.failed), report.velocity_scale, report.max_penetration,
+        double(solve.why), double(solve.iterations), double(solve.evaluations), double(solve.restarts),
+        solve.value_start, solve.value_end, solve.residual}) {
+    hash.add(value);
+  }
+  return hash.value();
+}
+
+std::uint64_t advance(const StateCase& run, Simulation& simulation, int step, Exercised* exercised) {
+  const auto obstacles = [&] {
+    std::vector<Vec3> places;
+    for (std::size_t k = 0; k < run.scene.obstacles.size(); ++k) {
+      places.push_back(simulation.obstaclePose(static_cast<int>(k)).position);
+    }
+    return places;
+  };
+  const std::vector<Vec3> before = obstacles();
+  run.drive(simulation, step);
+  const StepReport report = simulation.step();
+  if (exercised != nullptr) {
+    exercised->refined += report.refined;
+    exercised->coarsened += report.coarsened;
+    exercised->idle += report.minimizer.evaluations == 0;
+    exercised->most_awake = std::max(exercised->most_awake, report.awake_particles);
+    exercised->asleep += report.awake_particles > 0 && report.awake_particles < exercised->most_awake;
+    exercised->moved += before != obstacles();
+    for (std::size_t k = 0; k < run.scene.probes.size(); ++k) {
+      const ProbeReport probe = simulation.probe(static_cast<int>(k));
+      exercised->touched += probe.contact;
+      exercised->held += probe.grasps;
+      exercised->ignored += probe.present && !probe.contact && std::abs(probe.proxy.z()) < 0.005;
+    }
+  }
+  return readings(simulation, report);
+}
+
+namespace {
+
+constexpr char kMagic[] = "haptic_cloth state\n";
+constexpr std::size_t kHeader = sizeof(kMagic) - 1 + 24;  ///< magic, byte order, version, size, checksum
+
+template <class T>
+T take(const std::string& bytes, std::size_t& at) {
+  T value;
+  std::memcpy(&value, bytes.data() + at, sizeof(T));
+  at += sizeof(T);
+  return value;
+}
+
+template <class T>
+void put(std::string& bytes, T value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
+}
+
+std::size_t sizeOf(char type) { return type == 'b' ? 1 : type == 'i' ? 4 : 8; }
+
+}  // namespace
+
+std::vector<StateEntry> stateEntries(const std::string& sealed) {
+  std::vector<StateEntry> entries;
+  for (std::size_t at = kHeader; at < sealed.size();) {
+    StateEntry entry;
+    const auto length = take<std::uint32_t>(sealed, at);
+    entry.name = sealed.substr(at, length);
+    at += length;
+    entry.type = take<char>(sealed, at);
+    const auto count = take<std::uint64_t>(sealed, at);
+    entry.bytes = sealed.substr(at, count * sizeOf(entry.type));
+    at += entry.bytes.size();
+    entries.push_back(entry);
+  }
+  return entries;
+}
+
+std::string sealState(const std::vector<StateEntry>& entries) {
+  std::string content;
+  for (const StateEntry& entry : entries) {
+    put(content, static_cast<std::uint32_t>(entry.name.size()));
+    content += entry.name;
+    put(content, entry.type);
+    put(content, static_cast<std::uint64_t>(entry.bytes.size() / sizeOf(entry.type)));
+    content += entry.bytes;
+  }
+  Hash hash;
+  hash.add(content.data(), content.size());
+  std::string sealed = kMagic;
+  put(sealed, std::uint32_t{0x01020304});
+  put(sealed, std::uint32_t{1});
+  put(sealed, static_cast<std::uint64_t>(content.size()));
+  put(sealed, hash.value());
+  return sealed + content;
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,114 @@
+/// A run that is saved, loaded and gone on with is the run that was not interrupted. Criterion: equal bits of
+/// everything that can be asked, after every step, and of all that is saved at the end.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "haptic_cloth/error.h"
+#include "support/state_cases.h"
+
+namespace haptic_cloth {
+namespace {
+
+/// A case run through, with what it was like on the way.
+struct Reference {
+  explicit Reference(const StateCase& run) : simulation(run.scene) {
+    trace.push_back(readings(simulation));
+    for (int step = 0; step < run.steps; ++step) {
+      if (std::count(run.saves.begin(), run.saves.end(), step) > 0) {
+        saved[step] = simulation.saveState();
+        at_save[step] = readings(simulation);
+      }
+      trace.push_back(advance(run, simulation, step, &exercised));
+    }
+  }
+  Simulation simulation;
+  Exercised exercised;
+  std::vector<std::uint64_t> trace;  ///< before the first step, and after each
+  std::map<int, std::string> saved;
+  std::map<int, std::uint64_t> at_save;
+};
+
+/// First step of the loaded run that differs from the reference; run.steps where none does.
+int firstDifference(const StateCase& run, const Reference& reference, Simulation& loaded, int from) {
+  if (readings(loaded) != reference.at_save.at(from)) return from;
+  for (int step = from; step < run.steps; ++step) {
+    if (advance(run, loaded, step) != reference.trace[step + 1]) return step;
+  }
+  return run.steps;
+}
+
+TEST(Continuation, IsTheSameRunToTheLastBit) {
+  for (StateCase run : stateCases()) {
+    SCOPED_TRACE(run.name);
+    const Reference reference(run);
+    const Exercised& e = reference.exercised;
+    fprintf(stderr, "%s: refined %d coarsened %d idle %d asleep %d touched %d held %d ignored %d moved %d\n", run.name.c_str(), e.refined,e.coarsened,e.idle,e.asleep,e.touched,e.held,e.ignored,e.moved);
+    EXPECT_TRUE(run.exercises(reference.exercised)) << "the case does not do what it is there for";
+    const std::string end = reference.simulation.saveState();
+    for (const int from : run.saves) {
+      SCOPED_TRACE("saved after " + std::to_string(from) + " steps");
+      run.scene.solver.threads = 1 + from % 2;  // the number of threads must not matter
+      Simulation loaded(run.scene);
+      loaded.loadState(reference.saved.at(from), "state");
+      EXPECT_EQ(loaded.saveState(), reference.saved.at(from));
+      EXPECT_EQ(firstDifference(run, reference, loaded, from), run.steps);
+      EXPECT_EQ(loaded.saveState(), end);
+    }
+  }
+}
+
+/// What the entry would hold had it been forgotten: the value of a new simulation, or none where even the
+/// length is another.
+std::string forgotten(const StateEntry& entry, const std::map<std::string, std::string>& fresh) {
+  const auto value = fresh.find(entry.name);
+  const bool fits = value != fresh.end() && value->second.size() == entry.bytes.size();
+  return fits ? value->second : std::string(entry.bytes.size(), '\0');
+}
+
+/// @return whether the case goes on otherwise, or is refused, where entry k has other bytes
+bool makesADifference(const StateCase& run, const Reference& reference, int from,
+                      std::vector<StateEntry> entries, std::size_t k, const std::string& bytes) {
+  entries[k].bytes = bytes;
+  Simulation loaded(run.scene);
+  try {
+    loaded.loadState(sealState(entries), "state");
+  } catch (const InputError&) {
+    return true;
+  }
+  return firstDifference(run, reference, loaded, from) < run.steps;
+}
+
+/// Were a member forgotten, it would stay as a new simulation has it. So each entry in turn is given that
+/// value: some case must then go on otherwise, else no test would see that the member is missing.
+TEST(Continuation, WouldDifferWithoutAnyOfItsEntries) {
+  std::set<std::string> all, needed;
+  for (const StateCase& run : stateCases()) {
+    const Reference reference(run);
+    std::map<std::string, std::string> fresh;
+    for (const StateEntry& entry : stateEntries(Simulation(run.scene).saveState()))
+      fresh[entry.name] = entry.bytes;
+    for (const int from : run.saves) {
+      const std::vector<StateEntry> entries = stateEntries(reference.saved.at(from));
+      const auto first = std::find_if(entries.begin(), entries.end(),
+                                      [](const StateEntry& entry) { return entry.name == "steps"; });
+      for (std::size_t k = first - entries.begin(); k < entries.size();
+           ++k) {  // what is before is the scene's
+        const std::string& name = entries[k].name;
+        all.insert(name);
+        const std::string other = forgotten(entries[k], fresh);
+        if (needed.count(name) > 0 || other == entries[k].bytes) continue;
+        if (makesADifference(run, reference, from, entries, k, other)) needed.insert(name);
+      }
+    }
+  }
+  EXPECT_GT(all.size(), 40u);
+  for (const std::string& name : all) {
+    EXPECT_EQ(needed.count(name), 1u) << name << " makes no difference in any case";
+  }
+}
+
+}  // namespace
+}  // namespace haptic_cloth
