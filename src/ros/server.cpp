@@ -14,6 +14,7 @@
 #include <chrono>
 #include <deque>
 #include <future>
+#include <optional>
 #include <vector>
 
 #include "ros/display_thread.h"
@@ -22,6 +23,7 @@
 #include "ros/node_options.h"
 #include "ros/obstacle_topics.h"
 #include "ros/probe_topics.h"
+#include "ros/reconfigure_server.h"
 #include "ros/solver_loop.h"
 #include "ros/steady_clock.h"
 #include "ros/topics.h"
@@ -133,7 +135,8 @@ class HapticClothServer::Implementation {
   std::vector<std::string> services() const {
     std::vector<std::string> names{
         private_node_.resolveName(topics::kReset), private_node_.resolveName(topics::kPause),
-        ros::this_node::getName() + "/get_loggers", ros::this_node::getName() + "/set_logger_level"};
+        private_node_.resolveName(topics::kSetOptions), ros::this_node::getName() + "/get_loggers",
+        ros::this_node::getName() + "/set_logger_level"};
     for (const ProbeTopics& probe : probes_) names.push_back(probe.service());
     return names;
   }
@@ -141,6 +144,7 @@ class HapticClothServer::Implementation {
   void offerServices() {
     private_node_.setCallbackQueue(&service_queue_);
     reset_service_ = private_node_.advertiseService(topics::kReset, &Implementation::reset, this);
+    reconfigure_.emplace(options_, private_node_, shared_);
     pause_service_ = private_node_.advertiseService(topics::kPause, &Implementation::pause, this);
   }
 
@@ -177,6 +181,7 @@ class HapticClothServer::Implementation {
   MasterWatch master_;
   DisplayThread display_;
   ros::ServiceServer reset_service_, pause_service_;
+  std::optional<ReconfigureServer> reconfigure_;
   ros::AsyncSpinner pose_spinner_, service_spinner_;
   std::vector<std::future<void>> threads_;
 };

@@ -43,5 +43,10 @@ constexpr char kDeviceForce[] = "device/force";
 constexpr char kReset[] = "reset";
 constexpr char kPause[] = "pause";
 
+// Those of dynamic_reconfigure, private, by which its tools find them.
+constexpr char kSetOptions[] = "set_parameters";  ///< service
+constexpr char kOptionDescriptions[] = "parameter_descriptions";
+constexpr char kOptionUpdates[] = "parameter_updates";
+
 }  // namespace topics
 }  // namespace haptic_cloth

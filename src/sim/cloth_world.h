@@ -29,6 +29,10 @@ class ClothWorld {
   void moveObstacle(int obstacle, const Pose& pose) { contacts.moveObstacle(obstacle, pose); }
   StepReport step();
 
+  /// From the next step on. @pre valid, and what must not change is the same
+  void setOptions(const SolverOptions& solver, const AdaptOptions& adapt, double air_damping);
+  void setCoupling(int probe, double stiffness, double damping);
+
   /// How the mesh follows the shape from the next step on. @pre the same levels
   void setAdaptOptions(const AdaptOptions& options) {
     adaptation_.setOptions(options);
