@@ -120,7 +120,7 @@ class LiveTest : public testing::Test {
       const Vec3 before = steps_.force();
       const long seen = steps_.count();
       waitFor([&] { return steps_.count() > seen + 300; });
-      return (steps_.force() - before).norm() <= 0.02 * before.norm();
+      return before.norm() > 0.05 && (steps_.force() - before).norm() <= 0.02 * before.norm();
     })) << "the force does not settle";
   }
   /// The force after a change and all that follows from it.
@@ -213,9 +213,11 @@ TEST_F(LiveTest, DisplayRatesAndColoursChange) {
       node_.subscribe<ClothState>("cloth/state", 100, [&](const ClothState::ConstPtr&) { ++states; });
   ros::Subscriber marker = node_.subscribe<visualization_msgs::MarkerArray>(
       "cloth/markers", 100, [&](const visualization_msgs::MarkerArray::ConstPtr& array) {
-        double sum = 0.0;
-        for (const auto& color : array->markers.at(1).colors) sum += color.g;
-        green = static_cast<float>(sum / static_cast<double>(array->markers.at(1).colors.size()));
+        // The lines of ten cells; the list is longer than what is shown.
+        const auto& colors = array->markers.at(1).colors;
+        float least = 1.0F;
+        for (std::size_t k = 0; k < 40; ++k) least = std::min(least, colors.at(k).g);
+        green = least;
         ++markers;
       });
   ASSERT_TRUE(waitFor([&] { return states > 0 && markers > 0; }));
@@ -243,7 +245,7 @@ TEST_F(LiveTest, DisplayRatesAndColoursChange) {
 TEST_F(LiveTest, PosesAreJudgedByTheNewAge) {
   accept({{"max_pose_age", 1e-9}});
   EXPECT_TRUE(waitFor([&] { return steps_.force().isZero(0.0); })) << "all poses come too late now";
-  accept({{"max_pose_age", 0.2}, {"velocity_time_constant", 0.01}, {"haptics/pose_timeout", 0.1}});
+  accept({{"max_pose_age", 0.2}, {"velocity_time_constant", 0.01}, {"haptics/pose_timeout", 0.9}});
   EXPECT_TRUE(waitFor([&] { return steps_.force().z() > 0.1; }));
 }
 
@@ -261,8 +263,7 @@ TEST_F(LiveTest, AnImpossibleValueIsRefusedAndTheOldOneStays) {
          "/haptic_cloth (live): adapt.coarsen_below = 0.9: must be below adapt.refine_above = 0.6");
   refuse({{"haptics/rate", 0.0}}, "/haptic_cloth (live): haptics/rate = 0.000000: must be finite and > 0");
   refuse({{"adapt/levels", 0}}, "/haptic_cloth (live): adapt/levels = 0: cannot change while the node runs");
-  double value = 0.0;
-  EXPECT_FALSE(node_.getParam("/haptic_cloth/haptics/max_force", value)) << "it never was in force";
+  EXPECT_EQ(node_.param("/haptic_cloth/haptics/max_force", 3.3), 3.3) << "1 N never was in force";
   settle();
   EXPECT_NEAR(steps_.force().norm(), press, 0.05 * press);
 }
