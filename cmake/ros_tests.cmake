@@ -7,7 +7,7 @@ file(GLOB sources CONFIGURE_DEPENDS test/ros/unit/*.cpp)
 haptic_cloth_test(ros_unit_tests ${sources})
 set(ros_test_programs ros_unit_tests)
 
-foreach(name node fingers lifecycle playback hand nodelet device)
+foreach(name node fingers lifecycle playback hand nodelet device live)
   add_rostest_gtest(ros_${name}_test test/ros/${name}.test test/ros/${name}_test.cpp test/ros/ros_test_support.cpp)
   haptic_cloth_test_settings(ros_${name}_test)
   list(APPEND ros_test_programs ros_${name}_test)

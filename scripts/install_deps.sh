@@ -5,12 +5,12 @@ set -euo pipefail
 
 common=(build-essential cmake libeigen3-dev libgtest-dev libyaml-cpp-dev libcli11-dev nlohmann-json3-dev)
 # Debian 12 ships ROS 1 itself.
-debian=(catkin libroscpp-dev pluginlib-dev libtf2-ros-dev libtopic-tools-dev libinteractive-markers-dev librostest-dev libnodeletlib-dev libnodeletlib-tools librosbag-dev
+debian=(catkin libroscpp-dev pluginlib-dev libtf2-ros-dev libtopic-tools-dev libdynamic-reconfigure-config-init-mutex-dev libinteractive-markers-dev librostest-dev libnodeletlib-dev libnodeletlib-tools librosbag-dev
         ros-geometry-msgs libstd-msgs-dev libstd-srvs-dev libgeometry-msgs-dev libvisualization-msgs-dev
-        libdiagnostic-msgs-dev ros-message-generation python3-visualization-msgs python3-std-srvs
+        libdiagnostic-msgs-dev ros-message-generation python3-dynamic-reconfigure python3-visualization-msgs python3-std-srvs
         python3-diagnostic-msgs python3-rostest python3-roslaunch python3-rostopic python3-rosbag python3-rosnode python3-rosservice rosbash rviz)
 # Ubuntu 20.04 with the packages of packages.ros.org.
-noetic=(ros-noetic-ros-base ros-noetic-rostest ros-noetic-nodelet ros-noetic-tf2-ros ros-noetic-interactive-markers ros-noetic-visualization-msgs
+noetic=(ros-noetic-ros-base ros-noetic-rostest ros-noetic-nodelet ros-noetic-tf2-ros ros-noetic-dynamic-reconfigure ros-noetic-interactive-markers ros-noetic-visualization-msgs
         ros-noetic-diagnostic-msgs ros-noetic-rviz)
 show=(xvfb imagemagick x11-utils python3-matplotlib python3-numpy)
 lint=(catkin-lint clang-format clang-tidy)

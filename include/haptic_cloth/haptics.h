@@ -90,6 +90,12 @@ class HapticLoop {
   /// is stale, paused or not finite. No contact in the snapshot: no force.
   Vec3 tick(const DeviceSample& device, const ProbeSnapshot& snapshot, bool paused, double now);
 
+  /// Other options from the next tick on. The force goes on from where it is, within max_force_rate.
+  /// @param unit forces are stated in from now on, over that until now: what the hand feels does not jump
+  /// where the scale between hand and probe changes
+  /// @pre the options are valid
+  void setOptions(const HapticOptions& options, double unit = 1.0);
+
   HapticStatus status() const { return status_; }
 
   /// What the hand has put in and not got back [J]; < 0: what the loop has made and owes.

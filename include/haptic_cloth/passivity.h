@@ -50,6 +50,10 @@ class PassivityController {
   /// Lets a debt fade; once a tick where nothing is touched. A bounce is too short for much of that.
   void forgive();
 
+  /// Other options from now on; what was put in and owed stays.
+  /// @param unit of force and energy from now on, over that until now
+  void setOptions(const PassivityOptions& options, double period, double unit);
+
   /// Forgets everything, debts too, as after a fault: what is held at the next observe() counts as put in.
   void reset();
 

@@ -46,6 +46,15 @@ class Simulation {
   /// narrowest half-width in each. A pose that is not finite is ignored.
   void moveObstacle(int obstacle, const Pose& pose);
 
+  /// Takes over other options from the next step on. The solver's time_step, cost, preconditioner and threads
+  /// and the mesh's strategy and levels stay as they are.
+  /// @throws InputError, with nothing changed, for values a scene may not have and for others of those
+  void setOptions(const SolverOptions& solver, const AdaptOptions& adapt, double air_damping);
+
+  /// Another coupling of a probe from the next step on, stiffness [N/m] and damping [N·s/m].
+  /// @throws InputError, with nothing changed, for values a scene may not have
+  void setCoupling(int probe, double stiffness, double damping);
+
   /// Advances by one time step: take inputs, adapt, find contacts, minimise, accept or restore, report.
   StepReport step();
 

@@ -17,6 +17,9 @@ constexpr double kMinHandover = 0.0015, kMaxHandover = 0.02;
 /// a jump.
 constexpr double kMaxLateTicks = 5.0;
 
+/// Slower a thread would not hear of its end, faster it would keep its core for itself [Hz].
+constexpr double kLeastRate = 1.0, kMostRate = 10000.0;
+
 bool isFinite(const DeviceSample& sample) {
   return std::isfinite(sample.received) && sample.position.allFinite() && sample.velocity.allFinite();
 }
@@ -61,6 +64,9 @@ void validateHapticOptions(const HapticOptions& options, const std::string& orig
                      zero_is_good ? "must be finite and >= 0" : "must be finite and > 0");
   };
   require("haptics/rate", options.rate, false);
+  if (options.rate < kLeastRate || options.rate > kMostRate) {
+    throw InputError(origin, "haptics/rate", std::to_string(options.rate), "must be in 1 to 10000");
+  }
   require("haptics/max_force", options.max_force, false);
   require("haptics/max_force_rate", options.max_force_rate, false);
   require("haptics/soft_start", options.soft_start, true);
@@ -99,6 +105,12 @@ const char* toString(HapticStatus status) {
 HapticLoop::HapticLoop(const HapticOptions& options)
     : options_(options), passivity_(options.passivity, 1.0 / options.rate) {
   validateHapticOptions(options, "haptic options");
+}
+
+void HapticLoop::setOptions(const HapticOptions& options, double unit) {
+  options_ = options;
+  force_ /= unit;
+  passivity_.setOptions(options.passivity, 1.0 / options.rate, unit);
 }
 
 Vec3 HapticLoop::tick(const DeviceSample& device, const ProbeSnapshot& snapshot, bool paused, double now) {

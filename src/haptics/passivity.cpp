@@ -30,6 +30,15 @@ void PassivityController::reset() {
   velocity_ = Vec3::Zero();
 }
 
+void PassivityController::setOptions(const PassivityOptions& options, double period, double unit) {
+  options_ = options;
+  energy_ /= unit;
+  for (Vec3& force : forces_) force /= unit;
+  if (period == period_) return;
+  period_ = period;
+  position_count_ = 0;  // speed is measured over ticks of one length
+}
+
 /// What pushed the device between the last two poses [N]: the force of the tick in which the first came, or
 /// of earlier ones where the way there and back takes time.
 Vec3 PassivityController::forceFelt() const {

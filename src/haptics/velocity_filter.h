@@ -13,6 +13,12 @@ class VelocityFilter {
   /// @param gap a longer pause between samples starts anew from rest [s]
   VelocityFilter(double time_constant, double gap) : time_constant_(time_constant), gap_(gap) {}
 
+  /// The same as the constructor's, from the next sample on.
+  void setTimes(double time_constant, double gap) {
+    time_constant_ = time_constant;
+    gap_ = gap;
+  }
+
   /// @param time of receipt, steady clock [s]
   /// @return velocity [m/s]
   Vec3 update(const Vec3& position, double time);

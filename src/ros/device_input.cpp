@@ -7,19 +7,21 @@
 
 namespace haptic_cloth {
 
-DeviceInput::DeviceInput(const NodeOptions& options, const ProbeSettings& settings,
-                         const tf2_ros::Buffer& transforms, SharedProbe& shared)
-    : device_(settings.device),
+DeviceInput::DeviceInput(const NodeOptions& options, std::size_t number, const tf2_ros::Buffer& transforms,
+                         SharedState& shared)
+    : device_(options.probes[number].device),
       frames_(options.frame_id, transforms),
-      shared_(shared),
+      shared_(shared.probes[number]),
+      live_(shared.live_for_poses),
       gate_(options.max_pose_age),
-      filter_(options.velocity_time_constant, settings.haptics.pose_timeout),
-      units_(settings.device.workspace_radius) {}
+      filter_(options.velocity_time_constant, options.haptics.pose_timeout),
+      units_(device_.workspace_radius) {}
 
 void DeviceInput::accept(const geometry_msgs::PoseStamped& pose) {
   StampedSample sample;
   sample.sample.received = steadyNow();
   ++counters_.received;
+  takeOptions();
   switch (gate_.judge(pose, ros::Time::now())) {
     case PoseVerdict::NotFinite:
       ++counters_.not_finite;
@@ -52,6 +54,14 @@ void DeviceInput::accept(const geometry_msgs::PoseStamped& pose) {
   sample.sample.velocity = filter_.update(sample.sample.position, sample.sample.received);
   shared_.device_for_haptics.write(sample);
   shared_.device_for_solver.write(sample);
+}
+
+void DeviceInput::takeOptions() {
+  const LiveOptions& live = live_.read();
+  if (live.number == options_seen_) return;
+  options_seen_ = live.number;
+  gate_.setMaxAge(live.options->max_pose_age);
+  filter_.setTimes(live.options->velocity_time_constant, live.options->haptics.pose_timeout);
 }
 
 void DeviceInput::takeOrientation(const geometry_msgs::Quaternion& orientation) {

@@ -27,15 +27,16 @@ struct InputCounters {
 /// Of one probe. One thread calls accept().
 class DeviceInput {
  public:
-  /// @param settings of the probe
-  DeviceInput(const NodeOptions& options, const ProbeSettings& settings, const tf2_ros::Buffer& transforms,
-              SharedProbe& shared);
+  /// @param number of the probe in the scene
+  DeviceInput(const NodeOptions& options, std::size_t number, const tf2_ros::Buffer& transforms,
+              SharedState& shared);
 
   void accept(const geometry_msgs::PoseStamped& pose);
 
   const InputCounters& counters() const { return counters_; }
 
  private:
+  void takeOptions();
   /// Warns once when the positions cannot be metres.
   void checkUnits(const Vec3& position, double received);
   /// Remembers the orientation of the pose if it is one.
@@ -44,6 +45,8 @@ class DeviceInput {
   DeviceOptions device_;
   FrameLookup frames_;
   SharedProbe& shared_;
+  Mailbox<LiveOptions>& live_;
+  std::uint64_t options_seen_ = 0;
   PoseGate gate_;
   VelocityFilter filter_;
   UnitCheck units_;

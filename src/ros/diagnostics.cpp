@@ -71,8 +71,7 @@ DiagnosticStatus solverStatus(const SolverStats& stats, bool paused, double now)
   return status;
 }
 
-DiagnosticStatus hapticStatus(const HapticStats& stats, double rate, const std::string& scheduling,
-                              double now) {
+DiagnosticStatus hapticStatus(const HapticStats& stats, const std::string& scheduling, double now) {
   const double measured = stats.wall > 0.0 ? stats.ticks / stats.wall : 0.0;
   DiagnosticStatus status;
   status.name = "haptic_cloth: haptic thread";
@@ -80,7 +79,7 @@ DiagnosticStatus hapticStatus(const HapticStats& stats, double rate, const std::
     judge(status, DiagnosticStatus::OK, "starting");
   } else if (now - stats.taken > kHanging) {
     judge(status, DiagnosticStatus::ERROR, "no ticks");
-  } else if (measured < kRateShare * rate || stats.lateness.quantile(0.99) > kLatenessGood) {
+  } else if (measured < kRateShare * stats.rate || stats.lateness.quantile(0.99) > kLatenessGood) {
     judge(status, DiagnosticStatus::WARN, "late; " + scheduling);
   } else {
     judge(status, DiagnosticStatus::OK, scheduling);
@@ -90,6 +89,19 @@ DiagnosticStatus hapticStatus(const HapticStats& stats, double rate, const std::
   add(status, "late p99 [us]", 1e6 * stats.lateness.quantile(0.99));
   add(status, "late max [us]", 1e6 * stats.lateness.max());
   add(status, "scheduling", scheduling);
+  return status;
+}
+
+DiagnosticStatus optionsStatus(const LiveReport& report) {
+  DiagnosticStatus status;
+  status.name = "haptic_cloth: options";
+  judge(status, report.refused_last ? DiagnosticStatus::WARN : DiagnosticStatus::OK,
+        report.refused_last ? "refused: " + report.refusal
+        : report.taken > 0  ? "changed live"
+                            : "as started");
+  add(status, "changes taken over", report.taken);
+  add(status, "changes refused", report.refused);
+  add(status, "last refusal", report.refusal);
   return status;
 }
 

@@ -22,10 +22,12 @@ diagnostic_msgs::DiagnosticStatus probeStatus(const std::string& name, const Inp
 /// One obstacle that can be moved.
 diagnostic_msgs::DiagnosticStatus obstacleStatus(const std::string& name, const ObstacleCounters& counters);
 
-/// @param rate that is wanted [Hz]
 /// @param scheduling as given by requestRealTime()
-diagnostic_msgs::DiagnosticStatus hapticStatus(const HapticStats& stats, double rate,
-                                               const std::string& scheduling, double now);
+diagnostic_msgs::DiagnosticStatus hapticStatus(const HapticStats& stats, const std::string& scheduling,
+                                               double now);
+
+/// Live changes of options.
+diagnostic_msgs::DiagnosticStatus optionsStatus(const LiveReport& report);
 
 /// @param registrations renewed after the master was lost
 diagnostic_msgs::DiagnosticStatus displayStatus(std::uint64_t marker_frames, std::uint64_t state_frames,

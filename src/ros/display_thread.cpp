@@ -27,23 +27,23 @@ DisplayThread::DisplayThread(const NodeOptions& options, const DisplayPublishers
     : frame_id_(options.frame_id),
       columns_(options.scene.cloth.particles[0]),
       rows_(options.scene.cloth.particles[1]),
-      markers_period_(1.0 / options.markers_rate),
+      markers_period_(1.0 / options.markers.rate),
       state_period_(1.0 / options.state_rate),
-      haptic_rate_(options.haptics.rate),
       publishers_(publishers),
       sources_(sources),
       shared_(shared),
-      builder_(options.scene, options.frame_id, options.markers_force_scale) {}
+      builder_(options.scene, options.frame_id, options.markers) {}
 
 void DisplayThread::run() {
-  const double start = steadyNow();
-  double markers_due = start, state_due = start, diagnostics_due = start + kDiagnosticsPeriod;
+  markers_due_ = state_due_ = steadyNow();
+  double diagnostics_due = steadyNow() + kDiagnosticsPeriod;
   while (!shared_.stop) {
-    sleepUntil(std::min({markers_due, state_due, diagnostics_due}));
+    sleepUntil(std::min({markers_due_, state_due_, diagnostics_due}));
+    takeOptions();
     const double now = steadyNow();
     const bool markers =
-        isDue(now, markers_period_, markers_due) && publishers_.markers.getNumSubscribers() > 0;
-    const bool state = isDue(now, state_period_, state_due);
+        isDue(now, markers_period_, markers_due_) && publishers_.markers.getNumSubscribers() > 0;
+    const bool state = isDue(now, state_period_, state_due_);
     const bool mesh = state && publishers_.state.getNumSubscribers() > 0;
     const bool proxy = state && proxiesWanted();
     if (markers || mesh || proxy) {
@@ -56,6 +56,18 @@ void DisplayThread::run() {
     }
     if (isDue(now, kDiagnosticsPeriod, diagnostics_due)) publishDiagnostics(now);
   }
+}
+
+void DisplayThread::takeOptions() {
+  const LiveOptions& live = shared_.live_for_display.read();
+  if (live.number == options_seen_) return;
+  options_seen_ = live.number;
+  builder_.setOptions(live.options->markers);
+  markers_period_ = 1.0 / live.options->markers.rate;
+  state_period_ = 1.0 / live.options->state_rate;
+  // What a slow rate had put off for long comes at the new one.
+  markers_due_ = std::min(markers_due_, steadyNow() + markers_period_);
+  state_due_ = std::min(state_due_, steadyNow() + state_period_);
 }
 
 void DisplayThread::publishMarkers(const DisplayFrame& frame) {
@@ -95,8 +107,9 @@ void DisplayThread::publishDiagnostics(double now) {
   array.header.stamp = ros::Time::now();
   array.status = {
       solverStatus(shared_.solver_stats.read(), shared_.paused, now),
-      hapticStatus(shared_.haptic_stats.read(), haptic_rate_, sources_.haptics.scheduling(), now),
-      displayStatus(marker_frames_, state_frames_, sources_.master.reachable(), sources_.master.renewals())};
+      hapticStatus(shared_.haptic_stats.read(), sources_.haptics.scheduling(), now),
+      displayStatus(marker_frames_, state_frames_, sources_.master.reachable(), sources_.master.renewals()),
+      optionsStatus(shared_.live_report.read())};
   for (std::size_t k = 0; k < sources_.probes.size(); ++k) {
     const ProbeTopics& probe = sources_.probes[k];
     SharedProbe& shared = shared_.probes[k];

@@ -39,6 +39,7 @@ class DisplayThread {
   void run();
 
  private:
+  void takeOptions();
   void publishMarkers(const DisplayFrame& frame);
   void publishState(const DisplayFrame& frame);
   bool proxiesWanted() const;
@@ -47,8 +48,9 @@ class DisplayThread {
 
   std::string frame_id_;
   int columns_, rows_;
-  double markers_period_, state_period_;  ///< [s]
-  double haptic_rate_;                    ///< [Hz]
+  double markers_period_, state_period_;        ///< [s]
+  double markers_due_ = 0.0, state_due_ = 0.0;  ///< steady clock [s]
+  std::uint64_t options_seen_ = 0;
   DisplayPublishers publishers_;
   DisplaySources sources_;
   SharedState& shared_;

@@ -10,11 +10,31 @@ HapticProbe::HapticProbe(const std::string& frame_id, const ProbeSettings& setti
                          const ros::Publisher& reaction, SharedProbe& shared)
     : frame_id_(frame_id),
       device_(settings.device),
+      haptics_(settings.haptics),
       reaction_(reaction),
       shared_(shared),
       loop_(limitsAtProbe(settings.haptics, settings.device)) {}
 
+void HapticProbe::setOptions(const ProbeSettings& settings, const GainRamp& gains) {
+  // The force scale is the only option of the device among the live ones, and moves with the gains.
+  haptics_ = settings.haptics;
+  gains_ = gains;
+  gains_move_ = true;
+}
+
+void HapticProbe::moveGains(double now) {
+  if (!gains_move_) return;
+  gains_move_ = !gains_.isDone(now);
+  const Gains gains = gains_.at(now);
+  haptics_.coupling_stiffness = gains.coupling_stiffness;
+  haptics_.coupling_damping = gains.coupling_damping;
+  const double unit = gains.force_scale / device_.force_scale;
+  device_.force_scale = gains.force_scale;
+  loop_.setOptions(limitsAtProbe(haptics_, device_), unit);
+}
+
 void HapticProbe::tick(double now, bool paused) {
+  moveGains(now);
   const StampedSample& device = shared_.device_for_haptics.read();
   force_ = loop_.tick(device.sample, shared_.snapshot.read(), paused, now);
   // Stated in the frame, axes and scale of the pose it answers. With the pose's stamp the receiver can tell

@@ -15,6 +15,9 @@ class HapticProbe {
   HapticProbe(const std::string& frame_id, const ProbeSettings& settings, const ros::Publisher& reaction,
               SharedProbe& shared);
 
+  /// Takes over other options, the gains as they move.
+  void setOptions(const ProbeSettings& settings, const GainRamp& gains);
+
   /// Computes and sends the force. @param now steady clock [s]
   void tick(double now, bool paused);
 
@@ -24,8 +27,13 @@ class HapticProbe {
   bool isQuiet() const { return force_.isZero(0.0); }
 
  private:
+  void moveGains(double now);
+
   std::string frame_id_;
   DeviceOptions device_;
+  HapticOptions haptics_;
+  GainRamp gains_;
+  bool gains_move_ = false;
   ros::Publisher reaction_;
   SharedProbe& shared_;
   HapticLoop loop_;

@@ -54,6 +54,7 @@ void HapticThread::run() {
   double due = steadyNow() + period_;
   while (!shared_.stop) {
     sleepUntil(due);
+    takeOptions();
     const double now = steadyNow();
     tick(now, shared_.paused);
     record(now, now - due);
@@ -61,6 +62,20 @@ void HapticThread::run() {
     if (now - due > kMaxBacklog) due = now + period_;
   }
   endWithZeros();
+}
+
+/// Between two ticks, for all probes at once. Nothing here waits or allocates.
+void HapticThread::takeOptions() {
+  const LiveOptions& live = shared_.live_for_haptics.read();
+  if (live.number == options_seen_) return;
+  options_seen_ = live.number;
+  for (std::size_t k = 0; k < probes_.size(); ++k) {
+    probes_[k].setOptions(live.options->probes[k], live.gains[k]);
+  }
+  const double period = 1.0 / live.options->haptics.rate;
+  if (period == period_) return;
+  period_ = period;
+  window_start_ = -1.0;  // the statistics are of one rate
 }
 
 void HapticThread::tick(double now, bool paused) {
@@ -73,12 +88,17 @@ bool HapticThread::isQuiet() const {
 }
 
 void HapticThread::record(double now, double lateness) {
-  if (window_start_ < 0.0) window_start_ = now;
+  if (window_start_ < 0.0) {
+    window_start_ = now;
+    window_.lateness.clear();
+    window_.ticks = 0;
+  }
   window_.lateness.add(lateness);
   ++window_.ticks;
   if (now - window_start_ < kWindow) return;
   window_.taken = now;
   window_.wall = now - window_start_;
+  window_.rate = 1.0 / period_;
   shared_.haptic_stats.write(window_);
   window_.lateness.clear();
   window_.ticks = 0;

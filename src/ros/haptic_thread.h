@@ -28,6 +28,7 @@ class HapticThread {
   std::string scheduling() const { return scheduling_ready_ ? scheduling_ : ""; }
 
  private:
+  void takeOptions();
   void tick(double now, bool paused);
   bool isQuiet() const;
   void record(double now, double lateness);
@@ -36,6 +37,7 @@ class HapticThread {
   double period_;  ///< [s]
   SharedState& shared_;
   std::vector<HapticProbe> probes_;
+  std::uint64_t options_seen_ = 0;
   HapticStats window_;
   double window_start_ = -1.0;
   std::string scheduling_;

@@ -24,6 +24,12 @@ std_msgs::ColorRGBA levelColor(int level) {
   return kColors[std::clamp(level, 0, 3)];
 }
 
+/// Of a load: white without, red where it is full.
+std_msgs::ColorRGBA loadColor(double load, double full) {
+  const auto share = static_cast<float>(std::clamp(load / full, 0.0, 1.0));
+  return markerColor(0.95F - 0.05F * share, 0.95F - 0.85F * share, 0.95F - 0.90F * share);
+}
+
 /// Of a proxy: orange, greener when its grasp is closed, green when it holds cloth.
 std_msgs::ColorRGBA graspColor(GraspState grasp) {
   switch (grasp) {
@@ -49,11 +55,11 @@ int surfaceStride(int columns, int rows) {
 
 }  // namespace
 
-MarkerBuilder::MarkerBuilder(const Scene& scene, const std::string& frame_id, double force_scale)
+MarkerBuilder::MarkerBuilder(const Scene& scene, const std::string& frame_id, const MarkerOptions& options)
     : columns_(scene.cloth.particles[0]),
       rows_(scene.cloth.particles[1]),
       stride_(surfaceStride(columns_, rows_)),
-      force_scale_(force_scale),
+      options_(options),
       frame_id_(frame_id) {
   addMarker(markers_, "surface", Marker::TRIANGLE_LIST, frame_id);
   addMarker(markers_, "mesh", Marker::LINE_LIST, frame_id).scale.x = 0.0005;
@@ -128,23 +134,36 @@ void MarkerBuilder::updateSurface(const DisplayFrame& frame) {
   }
 }
 
+std_msgs::ColorRGBA MarkerBuilder::lineColor(const DisplayFrame& frame, std::size_t cell) const {
+  switch (options_.colouring) {
+    case MeshColouring::Tension:
+      return loadColor(frame.tension[cell], options_.full_tension);
+    case MeshColouring::Bending:
+      return loadColor(frame.bending[cell], options_.full_bending);
+    case MeshColouring::Level:
+      break;
+  }
+  return levelColor(frame.cells[cell].level);
+}
+
 /// Left and lower side of every leaf, and the cloth's far border: together every line once.
 void MarkerBuilder::updateMesh(const DisplayFrame& frame) {
   Marker& mesh = markers_.markers[kMesh];
   mesh.points.clear();
   mesh.colors.clear();
-  const auto line = [&](int from, int to, int level) {
+  const auto line = [&](int from, int to, const std_msgs::ColorRGBA& color) {
     for (const int particle : {from, to}) {
       mesh.points.push_back(toPoint(frame.positions[particle] + kLineLift * normals_[particle]));
-      mesh.colors.push_back(levelColor(level));
+      mesh.colors.push_back(color);
     }
   };
-  for (const CellView& cell : frame.cells) {
-    const auto& corner = cell.particles;
-    line(corner[0], corner[1], cell.level);
-    line(corner[0], corner[2], cell.level);
-    if (corner[1] % columns_ == columns_ - 1) line(corner[1], corner[3], cell.level);
-    if (corner[2] / columns_ == rows_ - 1) line(corner[2], corner[3], cell.level);
+  for (std::size_t k = 0; k < frame.cells.size(); ++k) {
+    const auto& corner = frame.cells[k].particles;
+    const std_msgs::ColorRGBA color = lineColor(frame, k);
+    line(corner[0], corner[1], color);
+    line(corner[0], corner[2], color);
+    if (corner[1] % columns_ == columns_ - 1) line(corner[1], corner[3], color);
+    if (corner[2] / columns_ == rows_ - 1) line(corner[2], corner[3], color);
   }
   const std::size_t lines = static_cast<std::size_t>(2 * (columns_ - 1) * (rows_ - 1) + columns_ + rows_ - 2);
   const geometry_msgs::Point last = mesh.points.empty() ? geometry_msgs::Point() : mesh.points.back();
@@ -159,7 +178,7 @@ void MarkerBuilder::updateProbe(const ProbeMarkers& markers, const ProbeView& pr
   for (const SolidMarkers& solid : {markers.device, markers.proxy}) solid.show(markers_, report.present);
   markers.proxy.paint(markers_, graspColor(probe.grasp));
   Marker& arrow = markers_.markers[markers.arrow];
-  const Vec3 tip = report.proxy + force_scale_ * force;
+  const Vec3 tip = report.proxy + options_.force_scale * force;
   arrow.points = {toPoint(report.proxy), toPoint(tip)};
   // rviz warns of an arrow without length.
   arrow.action = (tip - report.proxy).norm() > 1e-4 ? Marker::ADD : Marker::DELETE;

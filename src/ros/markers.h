@@ -16,8 +16,10 @@ namespace haptic_cloth {
 /// frame, so that rviz updates its buffers instead of rebuilding them.
 class MarkerBuilder {
  public:
-  /// @param force_scale length of the force arrow [m/N]
-  MarkerBuilder(const Scene& scene, const std::string& frame_id, double force_scale);
+  MarkerBuilder(const Scene& scene, const std::string& frame_id, const MarkerOptions& options);
+
+  /// From the next frame on.
+  void setOptions(const MarkerOptions& options) { options_ = options; }
 
   /// @param forces on each probe, as sent to its device [N]
   const visualization_msgs::MarkerArray& build(const DisplayFrame& frame, const std::vector<Vec3>& forces,
@@ -33,12 +35,13 @@ class MarkerBuilder {
   void addProbe(const ProbeOptions& probe);
   void updateNormals(const DisplayFrame& frame);
   void updateSurface(const DisplayFrame& frame);
+  std_msgs::ColorRGBA lineColor(const DisplayFrame& frame, std::size_t cell) const;
   void updateMesh(const DisplayFrame& frame);
   void updateProbe(const ProbeMarkers& markers, const ProbeView& probe, const Vec3& force);
 
   int columns_, rows_;
   int stride_;  ///< of the surface's vertices on the finest grid
-  double force_scale_;
+  MarkerOptions options_;
   std::string frame_id_;
   std::vector<Vec3> normals_;                ///< per finest particle
   std::vector<std_msgs::ColorRGBA> shade_;   ///< per finest particle

@@ -1,5 +1,9 @@
 #include "ros/node_options.h"
 
+#include <cmath>
+#include <locale>
+#include <sstream>
+
 #include "haptic_cloth/error.h"
 #include "ros/conversions.h"
 #include "ros/parameter_group.h"
@@ -8,6 +12,15 @@ namespace haptic_cloth {
 namespace {
 
 using XmlRpc::XmlRpcValue;
+
+constexpr double kMostDisplayRate = 1000.0;  ///< more would keep a core busy with what nobody sees [Hz]
+
+std::string toText(double value) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << value;
+  return text.str();
+}
 
 void readHaptics(ParameterGroup group, HapticOptions& haptics) {
   group.read("rate", haptics.rate, false);
@@ -27,14 +40,20 @@ void readHaptics(ParameterGroup group, HapticOptions& haptics) {
   group.rejectRest();
 }
 
-/// Every probe's device and limits.
-void settleProbes(ParameterGroup devices, const std::string& origin, NodeOptions& options) {
+void readMarkers(ParameterGroup group, const std::string& origin, MarkerOptions& markers) {
+  group.read("rate", markers.rate, false);
+  group.read("force_scale", markers.force_scale, false);
+  group.read("full_tension", markers.full_tension, false);
+  group.read("full_bending", markers.full_bending, false);
+  std::string colouring = toString(markers.colouring);
+  group.read("colouring", colouring);
+  markers.colouring = toMeshColouring(colouring, origin, "markers/colouring");
+  group.rejectRest();
+}
+
+void readDevices(ParameterGroup devices, NodeOptions& options) {
   for (const ProbeOptions& probe : options.scene.probes) {
-    ProbeSettings settings{readDeviceOptions(devices.group(probe.name), options.device), options.haptics};
-    settings.haptics.coupling_stiffness = probe.coupling_stiffness;
-    settings.haptics.coupling_damping = probe.coupling_damping;
-    validateHapticOptions(settings.haptics, origin);
-    options.probes.push_back(settings);
+    options.probes.push_back({readDeviceOptions(devices.group(probe.name), options.device), options.haptics});
   }
   devices.rejectRest();
 }
@@ -50,13 +69,11 @@ NodeOptions parseNodeOptions(const XmlRpcValue& parameters, const std::string& o
   root.read("probe_timeout", options.probe_timeout, false);
   root.read("velocity_time_constant", options.velocity_time_constant, false);
   root.read("step_budget", options.step_budget, true);
+  root.read("gain_ramp", options.gain_ramp, true);
   readHaptics(root.group("haptics"), options.haptics);
   options.device = readDeviceOptions(root.group("device"));
   const ParameterGroup devices = root.group("devices");
-  ParameterGroup markers = root.group("markers");
-  markers.read("rate", options.markers_rate, false);
-  markers.read("force_scale", options.markers_force_scale, false);
-  markers.rejectRest();
+  readMarkers(root.group("markers"), origin, options.markers);
   ParameterGroup state = root.group("state");
   state.read("rate", options.state_rate, false);
   state.rejectRest();
@@ -65,11 +82,75 @@ NodeOptions parseNodeOptions(const XmlRpcValue& parameters, const std::string& o
   const XmlRpcValue scene = root.rest();
   options.scene = options.scene_file.empty() ? parseScene(toYaml(scene, origin, ""), origin, ".")
                                              : loadScene(options.scene_file, toOverrides(scene, origin));
-  double& budget = options.scene.solver.minimizer.time_budget;
-  if (options.step_budget > 0.0 && (budget == 0.0 || budget > options.step_budget))
-    budget = options.step_budget;
-  settleProbes(devices, origin, options);
+  options.time_budget = options.scene.solver.minimizer.time_budget;
+  readDevices(devices, options);
+  settle(options);
+  validateNodeOptions(options, origin);
   return options;
+}
+
+void settle(NodeOptions& options) {
+  const double own = options.time_budget, most = options.step_budget;
+  options.scene.solver.minimizer.time_budget = most > 0.0 && (own == 0.0 || own > most) ? most : own;
+  for (std::size_t k = 0; k < options.probes.size(); ++k) {
+    HapticOptions& haptics = options.probes[k].haptics;
+    haptics = options.haptics;
+    haptics.coupling_stiffness = options.scene.probes[k].coupling_stiffness;
+    haptics.coupling_damping = options.scene.probes[k].coupling_damping;
+  }
+}
+
+void validateNodeOptions(const NodeOptions& options, const std::string& origin) {
+  const auto require = [&](bool holds, const std::string& key, double value, const char* rule) {
+    if (!holds) throw InputError(origin, key, toText(value), rule);
+  };
+  const auto notNegative = [&](const std::string& key, double value) {
+    require(std::isfinite(value) && value >= 0.0, key, value, "must be finite and >= 0");
+  };
+  const auto positive = [&](const std::string& key, double value) {
+    require(std::isfinite(value) && value > 0.0, key, value, "must be finite and > 0");
+  };
+  const auto rate = [&](const std::string& key, double value) {
+    positive(key, value);
+    require(value <= kMostDisplayRate, key, value, "must be at most 1000");
+  };
+  notNegative("max_pose_age", options.max_pose_age);
+  positive("probe_timeout", options.probe_timeout);
+  positive("velocity_time_constant", options.velocity_time_constant);
+  notNegative("step_budget", options.step_budget);
+  notNegative("gain_ramp", options.gain_ramp);
+  notNegative("solver/time_budget", options.time_budget);
+  rate("markers/rate", options.markers.rate);
+  positive("markers/force_scale", options.markers.force_scale);
+  positive("markers/full_tension", options.markers.full_tension);
+  positive("markers/full_bending", options.markers.full_bending);
+  rate("state/rate", options.state_rate);
+  validateScene(options.scene, origin);
+  for (std::size_t k = 0; k < options.probes.size(); ++k) {
+    const ProbeSettings& probe = options.probes[k];
+    positive("devices/" + options.scene.probes[k].name + "/force_scale", probe.device.force_scale);
+    validateHapticOptions(probe.haptics, origin);
+  }
+}
+
+const char* toString(MeshColouring colouring) {
+  switch (colouring) {
+    case MeshColouring::Level:
+      return "level";
+    case MeshColouring::Tension:
+      return "tension";
+    case MeshColouring::Bending:
+      return "bending";
+  }
+  return "unknown";
+}
+
+MeshColouring toMeshColouring(const std::string& text, const std::string& origin, const std::string& key) {
+  for (const MeshColouring colouring :
+       {MeshColouring::Level, MeshColouring::Tension, MeshColouring::Bending}) {
+    if (text == toString(colouring)) return colouring;
+  }
+  throw InputError(origin, key, text, "must be level, tension or bending");
 }
 
 }  // namespace haptic_cloth

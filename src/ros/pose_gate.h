@@ -14,6 +14,8 @@ class PoseGate {
   /// @param max_age an older stamp is late [s]; 0: never
   explicit PoseGate(double max_age) : max_age_(max_age) {}
 
+  void setMaxAge(double max_age) { max_age_ = max_age; }
+
   /// @param now clock of the stamps
   PoseVerdict judge(const geometry_msgs::PoseStamped& pose, const ros::Time& now);
 

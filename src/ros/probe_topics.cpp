@@ -13,7 +13,7 @@ ProbeTopics::ProbeTopics(const NodeOptions& options, std::size_t number, const t
     : name_(options.scene.probes[number].name),
       paused_(shared.paused),
       shared_(shared.probes[number]),
-      input_(options, options.probes[number], transforms, shared_) {
+      input_(options, number, transforms, shared) {
   const auto named = [this](const char* topic) { return topics::ofProbe(name_, topic); };
   reaction_ = node.advertise<geometry_msgs::WrenchStamped>(named(topics::kReaction), topics::kReactionQueue);
   proxy_ = node.advertise<geometry_msgs::PoseStamped>(named(topics::kProxy), topics::kProxyQueue);

@@ -23,6 +23,7 @@
 #include "ros/node_options.h"
 #include "ros/obstacle_topics.h"
 #include "ros/probe_topics.h"
+#include "ros/reconfigure_server.h"
 #include "ros/solver_loop.h"
 #include "ros/state_services.h"
 #include "ros/steady_clock.h"
@@ -134,9 +135,10 @@ class HapticClothServer::Implementation {
   /// Full names of all services of this node.
   std::vector<std::string> services() const {
     std::vector<std::string> names{
-        private_node_.resolveName(topics::kReset),     private_node_.resolveName(topics::kPause),
-        private_node_.resolveName(topics::kSaveState), private_node_.resolveName(topics::kLoadState),
-        ros::this_node::getName() + "/get_loggers",    ros::this_node::getName() + "/set_logger_level"};
+        private_node_.resolveName(topics::kReset),      private_node_.resolveName(topics::kPause),
+        private_node_.resolveName(topics::kSaveState),  private_node_.resolveName(topics::kLoadState),
+        private_node_.resolveName(topics::kSetOptions), ros::this_node::getName() + "/get_loggers",
+        ros::this_node::getName() + "/set_logger_level"};
     for (const ProbeTopics& probe : probes_) names.push_back(probe.service());
     return names;
   }
@@ -144,6 +146,7 @@ class HapticClothServer::Implementation {
   void offerServices() {
     private_node_.setCallbackQueue(&service_queue_);
     reset_service_ = private_node_.advertiseService(topics::kReset, &Implementation::reset, this);
+    reconfigure_.emplace(options_, private_node_, shared_);
     pause_service_ = private_node_.advertiseService(topics::kPause, &Implementation::pause, this);
     state_services_.emplace(private_node_, shared_);
   }
@@ -182,6 +185,7 @@ class HapticClothServer::Implementation {
   DisplayThread display_;
   ros::ServiceServer reset_service_, pause_service_;
   std::optional<StateServices> state_services_;
+  std::optional<ReconfigureServer> reconfigure_;
   ros::AsyncSpinner pose_spinner_, service_spinner_;
   std::vector<std::future<void>> threads_;
 };

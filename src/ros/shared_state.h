@@ -12,6 +12,7 @@
 #include "haptic_cloth/report.h"
 #include "haptic_cloth/simulation.h"
 #include "haptics/lateness.h"
+#include "ros/live_options.h"
 #include "ros/solver_tasks.h"
 
 namespace haptic_cloth {
@@ -63,6 +64,7 @@ struct SolverStats {
 struct HapticStats {
   double taken = -1.0;  ///< steady clock at the end of the window [s]; < 0: none yet
   double wall = 0.0;    ///< [s]
+  double rate = 0.0;    ///< that was wanted [Hz]
   int ticks = 0;
   LatenessHistogram lateness;
 };
@@ -91,6 +93,13 @@ struct ObstacleTarget {
   Pose pose;
 };
 
+/// What became of requests to change options.
+struct LiveReport {
+  std::uint64_t taken = 0, refused = 0;  ///< since start
+  bool refused_last = false;
+  std::string refusal;  ///< of the last one that was refused; empty: none yet
+};
+
 struct SharedState {
   explicit SharedState(const Scene& scene) : probes(scene.probes.size()), obstacles(scene.obstacles.size()) {}
 
@@ -101,7 +110,12 @@ struct SharedState {
   Mailbox<SolverStats> solver_stats;  ///< solver thread → display thread
   Mailbox<HapticStats> haptic_stats;  ///< haptic thread → display thread
 
-  SolverTasks tasks;  ///< services → solver thread
+  SolverTasks tasks;                      ///< services → solver thread
+  Mailbox<LiveOptions> live_for_haptics;  ///< service callback → haptic thread
+  Mailbox<LiveOptions> live_for_solver;   ///< service callback → solver thread
+  Mailbox<LiveOptions> live_for_poses;    ///< service callback → pose callbacks, which share a thread
+  Mailbox<LiveOptions> live_for_display;  ///< service callback → display thread
+  Mailbox<LiveReport> live_report;        ///< service callback → display thread
 
   std::atomic<bool> stop{false};
   std::atomic<bool> paused{false};

@@ -37,6 +37,7 @@ void SolverLoop::run() {
       continue;
     }
     waitUntilDue();
+    takeOptions();
     moveObstacles();
     for (SolverProbe& probe : probes_) probe.takeDevice();
     const StepReport report = simulation_.step();
@@ -71,6 +72,26 @@ void SolverLoop::startAnew() {
   window_start_ = -1.0;
   shared_.frame_wanted = true;
   copyFrameWhenWanted();
+}
+
+/// Between two steps. The set was checked as a whole by the rules that the simulation has.
+void SolverLoop::takeOptions() {
+  const LiveOptions& live = shared_.live_for_solver.read();
+  if (live.number != options_seen_) {
+    options_seen_ = live.number;
+    const Scene& scene = live.options->scene;
+    simulation_.setOptions(scene.solver, scene.adapt, scene.air_damping);
+    for (SolverProbe& probe : probes_) probe.setTimeout(live.options->probe_timeout);
+    gains_move_ = true;
+  }
+  if (!gains_move_) return;
+  const double now = steadyNow();
+  gains_move_ = false;
+  for (std::size_t k = 0; k < live.gains.size(); ++k) {
+    const Gains gains = live.gains[k].at(now);
+    simulation_.setCoupling(static_cast<int>(k), gains.coupling_stiffness, gains.coupling_damping);
+    gains_move_ = gains_move_ || !live.gains[k].isDone(now);
+  }
 }
 
 void SolverLoop::copyFrameWhenWanted() {

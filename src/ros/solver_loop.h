@@ -27,6 +27,7 @@ class SolverLoop {
  private:
   void resetWhenAsked();
   void startAnew();
+  void takeOptions();
   void copyFrameWhenWanted();
   void waitUntilDue();
   void moveObstacles();
@@ -37,6 +38,8 @@ class SolverLoop {
   Simulation simulation_;
   std::vector<SolverProbe> probes_;
   std::vector<std::uint64_t> targets_seen_;  ///< of each obstacle
+  std::uint64_t options_seen_ = 0;
+  bool gains_move_ = false;
 
   double due_ = -1.0;         ///< start of the next step on the steady clock [s]; < 0: now
   double last_start_ = -1.0;  ///< of a step [s]; < 0: none since start or pause

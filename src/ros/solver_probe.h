@@ -14,6 +14,9 @@ class SolverProbe {
   /// @param number of the probe in the scene
   SolverProbe(const NodeOptions& options, int number, Simulation& simulation, SharedProbe& shared);
 
+  /// @param timeout without poses this long the probe leaves the scene [s]
+  void setTimeout(double timeout) { timeout_ = timeout; }
+
   /// Hands the newest pose and the grasp to the simulation, or takes the probe out of it when its device is
   /// silent.
   void takeDevice();

@@ -45,5 +45,10 @@ constexpr char kPause[] = "pause";
 constexpr char kSaveState[] = "save_state";
 constexpr char kLoadState[] = "load_state";
 
+// Those of dynamic_reconfigure, private, by which its tools find them.
+constexpr char kSetOptions[] = "set_parameters";  ///< service
+constexpr char kOptionDescriptions[] = "parameter_descriptions";
+constexpr char kOptionUpdates[] = "parameter_updates";
+
 }  // namespace topics
 }  // namespace haptic_cloth

@@ -48,6 +48,10 @@ class ClothObjective : public Objective {
   /// Largest size() can get.
   int capacity() const { return 3 * (mesh_.grid.particles() + static_cast<int>(probes_.size())); }
 
+  /// From the next begin() on.
+  void setAirDamping(double air_damping) { air_damping_ = air_damping; }
+  void setCoupling(int probe, double stiffness, double damping) { couplings_[probe] = {stiffness, damping}; }
+
   /// Starts a step from node positions and velocities (ghosts included).
   /// @param probes of the scene  @param held free nodes that a present probe has grasped
   void begin(const Field& positions, const Field& velocities, const std::vector<ProbeStep>& probes,

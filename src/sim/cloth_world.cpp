@@ -116,6 +116,25 @@ void ClothWorld::setGrasp(int k, bool closed) {
   touched_by_[k].clear();  // it may close again elsewhere
 }
 
+void ClothWorld::setOptions(const SolverOptions& solver, const AdaptOptions& adapt, double air_damping) {
+  if (solver.sleep_speed != scene.solver.sleep_speed && !joint_) rest_.setSpeed(solver.sleep_speed);
+  scene.solver = solver;
+  scene.adapt = adapt;
+  scene.air_damping = air_damping;
+  minimizer_.setOptions(solver.minimizer);
+  objective.setAirDamping(air_damping);
+  setAdaptOptions(adapt);
+}
+
+void ClothWorld::setCoupling(int k, double stiffness, double damping) {
+  ProbeOptions& probe = scene.probes[k];
+  if (probe.coupling_stiffness == stiffness && probe.coupling_damping == damping) return;
+  probe.coupling_stiffness = stiffness;
+  probe.coupling_damping = damping;
+  objective.setCoupling(k, stiffness, damping);
+  forgetIdle();
+}
+
 StepReport ClothWorld::step() {
   StepReport report;
   if (isIdle()) return idle();

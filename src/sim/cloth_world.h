@@ -34,6 +34,9 @@ class ClothWorld {
   /// the scene's. To load: into a world of that scene that has made no step, which must not be used if this
   /// throws.
   void serialize(Archive& archive);
+  /// From the next step on. @pre valid, and what must not change is the same
+  void setOptions(const SolverOptions& solver, const AdaptOptions& adapt, double air_damping);
+  void setCoupling(int probe, double stiffness, double damping);
 
   /// How the mesh follows the shape from the next step on. @pre the same levels
   void setAdaptOptions(const AdaptOptions& options) {

@@ -1,10 +1,17 @@
 #include "sim/rest.h"
 
+#include <algorithm>
+
 namespace haptic_cloth {
 
 Rest::Rest(const Grid& grid, double speed) : speed_(speed), particles_(grid.particles()) {
   sleeps_.reserve(grid.particles());
   references_.reserve(grid.particles());
+}
+
+void Rest::setSpeed(double speed) {
+  speed_ = speed;
+  std::fill(particles_.begin(), particles_.end(), Particle());
 }
 
 void Rest::look(const ActiveMesh& mesh, const Field& forces) {

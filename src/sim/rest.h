@@ -16,6 +16,9 @@ class Rest {
   /// @param speed [m/s]; 0: none ever sleeps
   Rest(const Grid& grid, double speed);
 
+  /// Another speed from now on; all are awake.
+  void setSpeed(double speed);
+
   bool possible() const { return speed_ > 0.0; }
 
   /// Before a solve: which nodes may sleep, and the forces they are to be compared with, those now where they

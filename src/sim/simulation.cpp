@@ -4,9 +4,17 @@
 #include <cmath>
 #include <cstring>
 
+#include "haptic_cloth/error.h"
 #include "sim/cloth_world.h"
 
 namespace haptic_cloth {
+namespace {
+
+void requireSame(bool same, const char* key) {
+  if (!same) throw InputError("options", key, "", "cannot change while the simulation runs");
+}
+
+}  // namespace
 
 class Simulation::Implementation {
  public:
@@ -40,6 +48,30 @@ void Simulation::moveObstacle(int obstacle, const Pose& pose) {
 Pose Simulation::obstaclePose(int obstacle) const {
   const Solid& solid = implementation_->world.contacts.obstacle(obstacle);
   return {solid.position(), Quat(solid.rotation())};
+}
+
+void Simulation::setOptions(const SolverOptions& solver, const AdaptOptions& adapt, double air_damping) {
+  Scene changed = scene();
+  requireSame(solver.time_step == changed.solver.time_step, "solver.time_step");
+  requireSame(solver.cost == changed.solver.cost, "solver.cost");
+  requireSame(solver.minimizer.preconditioner == changed.solver.minimizer.preconditioner,
+              "solver.preconditioner");
+  requireSame(solver.threads == changed.solver.threads, "solver.threads");
+  requireSame(adapt.strategy == changed.adapt.strategy, "adapt.strategy");
+  requireSame(adapt.levels == changed.adapt.levels, "adapt.levels");
+  changed.solver = solver;
+  changed.adapt = adapt;
+  changed.air_damping = air_damping;
+  validateScene(changed, "options");
+  implementation_->world.setOptions(solver, adapt, air_damping);
+}
+
+void Simulation::setCoupling(int probe, double stiffness, double damping) {
+  if (!std::isfinite(stiffness) || stiffness <= 0.0)
+    throw InputError("options", "probe.coupling_stiffness", std::to_string(stiffness), "must be > 0");
+  if (!std::isfinite(damping) || damping < 0.0)
+    throw InputError("options", "probe.coupling_damping", std::to_string(damping), "must be >= 0");
+  implementation_->world.setCoupling(probe, stiffness, damping);
 }
 
 StepReport Simulation::step() { return implementation_->world.step(); }

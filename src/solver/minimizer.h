@@ -14,6 +14,8 @@ class Minimizer {
  public:
   explicit Minimizer(const MinimizerOptions& options) : options_(options) {}
 
+  void setOptions(const MinimizerOptions& options) { options_ = options; }
+
   /// Allocates scratch for problems of up to `size` unknowns.
   void reserve(int size);
 

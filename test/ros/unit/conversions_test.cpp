@@ -140,8 +140,12 @@ TEST(NodeOptions, TheShippedSettingsAreTheDefaults) {
   EXPECT_EQ(loaded.probe_timeout, plain.probe_timeout);
   EXPECT_EQ(loaded.velocity_time_constant, plain.velocity_time_constant);
   EXPECT_EQ(loaded.step_budget, plain.step_budget);
-  EXPECT_EQ(loaded.markers_rate, plain.markers_rate);
-  EXPECT_EQ(loaded.markers_force_scale, plain.markers_force_scale);
+  EXPECT_EQ(loaded.gain_ramp, plain.gain_ramp);
+  EXPECT_EQ(loaded.markers.rate, plain.markers.rate);
+  EXPECT_EQ(loaded.markers.force_scale, plain.markers.force_scale);
+  EXPECT_EQ(loaded.markers.colouring, plain.markers.colouring);
+  EXPECT_EQ(loaded.markers.full_tension, plain.markers.full_tension);
+  EXPECT_EQ(loaded.markers.full_bending, plain.markers.full_bending);
   EXPECT_EQ(loaded.state_rate, plain.state_rate);
   EXPECT_EQ(loaded.device.position_unit, plain.device.position_unit);
   EXPECT_EQ(loaded.device.position_scale, plain.device.position_scale);
@@ -165,14 +169,14 @@ TEST(NodeOptions, TheShippedSettingsAreTheDefaults) {
   EXPECT_EQ(loaded.haptics.passivity.store, plain.haptics.passivity.store);
   EXPECT_EQ(loaded.haptics.passivity.device_damping, plain.haptics.passivity.device_damping);
   EXPECT_EQ(loaded.haptics.passivity.loop_delay, plain.haptics.passivity.loop_delay);
-  // Every key of the code stands in the file: 6 beside the groups, of which device has 10, devices 0, haptics
-  // 8, among them passivity with 5, markers 2, state 1.
-  EXPECT_EQ(shipped.size(), 11u);
+  // Every key of the code stands in the file: 7 beside the groups, of which device has 10, devices 0, haptics
+  // 8, among them passivity with 5, markers 5, state 1.
+  EXPECT_EQ(shipped.size(), 12u);
   EXPECT_EQ(shipped["devices"].size(), 0u);
   EXPECT_EQ(shipped["device"].size(), 10u);
   EXPECT_EQ(shipped["haptics"].size(), 8u);
   EXPECT_EQ(shipped["haptics"]["passivity"].size(), 5u);
-  EXPECT_EQ(shipped["markers"].size(), 2u);
+  EXPECT_EQ(shipped["markers"].size(), 5u);
   EXPECT_EQ(shipped["state"].size(), 1u);
 }
 
@@ -302,7 +306,7 @@ class MarkersTest : public testing::Test {
 };
 
 TEST_F(MarkersTest, CountsStayTheSameForEveryMesh) {
-  MarkerBuilder builder(scene_, "world", 0.05);
+  MarkerBuilder builder(scene_, "world", MarkerOptions());
   const auto first = builder.build(frame_, {Vec3::Zero()}, ros::Time(1.0));
   frame_.cells = {{{0, 16, 16 * 17, 17 * 17 - 1}, 4}};  // one coarse cell
   const auto second = builder.build(frame_, {Vec3(0, 0, 1)}, ros::Time(2.0));
@@ -316,7 +320,7 @@ TEST_F(MarkersTest, CountsStayTheSameForEveryMesh) {
 }
 
 TEST_F(MarkersTest, EveryMarkerIsOneThatRvizTakes) {
-  MarkerBuilder builder(scene_, "world", 0.05);
+  MarkerBuilder builder(scene_, "world", MarkerOptions());
   std::set<std::pair<std::string, int>> names;
   for (const auto& marker : builder.build(frame_, {Vec3(0, 0, 1)}, ros::Time(1.0)).markers) {
     EXPECT_TRUE(names.emplace(marker.ns, marker.id).second);
@@ -331,7 +335,7 @@ TEST_F(MarkersTest, EveryMarkerIsOneThatRvizTakes) {
 }
 
 TEST_F(MarkersTest, TheForceArrowPointsAlongTheForce) {
-  MarkerBuilder builder(scene_, "world", 0.05);
+  MarkerBuilder builder(scene_, "world", MarkerOptions());
   frame_.probes[0].report.present = true;
   frame_.probes[0].report.proxy = Vec3(0.1, 0.2, 0.3);
   const auto& arrow = builder.build(frame_, {Vec3(0, 0, 2.0)}, ros::Time(1.0)).markers[4];
@@ -353,7 +357,7 @@ TEST_F(MarkersTest, CapsulesAndObstaclesStandWhereTheyAre) {
   finger.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitX());
   const Pose moved{Vec3(1, 2, 3), Quat(Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitX()))};
   frame_.obstacles[0] = moved;
-  MarkerBuilder builder(scene_, "world", 0.05);
+  MarkerBuilder builder(scene_, "world", MarkerOptions());
   const auto parts = [&](const std::string& name) {
     std::vector<visualization_msgs::Marker> markers;
     for (const auto& marker : builder.build(frame_, {Vec3::Zero(), Vec3::Zero()}, ros::Time(1.0)).markers) {
@@ -393,11 +397,12 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
   HapticStats haptic;
   haptic.taken = 9.5;
   haptic.wall = 1.0;
+  haptic.rate = 1000.0;
   haptic.ticks = 1000;
-  EXPECT_EQ(hapticStatus(haptic, 1000.0, "SCHED_FIFO", 10.0).level, DiagnosticStatus::OK);
+  EXPECT_EQ(hapticStatus(haptic, "SCHED_FIFO", 10.0).level, DiagnosticStatus::OK);
   haptic.ticks = 800;
-  EXPECT_EQ(hapticStatus(haptic, 1000.0, "SCHED_FIFO", 10.0).level, DiagnosticStatus::WARN);
-  EXPECT_EQ(hapticStatus(haptic, 1000.0, "SCHED_FIFO", 20.0).level, DiagnosticStatus::ERROR);
+  EXPECT_EQ(hapticStatus(haptic, "SCHED_FIFO", 10.0).level, DiagnosticStatus::WARN);
+  EXPECT_EQ(hapticStatus(haptic, "SCHED_FIFO", 20.0).level, DiagnosticStatus::ERROR);
 
   InputCounters counters;
   const auto probe = [&] { return probeStatus("thumb", counters, FeltForce(), GraspState::Closed); };
