@@ -26,6 +26,6 @@ void HapticProbe::tick(double now, bool paused) {
   shared_.felt.write({loop_.status(), force_});
 }
 
-void HapticProbe::sendZero() { reaction_.publish(toWrench(Vec3::Zero(), ros::Time::now(), frame_id_)); }
+void HapticProbe::sendLast() { reaction_.publish(toWrench(Vec3::Zero(), ros::Time::now(), frame_id_)); }
 
 }  // namespace haptic_cloth

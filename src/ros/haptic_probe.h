@@ -1,27 +1,24 @@
-/// One probe in the haptic thread.
+/// A probe with a device of the impedance kind: pose in, force out.
 #pragma once
 
 #include <ros/publisher.h>
 
 #include "ros/node_options.h"
+#include "ros/probe_tick.h"
 #include "ros/shared_state.h"
 
 namespace haptic_cloth {
 
 /// From the newest pose and snapshot of a probe to its wrench. One thread calls it.
-class HapticProbe {
+class HapticProbe : public ProbeTick {
  public:
   /// @param settings of the probe
   HapticProbe(const std::string& frame_id, const ProbeSettings& settings, const ros::Publisher& reaction,
               SharedProbe& shared);
 
-  /// Computes and sends the force. @param now steady clock [s]
-  void tick(double now, bool paused);
-
-  void sendZero();
-
-  /// Whether the last force sent was zero.
-  bool isQuiet() const { return force_.isZero(0.0); }
+  void tick(double now, bool paused) override;
+  void sendLast() override;
+  bool isQuiet() const override { return force_.isZero(0.0); }
 
  private:
   std::string frame_id_;

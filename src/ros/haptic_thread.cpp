@@ -10,6 +10,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "ros/admittance_probe.h"
+#include "ros/haptic_probe.h"
 #include "ros/steady_clock.h"
 
 namespace haptic_cloth {
@@ -40,11 +42,18 @@ std::string requestRealTime() {
          (locked ? ", memory locked" : std::string(", memory not locked (") + std::strerror(errno) + ")");
 }
 
-HapticThread::HapticThread(const NodeOptions& options, const std::vector<ros::Publisher>& reactions,
+HapticThread::HapticThread(const NodeOptions& options, const std::vector<ProbePublishers>& publishers,
                            SharedState& shared)
     : period_(1.0 / options.haptics.rate), shared_(shared) {
-  for (std::size_t k = 0; k < reactions.size(); ++k) {
-    probes_.emplace_back(options.frame_id, options.probes[k], reactions[k], shared.probes[k]);
+  for (std::size_t k = 0; k < publishers.size(); ++k) {
+    const ProbePublishers& to = publishers[k];
+    if (options.probes[k].device.kind == DeviceKind::Admittance) {
+      probes_.push_back(
+          std::make_unique<AdmittanceProbe>(options, k, to.command, to.reaction, shared.probes[k]));
+    } else {
+      probes_.push_back(
+          std::make_unique<HapticProbe>(options.frame_id, options.probes[k], to.reaction, shared.probes[k]));
+    }
   }
 }
 
@@ -60,16 +69,15 @@ void HapticThread::run() {
     due += period_;
     if (now - due > kMaxBacklog) due = now + period_;
   }
-  endWithZeros();
+  endAtRest();
 }
 
 void HapticThread::tick(double now, bool paused) {
-  for (HapticProbe& probe : probes_) probe.tick(now, paused);
+  for (const auto& probe : probes_) probe->tick(now, paused);
 }
 
 bool HapticThread::isQuiet() const {
-  return std::all_of(probes_.begin(), probes_.end(),
-                     [](const HapticProbe& probe) { return probe.isQuiet(); });
+  return std::all_of(probes_.begin(), probes_.end(), [](const auto& probe) { return probe->isQuiet(); });
 }
 
 void HapticThread::record(double now, double lateness) {
@@ -85,14 +93,14 @@ void HapticThread::record(double now, double lateness) {
   window_start_ = now;
 }
 
-void HapticThread::endWithZeros() {
+void HapticThread::endAtRest() {
   // As in a pause: down within the ramp time.
   for (int i = 0; i < kMaxRampTicks && !isQuiet(); ++i) {
     sleepUntil(steadyNow() + period_);
     tick(steadyNow(), true);
   }
   for (int i = 0; i < kZeros; ++i) {
-    for (HapticProbe& probe : probes_) probe.sendZero();
+    for (const auto& probe : probes_) probe->sendLast();
     sleepUntil(steadyNow() + kZeroPeriod);
   }
 }
