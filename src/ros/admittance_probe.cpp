@@ -21,6 +21,7 @@ void AdmittanceProbe::tick(double now, bool paused) {
   const StampedForce& hand = shared_.force.read();
   const StampedSample& device = shared_.device_for_haptics.read();
   const bool known = device.sample.received >= 0.0;
+  heard_ = hand.sample.received;
   if (known) loop_.place(device.sample.position);
   loop_.tick(hand.sample, shared_.snapshot.read(), paused, now);
   sendReaction(hand, loop_.reaction());

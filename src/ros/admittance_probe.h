@@ -19,6 +19,7 @@ class AdmittanceProbe : public ProbeTick {
 
   void tick(double now, bool paused) override;
   void sendLast() override;
+  double heard() const override { return heard_; }
   bool isQuiet() const override { return loop_.atRest() && loop_.reaction().isZero(0.0); }
 
  private:
@@ -31,6 +32,7 @@ class AdmittanceProbe : public ProbeTick {
   ros::Publisher command_, reaction_;
   SharedProbe& shared_;
   AdmittanceLoop loop_;
+  double heard_ = -1.0;  ///< see ProbeTick
 };
 
 }  // namespace haptic_cloth

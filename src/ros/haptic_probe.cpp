@@ -16,6 +16,7 @@ HapticProbe::HapticProbe(const std::string& frame_id, const ProbeSettings& setti
 
 void HapticProbe::tick(double now, bool paused) {
   const StampedSample& device = shared_.device_for_haptics.read();
+  heard_ = device.sample.received;
   force_ = loop_.tick(device.sample, shared_.snapshot.read(), paused, now);
   // Stated in the frame, axes and scale of the pose it answers. With the pose's stamp the receiver can tell
   // how old the force is; without a pose, the clock's.

@@ -18,6 +18,7 @@ class HapticProbe : public ProbeTick {
 
   void tick(double now, bool paused) override;
   void sendLast() override;
+  double heard() const override { return heard_; }
   bool isQuiet() const override { return force_.isZero(0.0); }
 
  private:
@@ -26,6 +27,7 @@ class HapticProbe : public ProbeTick {
   ros::Publisher reaction_;
   SharedProbe& shared_;
   HapticLoop loop_;
+  double heard_ = -1.0;        ///< see ProbeTick
   Vec3 force_ = Vec3::Zero();  ///< last sent, on the probe in the cloth's frame [N]
 };
 

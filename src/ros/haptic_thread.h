@@ -37,6 +37,7 @@ class HapticThread {
 
  private:
   void tick(double now, bool paused);
+  double inPhase(double due) const;
   bool isQuiet() const;
   void record(double now, double lateness);
   void endAtRest();

@@ -13,6 +13,9 @@ class ProbeTick {
   /// Sends force zero, or where the device is to stay.
   virtual void sendLast() = 0;
 
+  /// When the newest message that the last tick knew came in, steady clock [s]; < 0: none yet.
+  virtual double heard() const = 0;
+
   /// Whether what was sent last leaves the device at rest.
   virtual bool isQuiet() const = 0;
 };
