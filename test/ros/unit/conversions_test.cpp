@@ -165,24 +165,13 @@ TEST(NodeOptions, TheShippedSettingsAreTheDefaults) {
   EXPECT_EQ(loaded.haptics.passivity.store, plain.haptics.passivity.store);
   EXPECT_EQ(loaded.haptics.passivity.device_damping, plain.haptics.passivity.device_damping);
   EXPECT_EQ(loaded.haptics.passivity.loop_delay, plain.haptics.passivity.loop_delay);
-  const AdmittanceOptions &tool = loaded.haptics.admittance, &plain_tool = plain.haptics.admittance;
-  EXPECT_EQ(loaded.device.kind, plain.device.kind);
-  EXPECT_EQ(tool.mass, plain_tool.mass);
-  EXPECT_EQ(tool.damping, plain_tool.damping);
-  EXPECT_EQ(tool.deadband, plain_tool.deadband);
-  EXPECT_EQ(tool.force_timeout, plain_tool.force_timeout);
-  EXPECT_EQ(tool.max_speed, plain_tool.max_speed);
-  EXPECT_EQ(tool.max_acceleration, plain_tool.max_acceleration);
-  EXPECT_EQ(tool.start, plain_tool.start);
-  EXPECT_EQ(tool.workspace_low, plain_tool.workspace_low);
-  EXPECT_EQ(tool.workspace_high, plain_tool.workspace_high);
   // Every key of the code stands in the file: 6 beside the groups, of which device has 11, devices 0, haptics
-  // 9, among them passivity with 5 and admittance with 9, markers 2, state 1.
+  // 9, among them passivity with 5 and admittance
+  // (admittance_options_test.cpp), markers 2, state 1.
   EXPECT_EQ(shipped.size(), 11u);
   EXPECT_EQ(shipped["devices"].size(), 0u);
   EXPECT_EQ(shipped["device"].size(), 11u);
   EXPECT_EQ(shipped["haptics"].size(), 9u);
-  EXPECT_EQ(shipped["haptics"]["admittance"].size(), 9u);
   EXPECT_EQ(shipped["haptics"]["passivity"].size(), 5u);
   EXPECT_EQ(shipped["markers"].size(), 2u);
   EXPECT_EQ(shipped["state"].size(), 1u);
@@ -258,13 +247,6 @@ TEST(NodeOptions, BadOnesAreNamed) {
   XmlRpcValue group;
   group["max_farce"] = 3;
   EXPECT_NE(with("haptics", group).find("haptics/max_farce: unknown parameter"), std::string::npos);
-  XmlRpcValue kind, tool;
-  kind["kind"] = "magic";
-  EXPECT_NE(with("device", kind).find("device/kind = \"magic\": must be one of impedance, admittance"),
-            std::string::npos);
-  tool["admittance"]["mass"] = 0.0;
-  EXPECT_NE(with("haptics", tool).find("haptics/admittance/mass = 0: must be finite and > 0"),
-            std::string::npos);
   EXPECT_NE(messageOf(XmlRpcValue()).find("/cloth (parameters)"), std::string::npos);
 }
 
