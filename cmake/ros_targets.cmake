@@ -1,6 +1,6 @@
 # The ROS side: one library with everything, and a thin main for each node.
 set(ros_mains node_main.cpp nodelet.cpp hand_main.cpp mouse_hand_main.cpp path_hand_main.cpp monitor_main.cpp
-  device_adapter_main.cpp)
+  device_adapter_main.cpp latency_probe_main.cpp)
 file(GLOB ros_sources CONFIGURE_DEPENDS src/ros/*.cpp)
 foreach(main ${ros_mains})
   list(REMOVE_ITEM ros_sources "${PROJECT_SOURCE_DIR}/src/ros/${main}")
@@ -23,6 +23,13 @@ foreach(target haptic_cloth_ros haptic_cloth_nodelet haptic_cloth_node hand mous
   target_include_directories(${target} SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
   add_dependencies(${target} ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
 endforeach()
+
+# For bench/latency; not installed.
+add_executable(latency_probe src/ros/latency_probe_main.cpp)
+target_include_directories(latency_probe SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
+target_link_libraries(latency_probe haptic_cloth_ros nlohmann_json::nlohmann_json)
+add_dependencies(latency_probe ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
+set_target_properties(latency_probe PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${HAPTIC_CLOTH_PROGRAM_DIR}")
 
 list(APPEND programs haptic_cloth_node hand mouse_hand path_hand monitor device_adapter)
 install(TARGETS haptic_cloth_ros haptic_cloth_nodelet LIBRARY DESTINATION lib ARCHIVE DESTINATION lib)

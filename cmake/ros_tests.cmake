@@ -7,11 +7,14 @@ file(GLOB sources CONFIGURE_DEPENDS test/ros/unit/*.cpp)
 haptic_cloth_test(ros_unit_tests ${sources})
 set(ros_test_programs ros_unit_tests)
 
-foreach(name node fingers lifecycle playback hand nodelet device live)
+foreach(name node fingers admittance lifecycle playback hand nodelet device live)
   add_rostest_gtest(ros_${name}_test test/ros/${name}.test test/ros/${name}_test.cpp test/ros/ros_test_support.cpp)
   haptic_cloth_test_settings(ros_${name}_test)
   list(APPEND ros_test_programs ros_${name}_test)
 endforeach()
+
+add_test(NAME bench_latency_smoke COMMAND "${PROJECT_SOURCE_DIR}/bench/latency" --smoke
+  --build "${PROJECT_BINARY_DIR}" --out "${PROJECT_BINARY_DIR}/bench_latency")
 
 foreach(name ${ros_test_programs})
   target_include_directories(${name} SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Takes a picture of the demonstration without a screen. Usage: scripts/screenshot.sh [OUT.png] [scene:=FILE ...]
-# Needs a build (scripts/build.sh).
+# Needs a build (scripts/build.sh). Waits for SIMULATED seconds and a force of FORCE newton on any of the scene's probes:
+# FORCE=0.2 scripts/screenshot.sh fingers.png scene:=config/scenes/two_fingers.yaml path:=true
 set -euo pipefail
 root="$(cd "$(dirname "$0")/.." && pwd)"
 out="$root/docs/images/demo.png"
@@ -36,7 +37,7 @@ for _ in $(seq 60); do
   if [ "$(cloth_pixels)" -gt 10000 ]; then break; fi
   sleep 0.5
 done
-"$root/scripts/wait_for_press.py" "${SIMULATED:-1.0}" "${TIMEOUT:-180}"
+"$root/scripts/wait_for_press.py" "${SIMULATED:-1.0}" "${TIMEOUT:-180}" "${FORCE:-0.8}"
 sleep 0.3  # until rviz has drawn what was felt
 import -silent -window root "$out"
 echo "$out"

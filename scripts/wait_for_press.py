@@ -1,5 +1,8 @@
 #!/usr/bin/python3
-"""Ends when the cloth has draped and the hand presses on it. Usage: wait_for_press.py SIMULATED_SECONDS TIMEOUT"""
+"""Ends when the cloth has draped and a hand presses on it. Usage: wait_for_press.py SIMULATED_SECONDS TIMEOUT [FORCE]
+
+Listens to every probe of the running node: all topics NAME/reaction. FORCE in newton, default 0.8."""
+import math
 import sys
 import time
 
@@ -8,20 +11,37 @@ from geometry_msgs.msg import WrenchStamped
 from haptic_cloth.msg import ClothState
 
 
-def main(simulated, timeout):
+def main(simulated, timeout, wanted):
     rospy.init_node("wait_for_press", anonymous=True)
-    seen = {"time": 0.0, "force": 0.0}
+    seen = {"time": 0.0}
+    forces = {}
+    subscribers = {}
     rospy.Subscriber("cloth/state", ClothState, lambda message: seen.update(time=message.time))
-    rospy.Subscriber("probe/reaction", WrenchStamped, lambda message: seen.update(force=message.wrench.force.z),
-                     queue_size=1)
+
+    def listen():
+        for topic, kind in rospy.get_published_topics():
+            if kind == "geometry_msgs/WrenchStamped" and topic.endswith("/reaction") and topic not in subscribers:
+                subscribers[topic] = rospy.Subscriber(
+                    topic, WrenchStamped, lambda message, topic=topic: forces.update({topic: norm(message)}), queue_size=1)
+
     end = time.monotonic() + timeout
+    look = 0.0
     while time.monotonic() < end and not rospy.is_shutdown():
-        if seen["time"] >= simulated and seen["force"] > 0.8:
+        if time.monotonic() > look:
+            listen()
+            look = time.monotonic() + 1.0
+        if seen["time"] >= simulated and max(forces.values(), default=0.0) > wanted:
             return 0
         time.sleep(0.005)
-    print("no press within %g s: simulated %.2f s, force %.2f N" % (timeout, seen["time"], seen["force"]))
+    print("no press within %g s: simulated %.2f s, forces %s" % (
+        timeout, seen["time"], {topic: round(force, 2) for topic, force in sorted(forces.items())}))
     return 1
 
 
+def norm(message):
+    force = message.wrench.force
+    return math.sqrt(force.x**2 + force.y**2 + force.z**2)
+
+
 if __name__ == "__main__":
-    sys.exit(main(float(sys.argv[1]), float(sys.argv[2])))
+    sys.exit(main(float(sys.argv[1]), float(sys.argv[2]), float(sys.argv[3]) if len(sys.argv) > 3 else 0.8))

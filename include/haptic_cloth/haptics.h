@@ -6,6 +6,7 @@
 #include <atomic>
 #include <string>
 
+#include "haptic_cloth/admittance.h"
 #include "haptic_cloth/passivity.h"
 #include "haptic_cloth/types.h"
 
@@ -66,6 +67,7 @@ struct HapticOptions {
   double snapshot_timeout = 0.1;  ///< an older snapshot ramps the force to zero [s]
   double ramp_time = 0.02;        ///< from full force to zero [s]
   PassivityOptions passivity;
+  AdmittanceOptions admittance;       ///< for devices of that kind
   double coupling_stiffness = 400.0;  ///< [N/m], the scene's
   double coupling_damping = 1.0;      ///< [N·s/m], the scene's
 };
@@ -75,7 +77,17 @@ struct HapticOptions {
 void validateHapticOptions(const HapticOptions& options, const std::string& origin);
 
 /// Why the force is, or is not, what the snapshot says.
-enum class HapticStatus { NoPose, NoSnapshot, PoseStale, SnapshotStale, Paused, Free, Contact };
+enum class HapticStatus {
+  NoPose,
+  NoForce,
+  NoSnapshot,
+  PoseStale,
+  ForceStale,
+  SnapshotStale,
+  Paused,
+  Free,
+  Contact
+};
 
 const char* toString(HapticStatus status);
 

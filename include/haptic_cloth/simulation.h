@@ -39,7 +39,7 @@ class Simulation {
   void removeDevice(int probe = 0);
 
   /// A closed probe holds the cloth it touches, or touches next, until it is opened or removed. Held
-  /// particles move with the proxy. Without effect under solver.cost joint.
+  /// particles move with the proxy.
   void setGrasp(int probe, bool closed);
 
   /// Sends an obstacle to a pose that it takes in the next step, or in several: at most a quarter of its

@@ -4,6 +4,7 @@
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/haptics.h"
 #include "haptics/coupling_model.h"
+#include "haptics/limits.h"
 
 namespace haptic_cloth {
 namespace {
@@ -40,18 +41,16 @@ HapticStatus judge(const HapticOptions& options, const DeviceSample& device, con
   return snapshot.contact ? HapticStatus::Contact : HapticStatus::Free;
 }
 
-/// `force` shortened to `limit` [N], its direction kept. Zero if it is not finite.
-Vec3 limited(const Vec3& force, double limit) {
-  const double norm = force.norm();
-  if (!std::isfinite(norm)) return Vec3::Zero();
-  return norm > limit ? Vec3(force * (limit / norm)) : force;
-}
-
-/// One step of at most `step` [N] from `from` towards `to`; arrives exactly.
-Vec3 approach(const Vec3& from, const Vec3& to, double step) {
-  const Vec3 change = to - from;
-  const double norm = change.norm();
-  return norm > step ? Vec3(from + change * (step / norm)) : to;
+void validateWorkspace(const AdmittanceOptions& tool, const std::string& origin) {
+  const auto fail = [&](const char* key, double value, const char* rule) {
+    throw InputError(origin, std::string("haptics/admittance/") + key, std::to_string(value), rule);
+  };
+  for (int c = 0; c < 3; ++c) {
+    const double low = tool.workspace_low[c], high = tool.workspace_high[c], start = tool.start[c];
+    if (!std::isfinite(low)) fail("workspace_low", low, "must be finite");
+    if (!std::isfinite(high) || !(high > low)) fail("workspace_high", high, "must be above workspace_low");
+    if (!(start >= low && start <= high)) fail("start", start, "must lie in the workspace");
+  }
 }
 
 }  // namespace
@@ -80,12 +79,24 @@ void validateHapticOptions(const HapticOptions& options, const std::string& orig
   require("haptics/passivity/loop_delay", options.passivity.loop_delay, true);
   require("probe.coupling_stiffness", options.coupling_stiffness, true);
   require("probe.coupling_damping", options.coupling_damping, true);
+  const AdmittanceOptions& tool = options.admittance;
+  require("haptics/admittance/mass", tool.mass, false);
+  require("haptics/admittance/damping", tool.damping, false);
+  require("haptics/admittance/deadband", tool.deadband, true);
+  require("haptics/admittance/force_timeout", tool.force_timeout, false);
+  require("haptics/admittance/max_speed", tool.max_speed, false);
+  require("haptics/admittance/max_acceleration", tool.max_acceleration, false);
+  validateWorkspace(tool, origin);
 }
 
 const char* toString(HapticStatus status) {
   switch (status) {
     case HapticStatus::NoPose:
       return "no pose";
+    case HapticStatus::NoForce:
+      return "no force";
+    case HapticStatus::ForceStale:
+      return "force stale";
     case HapticStatus::NoSnapshot:
       return "no snapshot";
     case HapticStatus::PoseStale:

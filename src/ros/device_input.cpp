@@ -46,6 +46,7 @@ void DeviceInput::accept(const geometry_msgs::PoseStamped& pose) {
     ++counters_.unknown_frame;
     return;
   }
+  sample.frame_position = frame->position;
   sample.frame_rotation = frame->orientation;
   sample.orientation = there.orientation.normalized();
   sample.stamp = pose.header.stamp;
@@ -53,7 +54,7 @@ void DeviceInput::accept(const geometry_msgs::PoseStamped& pose) {
   sample.sample.position = there.position;
   sample.sample.velocity = filter_.update(sample.sample.position, sample.sample.received);
   shared_.device_for_haptics.write(sample);
-  shared_.device_for_solver.write(sample);
+  if (device_.kind == DeviceKind::Impedance) shared_.device_for_solver.write(sample);
 }
 
 void DeviceInput::takeOptions() {

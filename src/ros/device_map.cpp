@@ -19,6 +19,9 @@ std::string tooHigh(const char* what, const char* unit, double felt, double limi
 }  // namespace
 
 DeviceOptions readDeviceOptions(ParameterGroup group, DeviceOptions device) {
+  const std::size_t kind =
+      group.readChoice("kind", {"impedance", "admittance"}, static_cast<std::size_t>(device.kind));
+  device.kind = static_cast<DeviceKind>(kind);
   group.read("position_unit", device.position_unit, false);
   group.read("position_scale", device.position_scale, false);
   group.read("force_scale", device.force_scale, false);
@@ -52,9 +55,19 @@ Vec3 forceForDriver(const DeviceOptions& device, const Quat& frame, const Vec3& 
   return device.force_scale * ((frame * device.orientation * device.force_axes).conjugate() * force);
 }
 
+Vec3 forceAtProbe(const DeviceOptions& device, const Quat& frame, const Vec3& force) {
+  return (frame * device.orientation * device.force_axes) * force / device.force_scale;
+}
+
 HapticOptions limitsAtProbe(HapticOptions haptics, const DeviceOptions& device) {
   haptics.max_force /= device.force_scale;
   haptics.max_force_rate /= device.force_scale;
+  AdmittanceOptions& tool = haptics.admittance;
+  tool.mass /= device.force_scale * device.position_scale;
+  tool.damping /= device.force_scale * device.position_scale;
+  tool.deadband /= device.force_scale;
+  tool.max_speed *= device.position_scale;
+  tool.max_acceleration *= device.position_scale;
   return haptics;
 }
 

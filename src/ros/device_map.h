@@ -9,10 +9,14 @@
 
 namespace haptic_cloth {
 
+/// What a device gives and takes: its pose and a force, or a measured force and where to go.
+enum class DeviceKind { Impedance, Admittance };
+
 /// How a device stands to the cloth. A position p of the driver lies at
 ///   offset + position_scale · orientation · (position_unit · p)
 /// in the frame of the pose, which tf then brings into the cloth's.
 struct DeviceOptions {
+  DeviceKind kind = DeviceKind::Impedance;
   double position_unit = 1.0;           ///< what one unit of the driver's positions is [m]
   double position_scale = 1.0;          ///< way in the cloth's frame per way of the device [-]
   double force_scale = 1.0;             ///< force on the hand per force on the probe [-]
@@ -45,7 +49,12 @@ Quat orientationForDriver(const DeviceOptions& device, const Quat& orientation);
 /// @param frame rotation of the pose's frame in the cloth's, from tf
 Vec3 forceForDriver(const DeviceOptions& device, const Quat& frame, const Vec3& force);
 
-/// The limits of the force, which hold at the device, for a loop that computes in the cloth's forces.
+/// What a driver has measured of the hand's force on the device, as force on the probe [N]: undoes
+/// forceForDriver().
+Vec3 forceAtProbe(const DeviceOptions& device, const Quat& frame, const Vec3& force);
+
+/// The limits of the force, and the tool of an admittance device, which hold at the device, for a loop that
+/// computes in the cloth's forces and places.
 HapticOptions limitsAtProbe(HapticOptions haptics, const DeviceOptions& device);
 
 /// Stiffness that the hand feels of the coupling: K · position_scale · force_scale [N/m].

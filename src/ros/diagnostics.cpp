@@ -106,17 +106,17 @@ DiagnosticStatus optionsStatus(const LiveReport& report) {
 }
 
 DiagnosticStatus probeStatus(const std::string& name, const InputCounters& counters, const FeltForce& felt,
-                             GraspState grasp) {
+                             GraspState grasp, const std::string& message) {
   DiagnosticStatus status;
   status.name = "haptic_cloth: " + name;
   const std::uint64_t dropped = counters.dropped();
   const UnitDoubt doubt = counters.doubt;
   if (counters.received == 0) {
-    judge(status, DiagnosticStatus::OK, "no pose yet");
+    judge(status, DiagnosticStatus::OK, "no " + message + " yet");
   } else if (doubt != UnitDoubt::None) {
     judge(status, DiagnosticStatus::WARN, toText(doubt));
   } else if (dropped > 0) {
-    judge(status, DiagnosticStatus::WARN, std::to_string(dropped) + " poses dropped");
+    judge(status, DiagnosticStatus::WARN, std::to_string(dropped) + " " + message + "s dropped");
   } else {
     judge(status, DiagnosticStatus::OK, "receiving");
   }

@@ -16,8 +16,10 @@ namespace haptic_cloth {
 diagnostic_msgs::DiagnosticStatus solverStatus(const SolverStats& stats, bool paused, double now);
 
 /// One probe: what its device sends, what it feels, what it holds.
+/// @param message what the device sends: "pose" or "force"
 diagnostic_msgs::DiagnosticStatus probeStatus(const std::string& name, const InputCounters& counters,
-                                              const FeltForce& felt, GraspState grasp);
+                                              const FeltForce& felt, GraspState grasp,
+                                              const std::string& message = "pose");
 
 /// One obstacle that can be moved.
 diagnostic_msgs::DiagnosticStatus obstacleStatus(const std::string& name, const ObstacleCounters& counters);

@@ -30,18 +30,14 @@ bool isFinite(const visualization_msgs::MarkerArray& array) {
 
 }  // namespace
 
-FlowMeter::FlowMeter(ros::NodeHandle& node, double reaction_rate, double display_rate)
-    : reaction_{"reaction", reaction_rate}, markers_{"markers", display_rate}, state_{"state", display_rate} {
-  reaction_subscriber_ = node.subscribe<geometry_msgs::WrenchStamped>(
-      topics::kReaction, kCountQueue,
-      [this](const geometry_msgs::WrenchStamped::ConstPtr& message) {
-        const auto& wrench = message->wrench;
-        const Vec3 force(wrench.force.x, wrench.force.y, wrench.force.z);
-        reaction_.add(force.allFinite());
-        force_ = force.norm();
-        max_force_ = std::max(max_force_, force_);
-      },
-      ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+FlowMeter::FlowMeter(ros::NodeHandle& node, const std::vector<std::string>& probes, double reaction_rate,
+                     double display_rate)
+    : markers_{"markers", display_rate}, state_{"state", display_rate} {
+  for (const std::string& name : probes) {
+    probes_.emplace_back();
+    probes_.back().reaction = {name + "/reaction", reaction_rate};
+    subscribe(node, name, probes_.back());
+  }
   markers_subscriber_ = node.subscribe<visualization_msgs::MarkerArray>(
       topics::kMarkers, 2,
       [this](const visualization_msgs::MarkerArray::ConstPtr& message) { markers_.add(isFinite(*message)); });
@@ -52,35 +48,67 @@ FlowMeter::FlowMeter(ros::NodeHandle& node, double reaction_rate, double display
         time_ = message->time;
         if (first_time_ < 0.0) first_time_ = time_;
       });
-  proxy_subscriber_ = node.subscribe<geometry_msgs::PoseStamped>(
-      topics::kProxy, 2,
-      [this](const geometry_msgs::PoseStamped::ConstPtr& message) { height_ = message->pose.position.z; });
 }
 
-bool FlowMeter::allFlow() const { return reaction_.count > 0 && markers_.count > 0 && state_.count > 0; }
+void FlowMeter::subscribe(ros::NodeHandle& node, const std::string& name, Probe& probe) {
+  probe.reaction_subscriber = node.subscribe<geometry_msgs::WrenchStamped>(
+      topics::ofProbe(name, topics::kReaction), kCountQueue,
+      [&probe](const geometry_msgs::WrenchStamped::ConstPtr& message) {
+        const auto& wrench = message->wrench;
+        const Vec3 force(wrench.force.x, wrench.force.y, wrench.force.z);
+        probe.reaction.add(force.allFinite());
+        probe.force = force.norm();
+        probe.max_force = std::max(probe.max_force, probe.force);
+      },
+      ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+  probe.proxy_subscriber = node.subscribe<geometry_msgs::PoseStamped>(
+      topics::ofProbe(name, topics::kProxy), 2,
+      [&probe](const geometry_msgs::PoseStamped::ConstPtr& message) {
+        probe.height = message->pose.position.z;
+      });
+}
+
+std::vector<const Flow*> FlowMeter::flows() const {
+  std::vector<const Flow*> all;
+  for (const Probe& probe : probes_) all.push_back(&probe.reaction);
+  all.push_back(&markers_);
+  all.push_back(&state_);
+  return all;
+}
+
+bool FlowMeter::allFlow() const {
+  const std::vector<const Flow*> all = flows();
+  return std::all_of(all.begin(), all.end(), [](const Flow* flow) { return flow->count > 0; });
+}
 
 void FlowMeter::clear() {
-  reaction_.count = markers_.count = state_.count = 0;
-  max_force_ = 0.0;
+  for (Probe& probe : probes_) {
+    probe.reaction.count = 0;
+    probe.max_force = 0.0;
+  }
+  markers_.count = state_.count = 0;
   first_time_ = -1.0;
 }
 
 std::string FlowMeter::line(double seconds) const {
   const double simulated = first_time_ < 0.0 ? 0.0 : time_ - first_time_;
-  char text[200];
-  std::snprintf(
-      text, sizeof text,
-      "reaction %6.1f Hz  markers %4.1f Hz  state %4.1f Hz | force %5.2f N (max %5.2f)  proxy z %6.1f mm"
-      " | cells %5zu  t %6.2f s  speed %4.2f",
-      reaction_.count / seconds, markers_.count / seconds, state_.count / seconds, force_, max_force_,
-      1e3 * height_, cells_, time_, simulated / seconds);
-  return text;
+  std::string text;
+  char part[200];
+  for (const Probe& probe : probes_) {
+    std::snprintf(part, sizeof part, "%s %6.1f Hz  force %5.2f N (max %5.2f)  proxy z %6.1f mm | ",
+                  probe.reaction.name.c_str(), probe.reaction.count / seconds, probe.force, probe.max_force,
+                  1e3 * probe.height);
+    text += part;
+  }
+  std::snprintf(part, sizeof part, "markers %4.1f Hz  state %4.1f Hz | cells %5zu  t %6.2f s  speed %4.2f",
+                markers_.count / seconds, state_.count / seconds, cells_, time_, simulated / seconds);
+  return text + part;
 }
 
 std::string FlowMeter::verdict(double seconds, bool& passed) const {
   passed = true;
   std::string text;
-  for (const Flow* flow : {&reaction_, &markers_, &state_}) {
+  for (const Flow* flow : flows()) {
     const double rate = flow->count / seconds;
     passed = passed && rate >= flow->wanted && flow->finite;
     char part[100];
@@ -88,8 +116,10 @@ std::string FlowMeter::verdict(double seconds, bool& passed) const {
                   flow->finite ? "" : " NOT FINITE");
     text += part;
   }
+  double most = 0.0;
+  for (const Probe& probe : probes_) most = std::max(most, probe.max_force);
   char force[60];
-  std::snprintf(force, sizeof force, ", force up to %.2f N", max_force_);
+  std::snprintf(force, sizeof force, ", force up to %.2f N", most);
   return (passed ? "PASS: " : "FAIL: ") + text.substr(2) + force;
 }
 

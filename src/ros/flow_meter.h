@@ -4,7 +4,9 @@
 #include <ros/node_handle.h>
 
 #include <cmath>
+#include <deque>
 #include <string>
+#include <vector>
 
 namespace haptic_cloth {
 
@@ -24,7 +26,9 @@ struct Flow {
 /// What the demonstration sends, counted by a subscriber that can follow 1 kHz.
 class FlowMeter {
  public:
-  FlowMeter(ros::NodeHandle& node, double reaction_rate, double display_rate);
+  /// @param probes their names
+  FlowMeter(ros::NodeHandle& node, const std::vector<std::string>& probes, double reaction_rate,
+            double display_rate);
 
   /// Whether every topic has sent something.
   bool allFlow() const;
@@ -37,13 +41,21 @@ class FlowMeter {
   std::string verdict(double seconds, bool& passed) const;
 
  private:
-  Flow reaction_, markers_, state_;
-  double force_ = 0.0;      ///< newest [N]
-  double max_force_ = 0.0;  ///< since clear [N]
-  double height_ = 0.0;     ///< of the proxy [m]
+  struct Probe {
+    Flow reaction;
+    double force = 0.0;      ///< newest [N]
+    double max_force = 0.0;  ///< since clear [N]
+    double height = 0.0;     ///< of the proxy [m]
+    ros::Subscriber reaction_subscriber, proxy_subscriber;
+  };
+  void subscribe(ros::NodeHandle& node, const std::string& name, Probe& probe);
+  std::vector<const Flow*> flows() const;
+
+  std::deque<Probe> probes_;  ///< stay where they are
+  Flow markers_, state_;
   std::size_t cells_ = 0;
   double time_ = 0.0, first_time_ = -1.0;  ///< simulated, newest and first since clear [s]
-  ros::Subscriber reaction_subscriber_, markers_subscriber_, state_subscriber_, proxy_subscriber_;
+  ros::Subscriber markers_subscriber_, state_subscriber_;
 };
 
 }  // namespace haptic_cloth

@@ -9,43 +9,25 @@ namespace haptic_cloth {
 HapticProbe::HapticProbe(const std::string& frame_id, const ProbeSettings& settings,
                          const ros::Publisher& reaction, SharedProbe& shared)
     : frame_id_(frame_id),
-      device_(settings.device),
-      haptics_(settings.haptics),
+      gains_(settings),
       reaction_(reaction),
       shared_(shared),
       loop_(limitsAtProbe(settings.haptics, settings.device)) {}
 
-void HapticProbe::setOptions(const ProbeSettings& settings, const GainRamp& gains) {
-  // The force scale is the only option of the device among the live ones, and moves with the gains.
-  haptics_ = settings.haptics;
-  gains_ = gains;
-  gains_move_ = true;
-}
-
-void HapticProbe::moveGains(double now) {
-  if (!gains_move_) return;
-  gains_move_ = !gains_.isDone(now);
-  const Gains gains = gains_.at(now);
-  haptics_.coupling_stiffness = gains.coupling_stiffness;
-  haptics_.coupling_damping = gains.coupling_damping;
-  const double unit = gains.force_scale / device_.force_scale;
-  device_.force_scale = gains.force_scale;
-  loop_.setOptions(limitsAtProbe(haptics_, device_), unit);
-}
-
 void HapticProbe::tick(double now, bool paused) {
-  moveGains(now);
+  gains_.move(now, [this](const HapticOptions& options, double unit) { loop_.setOptions(options, unit); });
   const StampedSample& device = shared_.device_for_haptics.read();
+  heard_ = device.sample.received;
   force_ = loop_.tick(device.sample, shared_.snapshot.read(), paused, now);
   // Stated in the frame, axes and scale of the pose it answers. With the pose's stamp the receiver can tell
   // how old the force is; without a pose, the clock's.
   const bool answers = device.sample.received >= 0.0;
-  reaction_.publish(toWrench(forceForDriver(device_, device.frame_rotation, force_),
+  reaction_.publish(toWrench(forceForDriver(gains_.device(), device.frame_rotation, force_),
                              answers ? device.stamp : ros::Time::now(),
                              answers ? device.frame_id : frame_id_));
   shared_.felt.write({loop_.status(), force_});
 }
 
-void HapticProbe::sendZero() { reaction_.publish(toWrench(Vec3::Zero(), ros::Time::now(), frame_id_)); }
+void HapticProbe::sendLast() { reaction_.publish(toWrench(Vec3::Zero(), ros::Time::now(), frame_id_)); }
 
 }  // namespace haptic_cloth

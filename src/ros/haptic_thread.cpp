@@ -8,8 +8,11 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 
+#include "ros/admittance_probe.h"
+#include "ros/haptic_probe.h"
 #include "ros/steady_clock.h"
 
 namespace haptic_cloth {
@@ -18,6 +21,10 @@ namespace {
 constexpr int kPriority = 80;         ///< above user threads, below the kernel's interrupt threads (90+)
 constexpr double kWindow = 1.0;       ///< of the statistics [s]
 constexpr double kMaxBacklog = 0.02;  ///< ticks older than this are given up [s]
+constexpr double kAnswer = 2e-4;      ///< from a message to the tick: what messages are late by at times [s]
+constexpr double kCatchUp = 0.1;      ///< of what is missing, in one tick [-]
+constexpr double kMostShift = 0.02;   ///< of a tick, in periods [-]
+constexpr double kSilent = 0.02;      ///< a device that has not been heard for this long gives no time [s]
 constexpr int kMaxRampTicks = 200;    ///< before the zeros at the end
 constexpr int kZeros = 20;            ///< sent at the end: drivers hold the last force for ever
 constexpr double kZeroPeriod = 2e-3;  ///< between them [s]
@@ -40,11 +47,18 @@ std::string requestRealTime() {
          (locked ? ", memory locked" : std::string(", memory not locked (") + std::strerror(errno) + ")");
 }
 
-HapticThread::HapticThread(const NodeOptions& options, const std::vector<ros::Publisher>& reactions,
+HapticThread::HapticThread(const NodeOptions& options, const std::vector<ProbePublishers>& publishers,
                            SharedState& shared)
     : period_(1.0 / options.haptics.rate), shared_(shared) {
-  for (std::size_t k = 0; k < reactions.size(); ++k) {
-    probes_.emplace_back(options.frame_id, options.probes[k], reactions[k], shared.probes[k]);
+  for (std::size_t k = 0; k < publishers.size(); ++k) {
+    const ProbePublishers& to = publishers[k];
+    if (options.probes[k].device.kind == DeviceKind::Admittance) {
+      probes_.push_back(
+          std::make_unique<AdmittanceProbe>(options, k, to.command, to.reaction, shared.probes[k]));
+    } else {
+      probes_.push_back(
+          std::make_unique<HapticProbe>(options.frame_id, options.probes[k], to.reaction, shared.probes[k]));
+    }
   }
 }
 
@@ -58,10 +72,22 @@ void HapticThread::run() {
     const double now = steadyNow();
     tick(now, shared_.paused);
     record(now, now - due);
-    due += period_;
+    due = inPhase(due + period_);
     if (now - due > kMaxBacklog) due = now + period_;
   }
-  endWithZeros();
+  endAtRest();
+}
+
+/// `due` moved a little, so that in the end the ticks come shortly after the first device's messages: else
+/// one waits for its answer by anything up to a period. Half a period is caught up within 25 ticks.
+double HapticThread::inPhase(double due) const {
+  for (const auto& probe : probes_) {
+    const double heard = probe->heard();
+    if (heard < 0.0 || due - heard > kSilent) continue;
+    const double late = std::remainder(due - heard - kAnswer, period_);
+    return due - std::clamp(kCatchUp * late, -kMostShift * period_, kMostShift * period_);
+  }
+  return due;
 }
 
 /// Between two ticks, for all probes at once. Nothing here waits or allocates.
@@ -70,7 +96,7 @@ void HapticThread::takeOptions() {
   if (live.number == options_seen_) return;
   options_seen_ = live.number;
   for (std::size_t k = 0; k < probes_.size(); ++k) {
-    probes_[k].setOptions(live.options->probes[k], live.gains[k]);
+    probes_[k]->setOptions(live.options->probes[k], live.gains[k]);
   }
   const double period = 1.0 / live.options->haptics.rate;
   if (period == period_) return;
@@ -79,12 +105,11 @@ void HapticThread::takeOptions() {
 }
 
 void HapticThread::tick(double now, bool paused) {
-  for (HapticProbe& probe : probes_) probe.tick(now, paused);
+  for (const auto& probe : probes_) probe->tick(now, paused);
 }
 
 bool HapticThread::isQuiet() const {
-  return std::all_of(probes_.begin(), probes_.end(),
-                     [](const HapticProbe& probe) { return probe.isQuiet(); });
+  return std::all_of(probes_.begin(), probes_.end(), [](const auto& probe) { return probe->isQuiet(); });
 }
 
 void HapticThread::record(double now, double lateness) {
@@ -105,14 +130,14 @@ void HapticThread::record(double now, double lateness) {
   window_start_ = now;
 }
 
-void HapticThread::endWithZeros() {
+void HapticThread::endAtRest() {
   // As in a pause: down within the ramp time.
   for (int i = 0; i < kMaxRampTicks && !isQuiet(); ++i) {
     sleepUntil(steadyNow() + period_);
     tick(steadyNow(), true);
   }
   for (int i = 0; i < kZeros; ++i) {
-    for (HapticProbe& probe : probes_) probe.sendZero();
+    for (const auto& probe : probes_) probe->sendLast();
     sleepUntil(steadyNow() + kZeroPeriod);
   }
 }

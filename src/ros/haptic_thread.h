@@ -3,11 +3,12 @@
 
 #include <ros/publisher.h>
 
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "ros/haptic_probe.h"
 #include "ros/node_options.h"
+#include "ros/probe_tick.h"
 #include "ros/shared_state.h"
 
 namespace haptic_cloth {
@@ -16,10 +17,17 @@ namespace haptic_cloth {
 /// @return what was got, in words for people: "SCHED_FIFO 80, memory locked", or why not
 std::string requestRealTime();
 
+/// What goes out for one probe.
+struct ProbePublishers {
+  ros::Publisher reaction;
+  ros::Publisher command;  ///< of admittance devices alone
+};
+
 class HapticThread {
  public:
-  /// @param reactions one for each probe
-  HapticThread(const NodeOptions& options, const std::vector<ros::Publisher>& reactions, SharedState& shared);
+  /// @param publishers one for each probe
+  HapticThread(const NodeOptions& options, const std::vector<ProbePublishers>& publishers,
+               SharedState& shared);
 
   /// Runs until shared.stop; then ramps down and sends zeros.
   void run();
@@ -30,13 +38,14 @@ class HapticThread {
  private:
   void takeOptions();
   void tick(double now, bool paused);
+  double inPhase(double due) const;
   bool isQuiet() const;
   void record(double now, double lateness);
-  void endWithZeros();
+  void endAtRest();
 
   double period_;  ///< [s]
   SharedState& shared_;
-  std::vector<HapticProbe> probes_;
+  std::vector<std::unique_ptr<ProbeTick>> probes_;
   std::uint64_t options_seen_ = 0;
   HapticStats window_;
   double window_start_ = -1.0;

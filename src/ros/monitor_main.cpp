@@ -6,23 +6,27 @@
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <vector>
 
 #include "haptic_cloth/error.h"
 #include "ros/flow_meter.h"
+#include "ros/node_options.h"
 #include "ros/parameter_group.h"
 #include "ros/steady_clock.h"
 
 namespace {
 
 struct MonitorOptions {
-  double seconds = 0.0;          ///< measured, once everything flows [s]; 0: until interrupted
-  double patience = 30.0;        ///< for the first messages [s]
-  double reaction_rate = 900.0;  ///< lowest good rate [Hz]
-  double display_rate = 20.0;    ///< lowest good rate of markers and state [Hz]
+  std::string node = "haptic_cloth";  ///< whose probes these are; its parameters name them
+  double seconds = 0.0;               ///< measured, once everything flows [s]; 0: until interrupted
+  double patience = 30.0;             ///< for the node's parameters, then for the first messages [s]
+  double reaction_rate = 900.0;       ///< lowest good rate [Hz]
+  double display_rate = 20.0;         ///< lowest good rate of markers and state [Hz]
 };
 
 MonitorOptions readOptions(haptic_cloth::ParameterGroup group) {
   MonitorOptions options;
+  group.read("node", options.node);
   group.read("seconds", options.seconds, true);
   group.read("patience", options.patience, false);
   group.read("reaction_rate", options.reaction_rate, true);
@@ -43,6 +47,29 @@ void say(const std::string& line) {
   std::fflush(stdout);
 }
 
+/// Names of the node's probes. While a launch file is being loaded its parameters are not whole yet.
+std::vector<std::string> findProbes(const ros::NodeHandle& node, const MonitorOptions& options) {
+  const std::string served = node.resolveName(options.node);
+  const double give_up = haptic_cloth::steadyNow() + options.patience;
+  std::string wrong = served + ": no parameters";
+  while (ros::ok() && haptic_cloth::steadyNow() < give_up) {
+    XmlRpc::XmlRpcValue parameters;
+    try {
+      if (node.getParam(served, parameters)) {
+        std::vector<std::string> names;
+        const auto scene = haptic_cloth::parseNodeOptions(parameters, served + " (parameters)").scene;
+        for (const haptic_cloth::ProbeOptions& probe : scene.probes) names.push_back(probe.name);
+        return names;
+      }
+    } catch (const haptic_cloth::InputError& error) {
+      wrong = error.what();
+    }
+    haptic_cloth::sleepUntil(haptic_cloth::steadyNow() + 0.1);
+  }
+  say(wrong + "; listening to the probe named probe alone");
+  return {"probe"};
+}
+
 int run(int argc, char** argv) {
   ros::init(argc, argv, "monitor", ros::init_options::AnonymousName);
   ros::NodeHandle node, private_node("~");
@@ -51,9 +78,10 @@ int run(int argc, char** argv) {
   const MonitorOptions options =
       readOptions(haptic_cloth::ParameterGroup(parameters, private_node.getNamespace() + " (parameters)"));
 
+  const std::vector<std::string> probes = findProbes(node, options);
   // Two meters: one for the line, one for the whole time.
-  haptic_cloth::FlowMeter second(node, options.reaction_rate, options.display_rate);
-  haptic_cloth::FlowMeter whole(node, options.reaction_rate, options.display_rate);
+  haptic_cloth::FlowMeter second(node, probes, options.reaction_rate, options.display_rate);
+  haptic_cloth::FlowMeter whole(node, probes, options.reaction_rate, options.display_rate);
   const double give_up = haptic_cloth::steadyNow() + options.patience;
   while (ros::ok() && !whole.allFlow() && haptic_cloth::steadyNow() < give_up) {
     spinUntil(haptic_cloth::steadyNow() + 0.1);

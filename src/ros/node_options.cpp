@@ -22,6 +22,19 @@ std::string toText(double value) {
   return text.str();
 }
 
+void readAdmittance(ParameterGroup group, AdmittanceOptions& tool) {
+  group.read("mass", tool.mass, false);
+  group.read("damping", tool.damping, false);
+  group.read("deadband", tool.deadband, true);
+  group.read("force_timeout", tool.force_timeout, false);
+  group.read("max_speed", tool.max_speed, false);
+  group.read("max_acceleration", tool.max_acceleration, false);
+  group.read("start", tool.start);
+  group.read("workspace_low", tool.workspace_low);
+  group.read("workspace_high", tool.workspace_high);
+  group.rejectRest();
+}
+
 void readHaptics(ParameterGroup group, HapticOptions& haptics) {
   group.read("rate", haptics.rate, false);
   group.read("max_force", haptics.max_force, false);
@@ -37,6 +50,7 @@ void readHaptics(ParameterGroup group, HapticOptions& haptics) {
   passivity.read("store", haptics.passivity.store, true);
   passivity.read("loop_delay", haptics.passivity.loop_delay, true);
   passivity.rejectRest();
+  readAdmittance(group.group("admittance"), haptics.admittance);
   group.rejectRest();
 }
 

@@ -34,6 +34,17 @@ void ParameterGroup::read(const std::string& key, std::string& value) {
   value = static_cast<std::string>(entry);
 }
 
+std::size_t ParameterGroup::readChoice(const std::string& key, const std::vector<std::string>& choices,
+                                       std::size_t value) {
+  std::string text = choices[value], known;
+  read(key, text);
+  for (std::size_t k = 0; k < choices.size(); ++k) {
+    if (text == choices[k]) return k;
+    known += (k > 0 ? ", " : "") + choices[k];
+  }
+  fail(key, "must be one of " + known);
+}
+
 void ParameterGroup::read(const std::string& key, double& value, bool zero_is_good) {
   known_.insert(key);
   if (!has(key)) return;

@@ -22,6 +22,8 @@ class ParameterGroup {
 
   /// @throws InputError for wrong types and values, as all below
   void read(const std::string& key, std::string& value);
+  /// @return which of `choices` it is; `value` where the key is not there
+  std::size_t readChoice(const std::string& key, const std::vector<std::string>& choices, std::size_t value);
   /// @param zero_is_good whether 0 is allowed beside positive values
   void read(const std::string& key, double& value, bool zero_is_good);
   void read(const std::string& key, bool& value);

@@ -11,8 +11,12 @@ constexpr double kClockJump = 1.0;
 }  // namespace
 
 PoseVerdict PoseGate::judge(const geometry_msgs::PoseStamped& pose, const ros::Time& now) {
-  if (!isFinite(pose.pose)) return PoseVerdict::NotFinite;
-  const ros::Time stamp = pose.header.stamp;
+  return judge(pose.header, isFinite(pose.pose), now);
+}
+
+PoseVerdict PoseGate::judge(const std_msgs::Header& header, bool finite, const ros::Time& now) {
+  if (!finite) return PoseVerdict::NotFinite;
+  const ros::Time stamp = header.stamp;
   if (stamp.isZero()) return PoseVerdict::Accepted;
   if (max_age_ > 0.0 && (now - stamp).toSec() > max_age_) return PoseVerdict::Late;
   if (stamp < last_ && (last_ - stamp).toSec() <= kClockJump) return PoseVerdict::OutOfOrder;

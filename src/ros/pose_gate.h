@@ -8,7 +8,7 @@ namespace haptic_cloth {
 
 enum class PoseVerdict { Accepted, NotFinite, OutOfOrder, Late };
 
-/// Judges poses by content and stamp. A zero stamp says nothing and passes.
+/// Judges poses, and forces, by content and stamp. A zero stamp says nothing and passes.
 class PoseGate {
  public:
   /// @param max_age an older stamp is late [s]; 0: never
@@ -18,6 +18,9 @@ class PoseGate {
 
   /// @param now clock of the stamps
   PoseVerdict judge(const geometry_msgs::PoseStamped& pose, const ros::Time& now);
+
+  /// The same for any message. @param finite whether its numbers are
+  PoseVerdict judge(const std_msgs::Header& header, bool finite, const ros::Time& now);
 
  private:
   double max_age_;

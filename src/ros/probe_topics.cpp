@@ -13,16 +13,15 @@ ProbeTopics::ProbeTopics(const NodeOptions& options, std::size_t number, const t
     : name_(options.scene.probes[number].name),
       paused_(shared.paused),
       shared_(shared.probes[number]),
-      input_(options, number, transforms, shared) {
+      admittance_(options.probes[number].device.kind == DeviceKind::Admittance),
+      input_(options, number, transforms, shared),
+      force_(options, options.probes[number], transforms, shared_) {
   const auto named = [this](const char* topic) { return topics::ofProbe(name_, topic); };
   reaction_ = node.advertise<geometry_msgs::WrenchStamped>(named(topics::kReaction), topics::kReactionQueue);
   proxy_ = node.advertise<geometry_msgs::PoseStamped>(named(topics::kProxy), topics::kProxyQueue);
-  ros::SubscribeOptions pose = ros::SubscribeOptions::create<geometry_msgs::PoseStamped>(
-      named(topics::kPose), topics::kPoseQueue,
-      [this](const geometry_msgs::PoseStamped::ConstPtr& message) { input_.accept(*message); },
-      ros::VoidConstPtr(), &queues.poses);
-  pose.transport_hints = ros::TransportHints().tcpNoDelay();
-  pose_subscriber_ = node.subscribe(pose);
+  if (admittance_)
+    command_ = node.advertise<geometry_msgs::PoseStamped>(named(topics::kCommand), topics::kCommandQueue);
+  subscribe(node, queues.poses);
   // Beside the services, so that a pause and what follows it come in order.
   node.setCallbackQueue(&queues.services);
   grasp_subscriber_ = node.subscribe<std_msgs::Bool>(
@@ -33,10 +32,26 @@ ProbeTopics::ProbeTopics(const NodeOptions& options, std::size_t number, const t
   set_grasp_ = node.advertiseService(named(topics::kSetGrasp), &ProbeTopics::setGrasp, this);
 }
 
+void ProbeTopics::subscribe(ros::NodeHandle& node, ros::CallbackQueue& poses) {
+  ros::SubscribeOptions pose = ros::SubscribeOptions::create<geometry_msgs::PoseStamped>(
+      topics::ofProbe(name_, topics::kPose), topics::kPoseQueue,
+      [this](const geometry_msgs::PoseStamped::ConstPtr& message) { input_.accept(*message); },
+      ros::VoidConstPtr(), &poses);
+  pose.transport_hints = ros::TransportHints().tcpNoDelay();
+  pose_subscriber_ = node.subscribe(pose);
+  if (!admittance_) return;
+  ros::SubscribeOptions force = ros::SubscribeOptions::create<geometry_msgs::WrenchStamped>(
+      topics::ofProbe(name_, topics::kForce), topics::kForceQueue,
+      [this](const geometry_msgs::WrenchStamped::ConstPtr& message) { force_.accept(*message); },
+      ros::VoidConstPtr(), &poses);
+  force.transport_hints = ros::TransportHints().tcpNoDelay();
+  force_subscriber_ = node.subscribe(force);
+}
+
 std::string ProbeTopics::grasp(bool closed) {
   // What would close by itself at the end of a pause, or when a device comes, surprises the hand.
   if (closed && paused_) return "paused";
-  if (closed && !shared_.present) return "no pose";
+  if (closed && !shared_.present) return "no " + message();
   shared_.grasp_wanted = closed;
   return "";
 }

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "ros/device_input.h"
+#include "ros/force_input.h"
 
 namespace haptic_cloth {
 
@@ -26,13 +27,17 @@ class ProbeTopics {
               ros::NodeHandle node, const Queues& queues, SharedState& shared);
 
   const std::string& name() const { return name_; }
-  const DeviceInput& input() const { return input_; }
+  /// Of what its device sends at haptic rate.
+  const InputCounters& counters() const { return admittance_ ? force_.counters() : input_.counters(); }
+  std::string message() const { return admittance_ ? "force" : "pose"; }
   const ros::Publisher& reaction() const { return reaction_; }
+  const ros::Publisher& command() const { return command_; }  ///< of admittance devices alone
   const ros::Publisher& proxy() const { return proxy_; }
   /// Full name of its service.
   std::string service() const { return set_grasp_.getService(); }
 
  private:
+  void subscribe(ros::NodeHandle& node, ros::CallbackQueue& poses);
   /// Closes or opens the grasp. @return why not; empty if all is well
   std::string grasp(bool closed);
   bool setGrasp(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
@@ -40,9 +45,11 @@ class ProbeTopics {
   std::string name_;
   const std::atomic<bool>& paused_;
   SharedProbe& shared_;
+  bool admittance_;
   DeviceInput input_;
-  ros::Publisher reaction_, proxy_;
-  ros::Subscriber pose_subscriber_, grasp_subscriber_;
+  ForceInput force_;
+  ros::Publisher reaction_, command_, proxy_;
+  ros::Subscriber pose_subscriber_, force_subscriber_, grasp_subscriber_;
   ros::ServiceServer set_grasp_;
 };
 

@@ -60,7 +60,7 @@ class HapticClothServer::Implementation {
         transform_listener_(transforms_),
         probes_(offerProbes()),
         obstacles_(offerObstacles()),
-        haptics_(options_, reactions(), shared_),
+        haptics_(options_, publishers(), shared_),
         master_(services()),
         display_(options_, advertise(node_), {probes_, obstacles_, haptics_, master_}, shared_),
         pose_spinner_(1, &pose_queue_),
@@ -102,6 +102,7 @@ class HapticClothServer::Implementation {
   void warn() const {
     for (std::size_t k = 0; k < probes_.size(); ++k) {
       const ProbeSettings& settings = options_.probes[k];
+      if (settings.device.kind == DeviceKind::Admittance) continue;  // it renders no force
       for (const std::string& warning : deviceWarnings(settings.device, settings.haptics))
         ROS_WARN_STREAM(probes_[k].name() << ": " << warning);
     }
@@ -126,9 +127,9 @@ class HapticClothServer::Implementation {
     return obstacles;
   }
 
-  std::vector<ros::Publisher> reactions() const {
-    std::vector<ros::Publisher> publishers;
-    for (const ProbeTopics& probe : probes_) publishers.push_back(probe.reaction());
+  std::vector<ProbePublishers> publishers() const {
+    std::vector<ProbePublishers> publishers;
+    for (const ProbeTopics& probe : probes_) publishers.push_back({probe.reaction(), probe.command()});
     return publishers;
   }
 

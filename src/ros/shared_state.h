@@ -22,8 +22,17 @@ struct StampedSample {
   DeviceSample sample;
   ros::Time stamp;
   std::string frame_id;                    ///< of the message
+  Vec3 frame_position = Vec3::Zero();      ///< of that frame in the cloth's [m]
   Quat frame_rotation = Quat::Identity();  ///< of that frame in the cloth's
   Quat orientation = Quat::Identity();     ///< of the device in the cloth's frame
+};
+
+/// A measured force with what its answer needs.
+struct StampedForce {
+  ForceSample sample;
+  ros::Time stamp;
+  std::string frame_id;                    ///< of the message
+  Quat frame_rotation = Quat::Identity();  ///< of that frame in the cloth's
 };
 
 /// What a probe does with the cloth it touches.
@@ -78,7 +87,9 @@ struct FeltForce {
 /// Of one probe.
 struct SharedProbe {
   Mailbox<StampedSample> device_for_haptics;  ///< pose callback → haptic thread
-  Mailbox<StampedSample> device_for_solver;   ///< pose callback → solver thread
+  Mailbox<StampedForce> force;                ///< force callback → haptic thread; admittance devices
+  Mailbox<StampedSample> device_for_solver;   ///< → solver thread; from the pose callback, or the haptic
+                                              ///< thread where that moves a tool
   Mailbox<ProbeSnapshot> snapshot;            ///< solver thread → haptic thread
   Mailbox<FeltForce> felt;                    ///< haptic thread → display thread
 

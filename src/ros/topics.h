@@ -12,6 +12,11 @@ constexpr char kPose[] = "probe/pose";
 constexpr int kPoseQueue = 1;
 constexpr char kReaction[] = "probe/reaction";
 constexpr int kReactionQueue = 1;
+// Of admittance devices.
+constexpr char kForce[] = "probe/force";
+constexpr int kForceQueue = 1;
+constexpr char kCommand[] = "probe/command";
+constexpr int kCommandQueue = 1;
 constexpr char kProxy[] = "probe/proxy";
 constexpr int kProxyQueue = 1;
 constexpr char kGrasp[] = "probe/grasp";

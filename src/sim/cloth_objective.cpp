@@ -247,7 +247,6 @@ double ClothObjective::evaluateProbes(Vector& gradient) {
   return value;
 }
 
-/// Held nodes go where their proxy goes, or, for directions, as it does.
 void ClothObjective::carryHeld(const Proxies& proxies, bool offsets, Field& nodes) const {
   if (held_.empty()) return;
   for (const HeldNode& held : held_) {

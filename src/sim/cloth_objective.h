@@ -95,6 +95,10 @@ class ClothObjective : public Objective {
   /// Node values and proxies from unknowns; ghosts follow their masters.
   void unpack(const Vector& values, Field& nodes, Proxies& proxies) const;
 
+  /// Held nodes go where their proxy goes, at their `offsets` from it, or, for directions, as it does.
+  void carryHeld(const Proxies& proxies, bool offsets, Field& nodes) const;
+  const std::vector<HeldNode>& held() const { return held_; }
+
   /// Of the energy of motion, air and gravity by a node at x [N]; per mass it stiffens by inertia() [1/s²].
   Vec3 motionGradient(int node, const Vec3& x) const {
     Vec3 gradient = -mesh_.mass[node] * gravity_;
@@ -140,7 +144,6 @@ class ClothObjective : public Objective {
   template <class Visit>
   void forPresent(const Visit& visit) const;
   Vec3 slip(int probe) const;
-  void carryHeld(const Proxies& proxies, bool offsets, Field& nodes) const;
   void placeProbes();
   double evaluateProbes(Vector& gradient);
   void spread();

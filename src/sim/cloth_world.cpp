@@ -248,7 +248,7 @@ void ClothWorld::takeHold() {
   const auto free_node = [this](int particle) {
     return mesh.node[particle] >= 0 && mesh.node[particle] < mesh.free;
   };
-  for (int k = 0; k < static_cast<int>(memories_.size()) && !joint_; ++k) {
+  for (int k = 0; k < static_cast<int>(memories_.size()); ++k) {
     const auto own = [k](const HeldParticle& held) { return held.probe == k; };
     if (!memories_[k].closed || std::any_of(held_.begin(), held_.end(), own)) continue;
     for (const int particle : touched_by_[k]) {

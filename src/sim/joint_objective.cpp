@@ -12,7 +12,8 @@ JointObjective::JointObjective(ClothObjective& step, const ActiveMesh& mesh, con
   }
   weight_.reserve(mesh.grid.particles());
   inverse_diagonal_.setZero(capacity());
-  for (Proxies* list : {&proxies_, &proxy_motions_, &proxy_residuals_}) {
+  proxy_weight_.assign(step.probeSteps().size(), 0.0);
+  for (Proxies* list : {&proxies_, &proxy_motions_, &proxy_residuals_, &hold_}) {
     list->assign(step.probeSteps().size(), Vec3::Zero());
   }
 }
@@ -32,13 +33,21 @@ void JointObjective::begin(const Vector& start, const Vector& positions, Vector&
   for (auto* list : {&residual_, &gradient_, &diagonal_, &stiffness_}) list->clear(mesh_.nodes());
   weight_.assign(mesh_.nodes(), 0.0);
   for (int n = 0; n < mesh_.free; ++n) weight_[n] = h * h / mesh_.mass[n];
+  forPresent([this](int k, int) { proxy_weight_[k] = step_.couplingStiffness(k); });
+  for (const HeldNode& held : step_.held()) {
+    proxy_weight_[held.probe] += mesh_.mass[held.node] * step_.inertia();
+    weight_[held.node] = 0.0;
+  }
+  forPresent([this](int k, int) { proxy_weight_[k] = 1.0 / proxy_weight_[k]; });
   step_.unpack(start, nodes_, proxies_);
+  step_.carryHeld(proxies_, true, nodes_);
   elements_.begin(nodes_, unknowns.data() + step_.size());
   unknowns.head(step_.size()) = positions.head(step_.size());
 }
 
 double JointObjective::evaluate(const Vector& x, Vector& gradient) {
   step_.unpack(x, nodes_, proxies_);
+  step_.carryHeld(proxies_, true, nodes_);
   forPresent([this](int k, int) { contacts_.placeProbe(k, proxies_[k]); });
   evaluateElements(x.data() + step_.size());
   costs_.motion = residualForces();
@@ -75,6 +84,7 @@ double JointObjective::residualForces() {
     contacts_.addGradient(begin, end, residual_);
   });
   mesh_.handOverGhosts(residual_);
+  takeHeld(residual_);
   double cost = team_.sum(mesh_.nodes(), [&](int begin, int end) {
     Sums sums = Sums::Zero();
     for (int n = begin; n < end; ++n) {
@@ -83,13 +93,23 @@ double JointObjective::residualForces() {
     }
     return sums;
   })[0];
-  mesh_.interpolateGhosts(residual_);
   forPresent([&](int k, int) {  // no mass: it answers over a step as h² times its coupling would
-    const Vec3 force = step_.couplingGradient(k, proxies_[k]) + contacts_.proxyGradient(k);
-    proxy_residuals_[k] = force / step_.couplingStiffness(k);
+    const Vec3 force = step_.couplingGradient(k, proxies_[k]) + contacts_.proxyGradient(k) + hold_[k];
+    proxy_residuals_[k] = proxy_weight_[k] * force;
     cost += 0.5 * force.dot(proxy_residuals_[k]);
   });
+  mesh_.interpolateGhosts(residual_);
+  step_.carryHeld(proxy_residuals_, false, residual_);
   return cost;
+}
+
+/// Takes what acts on held nodes from `forces` into hold_.
+void JointObjective::takeHeld(Field& forces) {
+  std::fill(hold_.begin(), hold_.end(), Vec3::Zero());
+  for (const HeldNode& held : step_.held()) {
+    hold_[held.probe] += forces[held.node];
+    forces.set(held.node, Vec3::Zero());
+  }
 }
 
 /// By positions: what the residual's change along itself, in the slots, adds up to.
@@ -100,14 +120,17 @@ void JointObjective::gatherGradient(Vector& gradient) {
     contacts_.addChange(begin, end, gradient_);
   });
   mesh_.handOverGhosts(gradient_);
+  takeHeld(gradient_);
   step_.packFree(gradient_, gradient);
   forPresent([&](int k, int at) {
-    gradient.segment<3>(at) = step_.couplingStiffness(k) * proxy_residuals_[k] + contacts_.proxyChange(k);
+    gradient.segment<3>(at) =
+        step_.couplingStiffness(k) * proxy_residuals_[k] + contacts_.proxyChange(k) + hold_[k];
   });
 }
 
 Objective::Along JointObjective::along(const Vector& d) {
   step_.unpack(d, motion_, proxy_motions_);
+  step_.carryHeld(proxy_motions_, false, motion_);
   return {changeOfForces(d.data() + step_.size()), contacts_.maxStep(motion_, proxy_motions_)};
 }
 
@@ -127,14 +150,15 @@ double JointObjective::changeOfForces(const double* d_forces) {
     contacts_.addChange(begin, end, gradient_);
   });
   mesh_.handOverGhosts(gradient_);
+  takeHeld(gradient_);
   double curvature = laws[0] + team_.sum(mesh_.free, [&](int begin, int end) {
     Sums sums = Sums::Zero();
     for (int n = begin; n < end; ++n) sums[0] += weight_[n] * gradient_[n].squaredNorm();
     return sums;
   })[0];
   forPresent([&](int k, int) {
-    const Vec3 change = step_.couplingStiffness(k) * proxy_motions_[k] + contacts_.proxyChange(k);
-    curvature += change.squaredNorm() / step_.couplingStiffness(k);
+    const Vec3 change = step_.couplingStiffness(k) * proxy_motions_[k] + contacts_.proxyChange(k) + hold_[k];
+    curvature += proxy_weight_[k] * change.squaredNorm();
   });
   return curvature;
 }
@@ -154,14 +178,21 @@ void JointObjective::fitPreconditioner() {
   mesh_.handOverGhosts(diagonal_, 0.25);
   mesh_.handOverGhosts(stiffness_, 0.25);
   for (int n = 0; n < mesh_.free; ++n) {
-    const Vec3 force = stiffness_[n].array() + mesh_.mass[n] * step_.inertia();
-    diagonal_.set(n, (diagonal_[n] + weight_[n] * force.cwiseAbs2()).cwiseInverse());
+    stiffness_.set(n, stiffness_[n].array() + mesh_.mass[n] * step_.inertia());
+    diagonal_.set(n, diagonal_[n] + weight_[n] * stiffness_[n].cwiseAbs2());
   }
-  step_.packFree(diagonal_, inverse_diagonal_);
   forPresent([this](int k, int at) {
-    const Vec3 force = contacts_.proxyDiagonal(k).array() + step_.couplingStiffness(k);
-    inverse_diagonal_.segment<3>(at) = step_.couplingStiffness(k) * force.cwiseAbs2().cwiseInverse();
+    Vec3 laws = Vec3::Zero(), force = contacts_.proxyDiagonal(k).array() + step_.couplingStiffness(k);
+    for (const HeldNode& held : step_.held()) {
+      if (held.probe != k) continue;
+      laws += diagonal_[held.node];
+      force += stiffness_[held.node];
+    }
+    inverse_diagonal_.segment<3>(at) = (laws + proxy_weight_[k] * force.cwiseAbs2()).cwiseInverse();
   });
+  for (int n = 0; n < mesh_.free; ++n) diagonal_.set(n, diagonal_[n].cwiseInverse());
+  for (const HeldNode& held : step_.held()) diagonal_.set(held.node, Vec3::Zero());
+  step_.packFree(diagonal_, inverse_diagonal_);
 }
 
 void JointObjective::precondition(const Vector& gradient, Vector& z) const {

@@ -11,7 +11,8 @@ namespace haptic_cloth {
 
 /// E^n = Σ h²/(2m) |residual of Newton's law|² [J] with the unknown forces in place of the laws', and the
 /// costs of JointEnergy. Contact, friction, air, probe and what else there is act as in ClothObjective, whose
-/// step this is. Where E = 0 the condensed cost's gradient vanishes too, and the other way round.
+/// step this is. Nodes that a probe holds move with its proxy, which feels their forces and has their
+/// inertia. Where E = 0 the condensed cost's gradient vanishes too, and the other way round.
 class JointObjective : public Objective {
  public:
   /// @param step the step to be solved: begin() it first
@@ -41,6 +42,7 @@ class JointObjective : public Objective {
   void forPresent(const Visit& visit) const;
   void evaluateElements(const double* forces);
   double residualForces();
+  void takeHeld(Field& forces);
   void gatherGradient(Vector& gradient);
   double changeOfForces(const double* d_forces);
 
@@ -51,8 +53,10 @@ class JointObjective : public Objective {
   JointEnergy elements_;
   CostReport costs_;
   Field nodes_, motion_, residual_, gradient_, diagonal_, stiffness_;
-  std::vector<double> weight_;  ///< h²/m of the nodes, zero for those without a law of motion [m/N]
+  std::vector<double> weight_;        ///< h²/m of the nodes, zero for those without a law of motion [m/N]
+  std::vector<double> proxy_weight_;  ///< of the probes, 1/(stiffness of coupling and held mass) [m/N]
   Proxies proxies_, proxy_motions_, proxy_residuals_;
+  Proxies hold_;  ///< what acts on the nodes a probe holds, or its change, acts on its proxy [N]
   Vector inverse_diagonal_;
 };
 

@@ -8,6 +8,7 @@
 #include "support/record.h"
 #include "support/scenes.h"
 #include "support/tolerance.h"
+#include "tools/run.h"
 
 namespace haptic_cloth {
 namespace {
@@ -162,6 +163,34 @@ Scene lying(Strategy strategy, double friction) {
   floor.friction = friction;
   scene.obstacles.push_back(floor);
   return scene;
+}
+
+/// The shipped scene on its own paths. Nothing but friction holds what is lifted: a force of at most μ of the
+/// normal one.
+TEST(TwoFingers, TheShippedSceneLiftsTheClothByItsCorner) {
+  Simulation simulation(loadScene(HAPTIC_CLOTH_SOURCE_DIR "/config/scenes/two_fingers.yaml"));
+  const Scene& scene = simulation.scene();
+  ASSERT_EQ(scene.probes.size(), 2u);
+  const RunRecord record = runScene(simulation, false, nullptr);
+  EXPECT_EQ(record.totals.failed_steps, 0);
+  const Vec3 corner = particle(simulation, 32, 32);
+  double lifted = 0.0;
+  for (int k = 0; k < 2; ++k) {
+    const ProbeOptions& probe = scene.probes[k];
+    const Vec3 rise = probe.path.back().position - probe.path.front().position;
+    lifted = std::max(lifted, rise.z());
+    const ProbeReport report = simulation.probe(k);
+    EXPECT_TRUE(report.contact) << probe.name;
+    EXPECT_FALSE(report.grasps) << probe.name;
+    // The pinched place lies between the fingers, a radius or so from the corner.
+    EXPECT_LT((corner - report.proxy).norm(), 3.0 * probe.radius) << probe.name;
+  }
+  EXPECT_GT(lifted, 0.05);
+  EXPECT_GT(corner.z(), scene.cloth.pose.position.z() + 0.8 * lifted);
+  const Vec3 held = simulation.probe(0).force + simulation.probe(1).force;
+  const double weight = simulation.mass() * kGravity;
+  EXPECT_LT(held.z(), -0.2 * weight) << "they carry some of the cloth";
+  EXPECT_GE(held.z(), -1.2 * weight);
 }
 
 TEST(Grasp, LiftsTheClothAndFeelsItsWeight) {

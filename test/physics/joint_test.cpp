@@ -97,6 +97,46 @@ class Costs : public testing::TestWithParam<Strategy> {
 TEST_P(Costs, AgreeUnderTheProbe) { compare(pressed(GetParam()), "sheet under the probe", true); }
 TEST_P(Costs, AgreeOnASinkingStrip) { compare(sinking(GetParam()), "sinking strip", false); }
 
+/// A strip held at both ends is grasped beside its middle and lifted by 10 mm; force on the probe in the end
+/// [N].
+Vec3 graspedAndLifted(Cost cost, Strategy strategy) {
+  Scene scene = sheetScene(winterSuiting(), 13, 5, 0.06, 0.02);
+  pin(scene, 0, 0, 0, 4);
+  pin(scene, 12, 12, 0, 4);
+  scene.probes[0].radius = 0.006;
+  quasiStatic(scene, 10.0, 2e-3, 0.02);
+  setStrategy(scene, strategy, 2);
+  scene.solver.cost = cost;
+  scene.solver.minimizer.max_iterations = 1000;
+  Simulation simulation(scene);
+  const double h = scene.solver.time_step, touching = scene.probes[0].radius;
+  Vec3 device(0.005, 0.0, touching + 0.002);
+  const auto move = [&](double speed, int steps) {
+    for (int k = 0; k < steps; ++k) {
+      device.z() += h * speed;
+      simulation.setDevice(device, Vec3(0.0, 0.0, speed));
+      EXPECT_FALSE(simulation.step().failed);
+    }
+  };
+  move(0.0, 1);
+  simulation.setGrasp(0, true);
+  move(-0.1, 40);
+  EXPECT_TRUE(simulation.probe().grasps);
+  move(0.2, 25);
+  move(0.0, 60);
+  EXPECT_TRUE(simulation.probe().grasps);
+  return simulation.probe().force;
+}
+
+TEST_P(Costs, AgreeOnWhatAGraspHolds) {
+  const Vec3 condensed = graspedAndLifted(Cost::Condensed, GetParam()),
+             joint = graspedAndLifted(Cost::Joint, GetParam());
+  record({"joint cost, grasped strip", "probe force [N]", name(GetParam()), 0.0, joint.norm(),
+          condensed.norm(), condensed.norm()});
+  ASSERT_LT(condensed.z(), -1e-3) << "it pulls down";
+  EXPECT_LT((joint - condensed).norm(), tolerance(0.05 * condensed.norm()));
+}
+
 INSTANTIATE_TEST_SUITE_P(Strategies, Costs, testing::Values(Strategy::Finest, Strategy::Amrc),
                          [](const auto& info) { return name(info.param); });
 

@@ -23,6 +23,18 @@ class JointTest : public ObjectiveTest {
     forces_ = joint_.size() - positions_;
   }
 
+  /// Some free nodes under the probe go with it from here on.
+  void grasp() {
+    std::vector<HeldNode> held;
+    const Vec3 proxy = objective_.probeSteps()[0].proxy;
+    for (int n = 0; n < mesh_.free; ++n) {
+      if ((nodes_[n] - proxy).norm() < 0.011) held.push_back({n, 0, nodes_[n] - proxy});
+    }
+    ASSERT_GE(held.size(), 5u);
+    objective_.begin(nodes_, velocities_, objective_.probeSteps(), held);
+    joint_.begin(start_, start_, unknowns_);
+  }
+
   double value(const Vector& x) {
     Vector unused = Vector::Zero(joint_.capacity());
     return joint_.evaluate(x, unused);
@@ -77,6 +89,39 @@ TEST_F(JointTest, FollowsTheLawsWhereForcesDo) {
       gradient.segment<3>(positions_ - 3).squaredNorm() / (2.0 * objective_.couplingStiffness(0));
   EXPECT_NEAR(joint, motion + proxy, tolerance(1e-12 * joint));
   EXPECT_NEAR(joint_.residual(gradient), residual, tolerance(1e-12 * residual));
+}
+
+TEST_F(JointTest, AGraspKeepsGradientLawsAndCurvature) {
+  ASSERT_NO_FATAL_FAILURE(grasp());
+  const std::size_t held = objective_.held().size();
+  Vector gradient = Vector::Zero(joint_.capacity());
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    Vector x = unknowns_;
+    x.head(positions_) += 3e-5 * fixedRandom(positions_, seed);
+    x.segment(positions_, forces_).array() *= 1.0 + 0.3 * fixedRandom(forces_, seed + 10).array();
+    EXPECT_LT(errorOfGradient(x, 0, positions_, 1e-9), tolerance(1e-5)) << seed;
+    EXPECT_LT(errorOfGradient(x, positions_, forces_, 1e-4), tolerance(1e-5)) << seed;
+    joint_.evaluate(x, gradient);
+    for (const HeldNode& node : objective_.held()) {
+      EXPECT_EQ(gradient[node.node], 0.0) << "held nodes are no unknowns";
+    }
+  }
+  // The condensed gradient vanishes where this cost's does: forces of the laws, the same force on the proxy.
+  Vector condensed = Vector::Zero(objective_.capacity());
+  objective_.evaluate(start_, condensed);
+  double stiffness = objective_.couplingStiffness(0);
+  for (const HeldNode& node : objective_.held()) stiffness += mesh_.mass[node.node] * objective_.inertia();
+  const double proxy = condensed.segment<3>(positions_ - 3).squaredNorm() / (2.0 * stiffness);
+  const double joint = value(unknowns_);
+  EXPECT_GT(proxy, 0.0);
+  EXPECT_NEAR(joint, objective_.motionCost() + proxy, tolerance(1e-12 * joint)) << held << " held";
+  // Along forces the cost is quadratic.
+  Vector d = Vector::Zero(joint_.capacity());
+  d.segment(positions_, forces_) = fixedRandom(forces_, 3);
+  const double ahead = value(unknowns_ + d), behind = value(unknowns_ - d);
+  value(unknowns_);
+  const double curvature = joint_.along(d).curvature;
+  EXPECT_NEAR(curvature, ahead - 2.0 * joint + behind, tolerance(1e-9 * curvature));
 }
 
 TEST_F(JointTest, CurvatureIsThatOfTheSquares) {

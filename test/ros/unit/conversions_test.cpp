@@ -169,12 +169,12 @@ TEST(NodeOptions, TheShippedSettingsAreTheDefaults) {
   EXPECT_EQ(loaded.haptics.passivity.store, plain.haptics.passivity.store);
   EXPECT_EQ(loaded.haptics.passivity.device_damping, plain.haptics.passivity.device_damping);
   EXPECT_EQ(loaded.haptics.passivity.loop_delay, plain.haptics.passivity.loop_delay);
-  // Every key of the code stands in the file: 7 beside the groups, of which device has 10, devices 0, haptics
-  // 8, among them passivity with 5, markers 5, state 1.
+  // Every key of the code stands in the file: 7 beside the groups, of which device has 11, devices 0, haptics
+  // 9, among them passivity with 5 and admittance (admittance_options_test.cpp), markers 5, state 1.
   EXPECT_EQ(shipped.size(), 12u);
   EXPECT_EQ(shipped["devices"].size(), 0u);
-  EXPECT_EQ(shipped["device"].size(), 10u);
-  EXPECT_EQ(shipped["haptics"].size(), 8u);
+  EXPECT_EQ(shipped["device"].size(), 11u);
+  EXPECT_EQ(shipped["haptics"].size(), 9u);
   EXPECT_EQ(shipped["haptics"]["passivity"].size(), 5u);
   EXPECT_EQ(shipped["markers"].size(), 5u);
   EXPECT_EQ(shipped["state"].size(), 1u);

@@ -119,6 +119,31 @@ TEST(DeviceMap, LimitsOfTheForceHoldAtTheDevice) {
   EXPECT_NEAR(fastest, haptics.max_force_rate, 1e-6);
 }
 
+TEST_F(DeviceMapTest, ForcesOutAndInAreInverse) {
+  for (int k = 0; k < 100; ++k) {
+    const DeviceOptions options = device();
+    const Quat frame = rotation();
+    const Vec3 force = vector();
+    EXPECT_TRUE(forceAtProbe(options, frame, forceForDriver(options, frame, force)).isApprox(force, 1e-12));
+  }
+}
+
+/// F = m a of the hand: what it pushes with and how it then moves, over scales.
+TEST_F(DeviceMapTest, TheToolIsTheHandsWhateverTheScales) {
+  for (int k = 0; k < 100; ++k) {
+    const DeviceOptions options = device();
+    HapticOptions haptics;
+    const AdmittanceOptions at_probe = limitsAtProbe(haptics, options).admittance;
+    const Vec3 force = vector();
+    const Vec3 push = forceAtProbe(options, Quat::Identity(), force);
+    const double acceleration = push.norm() / at_probe.mass / options.position_scale;
+    EXPECT_NEAR(acceleration, force.norm() / haptics.admittance.mass, 1e-9);
+    const double speed = push.norm() / at_probe.damping / options.position_scale;
+    EXPECT_NEAR(speed, force.norm() / haptics.admittance.damping, 1e-9);
+    EXPECT_NEAR(at_probe.max_speed / options.position_scale, haptics.admittance.max_speed, 1e-12);
+  }
+}
+
 TEST(DeviceMap, WarnsOfWhatTheDeviceCannotRender) {
   DeviceOptions device;
   HapticOptions haptics;  // 400 N/m, 1 N·s/m

@@ -1,0 +1,88 @@
+#include "haptics/admittance_loop.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "haptics/limits.h"
+
+namespace haptic_cloth {
+namespace {
+
+/// The cloth may hold with this many times what a hand may push with [-]: nobody gets through it because of a
+/// limit. The device does not render this force, so no limit of the device's is needed.
+constexpr double kHold = 2.0;
+
+/// A late tick makes up for no more than this many.
+constexpr double kMaxLateTicks = 5.0;
+
+const HapticOptions& checked(const HapticOptions& options) {
+  validateHapticOptions(options, "haptic options");
+  return options;
+}
+
+HapticOptions clothOptions(HapticOptions options) {
+  const AdmittanceOptions& tool = options.admittance;
+  const double fastest = 2.0 * options.coupling_stiffness * tool.max_speed;
+  options.max_force *= kHold;
+  options.max_force_rate = std::max(options.max_force_rate, fastest);
+  // The tool's place is known in the tick in which it gets there, and its damper is sure.
+  options.passivity.loop_delay = 0.0;
+  options.passivity.device_damping = tool.damping;
+  return options;
+}
+
+HapticStatus judge(const AdmittanceOptions& options, const ForceSample& hand, double now) {
+  if (hand.received < 0.0 || !std::isfinite(hand.received)) return HapticStatus::NoForce;
+  const bool fresh = now - hand.received <= options.force_timeout && hand.force.allFinite();
+  return fresh ? HapticStatus::Free : HapticStatus::ForceStale;
+}
+
+}  // namespace
+
+AdmittanceLoop::AdmittanceLoop(const HapticOptions& options)
+    : options_(checked(options)), tool_(options.admittance), cloth_(clothOptions(options)) {}
+
+void AdmittanceLoop::setOptions(const HapticOptions& options, double unit) {
+  options_ = options;
+  cloth_.setOptions(clothOptions(options), unit);
+}
+
+void AdmittanceLoop::tick(const ForceSample& hand, const ProbeSnapshot& snapshot, bool paused, double now) {
+  const double period = 1.0 / options_.rate;
+  const double elapsed =
+      last_tick_ >= 0.0 ? std::clamp(now - last_tick_, 0.0, kMaxLateTicks * period) : period;
+  last_tick_ = now;
+
+  const HapticStatus hand_status = judge(options_.admittance, hand, now);
+  const bool fresh = hand_status == HapticStatus::Free;
+  started_ = started_ || fresh;
+  device_.position = tool_.position();
+  device_.velocity = tool_.velocity();
+  if (fresh) device_.received = now;
+  DeviceSample here = device_;
+  here.received = now;  // the tool is where it is, whatever the hand says
+  reaction_ = cloth_.tick(here, snapshot, paused || !fresh, now);
+  status_ = fresh || paused ? cloth_.status() : hand_status;
+
+  if (status_ == HapticStatus::Free || status_ == HapticStatus::Contact) {
+    soft_ = options_.soft_start > 0.0 ? std::min(1.0, soft_ + elapsed / options_.soft_start) : 1.0;
+    moveTool(hand, snapshot, elapsed);
+  } else {
+    soft_ = 0.0;
+    tool_.brake(elapsed);
+  }
+}
+
+void AdmittanceLoop::moveTool(const ForceSample& hand, const ProbeSnapshot& snapshot, double elapsed) {
+  const double deadband = options_.admittance.deadband, norm = hand.force.norm();
+  const Vec3 felt = norm > deadband ? Vec3((1.0 - deadband / norm) * hand.force) : Vec3(Vec3::Zero());
+  Mat3 stiffness = Mat3::Zero(), damping = Mat3::Zero();
+  if (status_ == HapticStatus::Contact) {
+    const Mat3 held = Mat3::Identity() - snapshot.follow;
+    stiffness = options_.coupling_stiffness * held;
+    damping = options_.coupling_damping * held + options_.passivity.damping * Mat3::Identity();
+  }
+  tool_.move(soft_ * limited(felt, options_.max_force) + reaction_, stiffness, damping, elapsed);
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,53 @@
+/// The haptic tick of a probe whose device is of the admittance kind: force in, pose out.
+#pragma once
+
+#include "haptic_cloth/haptics.h"
+
+namespace haptic_cloth {
+
+/// The tool, the cloth's force on it (HapticLoop, with its limits and its watch over energy), and when it has
+/// to stand still. Pure arithmetic on its own state, no clock, no lock, no allocation.
+class AdmittanceLoop {
+ public:
+  /// @throws InputError if an option is not valid
+  explicit AdmittanceLoop(const HapticOptions& options);
+
+  /// As HapticLoop::setOptions(); the tool itself stays what it is.
+  void setOptions(const HapticOptions& options, double unit);
+
+  /// Where the device is [m]; counts until the tool has started.
+  void place(const Vec3& position) {
+    if (!started_) tool_.place(position);
+  }
+
+  /// One tick at `now` (steady clock [s]). The tool starts with the first force. It brakes and then stands
+  /// still while the force or the snapshot is missing, stale or not finite, and while paused; after that the
+  /// hand's force is let in softly.
+  void tick(const ForceSample& hand, const ProbeSnapshot& snapshot, bool paused, double now);
+
+  bool started() const { return started_; }
+
+  /// The tool as the probe's device. Received when a good force last was, so that a tool whose hand has been
+  /// silent for long leaves the scene as a device does.
+  const DeviceSample& device() const { return device_; }
+
+  const Vec3& position() const { return tool_.position(); }  ///< where the tool is to go now [m]
+  const Vec3& reaction() const { return reaction_; }         ///< of the cloth on the tool [N]
+  HapticStatus status() const { return status_; }
+  bool atRest() const { return tool_.velocity().isZero(0.0); }
+
+ private:
+  void moveTool(const ForceSample& hand, const ProbeSnapshot& snapshot, double elapsed);
+
+  HapticOptions options_;
+  AdmittanceTool tool_;
+  HapticLoop cloth_;
+  DeviceSample device_;
+  Vec3 reaction_ = Vec3::Zero();
+  HapticStatus status_ = HapticStatus::NoForce;
+  bool started_ = false;
+  double last_tick_ = -1.0;
+  double soft_ = 0.0;  ///< 0..1, share of the hand's force
+};
+
+}  // namespace haptic_cloth

@@ -1,0 +1,24 @@
+/// Vectors kept within limits.
+#pragma once
+
+#include <cmath>
+
+#include "haptic_cloth/types.h"
+
+namespace haptic_cloth {
+
+/// `vector` shortened to `limit`, its direction kept. Zero if it is not finite.
+inline Vec3 limited(const Vec3& vector, double limit) {
+  const double norm = vector.norm();
+  if (!std::isfinite(norm)) return Vec3::Zero();
+  return norm > limit ? Vec3(vector * (limit / norm)) : vector;
+}
+
+/// One step of at most `step` from `from` towards `to`; arrives exactly.
+inline Vec3 approach(const Vec3& from, const Vec3& to, double step) {
+  const Vec3 change = to - from;
+  const double norm = change.norm();
+  return norm > step ? Vec3(from + change * (step / norm)) : to;
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,30 @@
+/// Measured forces on their way in: checked, turned into the cloth's frame.
+#pragma once
+
+#include <geometry_msgs/WrenchStamped.h>
+
+#include "ros/device_input.h"
+
+namespace haptic_cloth {
+
+/// Of one probe whose device is of the admittance kind. One thread calls accept().
+class ForceInput {
+ public:
+  /// @param settings of the probe
+  ForceInput(const NodeOptions& options, const ProbeSettings& settings, const tf2_ros::Buffer& transforms,
+             SharedProbe& shared);
+
+  /// @param wrench whose force the hand exerts on the device; its torque is not used
+  void accept(const geometry_msgs::WrenchStamped& wrench);
+
+  const InputCounters& counters() const { return counters_; }
+
+ private:
+  DeviceOptions device_;
+  FrameLookup frames_;
+  SharedProbe& shared_;
+  PoseGate gate_;
+  InputCounters counters_;
+};
+
+}  // namespace haptic_cloth

@@ -1,0 +1,260 @@
+/// A device of the admittance kind on the running node: a measured force moves the commanded pose.
+/// Criteria: in free space a force F ends at the speed F/b, and until then follows the damped mass's law; on
+/// the cloth the tool rests where hand and coupling balance, F/k behind the proxy; a lost force, a pause and
+/// a reset bring it to rest.
+#include <geometry_msgs/PoseStamped.h>
+#include <geometry_msgs/WrenchStamped.h>
+#include <gtest/gtest.h>
+#include <ros/ros.h>
+#include <std_srvs/Empty.h>
+#include <std_srvs/SetBool.h>
+
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "ros/conversions.h"
+#include "ros/steady_clock.h"
+#include "ros_test_support.h"
+
+namespace haptic_cloth {
+namespace {
+
+// Of admittance.test and scene.yaml.
+constexpr double kMass = 0.2, kDamping = 4.0, kStiffness = 400.0;
+const Vec3 kOffset(0.0, 0.0, 0.02), kStart(0.0, 0.0, 0.15);
+
+/// From the driver's axes into the cloth's, and back.
+Vec3 turned(const Vec3& v) { return {-v.y(), v.x(), v.z()}; }
+Vec3 turnedBack(const Vec3& v) { return {v.y(), -v.x(), v.z()}; }
+
+/// A force sensor at 500 Hz.
+class TestSensor {
+ public:
+  explicit TestSensor(ros::NodeHandle& node)
+      : publisher_(node.advertise<geometry_msgs::WrenchStamped>("probe/force", 1)),
+        thread_([this] { run(); }) {}
+  ~TestSensor() {
+    stop_ = true;
+    thread_.join();
+  }
+  /// @param force in the cloth's axes [N]
+  void set(const Vec3& force) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    force_ = turnedBack(force);
+  }
+  void silence(bool silent) { silent_ = silent; }
+
+ private:
+  void run() {
+    while (!stop_) {
+      sleepUntil(steadyNow() + 2e-3);
+      if (silent_) continue;
+      const std::lock_guard<std::mutex> lock(mutex_);
+      publisher_.publish(toWrench(force_, ros::Time::now(), "world"));
+    }
+  }
+  ros::Publisher publisher_;
+  std::mutex mutex_;
+  Vec3 force_ = Vec3::Zero();
+  std::atomic<bool> silent_{false}, stop_{false};
+  std::thread thread_;
+};
+
+struct Command {
+  double time;    ///< of its stamp [s]
+  Vec3 position;  ///< in the cloth's frame [m]
+};
+
+/// Everything that came on probe/command, as the driver would place it.
+class CommandListener {
+ public:
+  explicit CommandListener(ros::NodeHandle& node) {
+    subscriber_ = node.subscribe<geometry_msgs::PoseStamped>(
+        "probe/command", 1000,
+        [this](const geometry_msgs::PoseStamped::ConstPtr& message) {
+          const std::lock_guard<std::mutex> lock(mutex_);
+          commands_.push_back(
+              {message->header.stamp.toSec(), kOffset + turned(toVec3(message->pose.position))});
+          frame_ = message->header.frame_id;
+        },
+        ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+  }
+  std::vector<Command> commands() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return commands_;
+  }
+  std::size_t count() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return commands_.size();
+  }
+  Vec3 position() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return commands_.empty() ? Vec3::Constant(NAN) : commands_.back().position;
+  }
+  std::string frame() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return frame_;
+  }
+  /// Whether it stays exactly where it is for many commands.
+  bool rests() const {
+    const std::vector<Command> all = commands();
+    constexpr std::size_t kMany = 50;
+    if (all.size() < kMany) return false;
+    for (std::size_t k = all.size() - kMany; k < all.size(); ++k) {
+      if (all[k].position != all.back().position) return false;
+    }
+    return true;
+  }
+
+ private:
+  ros::Subscriber subscriber_;
+  mutable std::mutex mutex_;
+  std::vector<Command> commands_;
+  std::string frame_;
+};
+
+class AdmittanceTest : public testing::Test {
+ protected:
+  AdmittanceTest() : spinner_(2), command_(node_), reaction_(node_, "probe/reaction"), diagnostics_(node_) {
+    spinner_.start();
+  }
+  void SetUp() override {
+    ASSERT_TRUE(waitFor([this] { return reaction_.count() > 0; }));
+  }
+  void TearDown() override {
+    const long seen = reaction_.count();
+    EXPECT_TRUE(waitFor([&] { return reaction_.count() > seen; })) << "the node died";
+    EXPECT_TRUE(reaction_.finite());
+  }
+  bool says(const std::string& status) {
+    return waitFor([&] { return diagnostics_.value("probe", "status") == status; });
+  }
+  void push(const Vec3& force) {
+    if (!sensor_) sensor_ = std::make_unique<TestSensor>(node_);
+    sensor_->set(force);
+  }
+  /// Brings the tool to within a millimetre of a place in free space, as a hand of 20 N/m does.
+  void bringTo(const Vec3& place) {
+    ASSERT_TRUE(waitFor([&] {
+      const Vec3 way = place - command_.position();
+      push(way.allFinite() ? Vec3(20.0 * way) : Vec3(Vec3::Zero()));
+      return way.norm() < 1e-3;
+    }));
+    push(Vec3::Zero());
+  }
+
+  ros::NodeHandle node_;
+  ros::AsyncSpinner spinner_;
+  CommandListener command_;
+  ReactionListener reaction_;
+  DiagnosticsListener diagnostics_;
+  std::unique_ptr<TestSensor> sensor_;
+};
+
+/// Runs first: the tool has not started.
+TEST_F(AdmittanceTest, ACommandComesWithTheFirstForceAndWhereTheDeviceIs) {
+  ASSERT_TRUE(says("no force"));
+  const Vec3 device(0.01, 0.02, 0.16);
+  TestDevice pose(node_, turnedBack(device - kOffset));
+  ASSERT_TRUE(waitFor([&] { return reaction_.count() > 200; }));
+  EXPECT_EQ(command_.count(), 0u) << "nobody has pushed";
+  ASSERT_TRUE(waitFor([&] { return diagnostics_.count() > 3; }));  // the pose has long arrived
+  push(Vec3::Zero());
+  ASSERT_TRUE(waitFor([&] { return command_.count() > 0; }));
+  EXPECT_NEAR((command_.commands().front().position - device).norm(), 0.0, 1e-9);
+  EXPECT_EQ(command_.frame(), "world");
+  EXPECT_TRUE(says("free"));
+}
+
+TEST_F(AdmittanceTest, AForceMovesTheCommandByTheLaw) {
+  bringTo(kStart);
+  push(Vec3::Zero());
+  ASSERT_TRUE(waitFor([this] { return command_.rests(); }));
+  const Vec3 force(0.16, -0.12, 0.0);  // 0.2 N: 50 mm/s
+  const double speed = force.norm() / kDamping, tau = kMass / kDamping;
+  const Vec3 from = command_.position();
+  const std::size_t first = command_.count();
+  push(force);
+  // Ticks that come late lose way, so a window of the run has to agree and none may be ahead.
+  double best = 1e9, ahead = 0.0;
+  ASSERT_TRUE(waitFor([&] { return (command_.position() - from).norm() > 0.06; }));
+  push(Vec3::Zero());
+  const std::vector<Command> all = command_.commands();
+  for (std::size_t k = first; k + 200 < all.size(); k += 20) {
+    const Command &a = all[k], &b = all[k + 200];
+    if ((a.position - from).norm() < 8.0 * tau * speed || (b.position - from).norm() > 0.06) continue;
+    const double ratio = (b.position - a.position).norm() / (b.time - a.time) / speed;
+    best = std::min(best, std::abs(ratio - 1.0));
+    ahead = std::max(ahead, ratio - 1.0);
+    EXPECT_LT((b.position - a.position).normalized().cross(force.normalized()).norm(), 1e-6);
+  }
+  EXPECT_LT(best, 0.02);
+  EXPECT_LT(ahead, 0.05) << "stamps and ticks are a few of 200 apart at most";
+  // When the force ends the tool coasts by v τ.
+  ASSERT_TRUE(waitFor([this] { return command_.rests(); }));
+}
+
+TEST_F(AdmittanceTest, RestsOnTheClothWhereTheForcesBalance) {
+  bringTo(Vec3(0.0, 0.0, 0.125));
+  std::mutex mutex;
+  Vec3 proxy = Vec3::Zero();
+  const ros::Subscriber listener = node_.subscribe<geometry_msgs::PoseStamped>(
+      "probe/proxy", 1, [&](const geometry_msgs::PoseStamped::ConstPtr& message) {
+        const std::lock_guard<std::mutex> lock(mutex);
+        proxy = toVec3(message->pose.position);
+      });
+  constexpr double kPress = 0.4;
+  push(Vec3(0, 0, -kPress));
+  const auto stretch = [&] {
+    const std::lock_guard<std::mutex> lock(mutex);
+    return proxy.z() - command_.position().z();
+  };
+  const auto near = [](double value, double wanted, double share) {
+    return std::abs(value - wanted) < share * wanted;
+  };
+  EXPECT_TRUE(waitFor([&] { return near(turned(reaction_.force()).z(), kPress, 0.02); }))
+      << reaction_.force().transpose();
+  EXPECT_TRUE(waitFor([&] { return near(stretch(), kPress / kStiffness, 0.05); })) << stretch();
+  ASSERT_TRUE(says("contact"));
+
+  // Let go: the cloth pushes it out. A lost force stops it where it is.
+  push(Vec3(0, 0, 0.2));
+  EXPECT_TRUE(waitFor([&] { return command_.position().z() > 0.12; }));
+  sensor_->silence(true);
+  EXPECT_TRUE(waitFor([this] { return command_.rests(); }));
+  EXPECT_TRUE(says("force stale"));
+  const Vec3 there = command_.position();
+  sensor_->silence(false);
+  EXPECT_TRUE(waitFor([&] { return command_.position().z() > there.z() + 0.01; })) << "it goes on";
+}
+
+TEST_F(AdmittanceTest, APauseBringsItToRest) {
+  bringTo(kStart);
+  push(Vec3(0.2, 0, 0));
+  ASSERT_TRUE(waitFor([this] { return command_.position().x() > 0.02; }));
+  std_srvs::SetBool request;
+  request.request.data = true;
+  ASSERT_TRUE(ros::service::call("/haptic_cloth/pause", request));
+  EXPECT_TRUE(waitFor([this] { return command_.rests(); }));
+  EXPECT_TRUE(says("paused"));
+  const Vec3 there = command_.position();
+  request.request.data = false;
+  ASSERT_TRUE(ros::service::call("/haptic_cloth/pause", request));
+  EXPECT_TRUE(waitFor([&] { return command_.position().x() > there.x() + 0.01; }));
+  std_srvs::Empty empty;
+  EXPECT_TRUE(ros::service::call("/haptic_cloth/reset", empty));
+  push(Vec3::Zero());
+  EXPECT_TRUE(waitFor([this] { return command_.rests(); }));
+}
+
+}  // namespace
+}  // namespace haptic_cloth
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "ros_admittance_test");
+  return RUN_ALL_TESTS();
+}

@@ -1,0 +1,259 @@
+/// The virtual tool and its tick.
+/// Criteria: the closed solution of a damped mass under a constant force; the limits as they are set; energy
+/// that only falls, for any stiffness and mass, as an implicit step's does.
+#include "haptic_cloth/admittance.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "haptic_cloth/error.h"
+#include "haptics/admittance_loop.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kTick = 1e-3;
+constexpr double kRoundOff = 1e-12;
+
+HapticOptions softlessOptions() {
+  HapticOptions options;
+  options.soft_start = 0.0;
+  return options;
+}
+
+ForceSample pushed(const Vec3& force, double received) {
+  ForceSample sample;
+  sample.received = received;
+  sample.force = force;
+  return sample;
+}
+
+ProbeSnapshot nothingTouched(double taken) {
+  ProbeSnapshot snapshot;
+  snapshot.taken = snapshot.device_received = taken;
+  snapshot.follow.setIdentity();
+  return snapshot;
+}
+
+TEST(AdmittanceTool, MovesAsADampedMassDoes) {
+  AdmittanceOptions options;
+  AdmittanceTool tool(options);
+  const Vec3 force(0.3, -0.4, 0.2);
+  const double tau = options.mass / options.damping;
+  for (int k = 1; k <= 500; ++k) {
+    tool.move(force, Mat3::Zero(), Mat3::Zero(), kTick);
+    const double t = k * kTick;
+    const Vec3 way = force / options.damping * (t - tau * (1.0 - std::exp(-t / tau)));
+    // Implicit Euler is ahead or behind by at most a tick's way.
+    EXPECT_LT((tool.position() - options.start - way).norm(), force.norm() / options.damping * kTick) << t;
+  }
+  EXPECT_NEAR((tool.velocity() - force / options.damping).norm(), 0.0, 0.01 * force.norm() / options.damping);
+}
+
+TEST(AdmittanceTool, ASpringOfAnyStiffnessTakesEnergy) {
+  for (const double mass : {1e-3, 0.1, 2.0}) {
+    for (const double stiffness : {1.0, 400.0, 1e5, 1e8}) {
+      AdmittanceOptions options;
+      options.mass = mass;
+      options.damping = 1e-6;
+      options.max_acceleration = options.max_speed = 1e9;
+      AdmittanceTool tool(options);
+      const Vec3 anchor = options.start + Vec3(0.0, 0.0, 0.01);
+      const auto energy = [&] {
+        return 0.5 * mass * tool.velocity().squaredNorm() +
+               0.5 * stiffness * (tool.position() - anchor).squaredNorm();
+      };
+      double before = energy();
+      const double start = before;
+      for (int k = 0; k < 2000; ++k) {
+        tool.move(stiffness * (anchor - tool.position()), stiffness * Mat3::Identity(), Mat3::Zero(), kTick);
+        EXPECT_LE(energy(), before + kRoundOff * start) << mass << " kg, " << stiffness << " N/m";
+        before = energy();
+      }
+    }
+  }
+}
+
+TEST(AdmittanceTool, KeepsItsLimits) {
+  AdmittanceOptions options;
+  AdmittanceTool tool(options);
+  const Vec3 force(40.0, 30.0, -50.0);
+  Vec3 before = tool.velocity();
+  double fastest = 0.0;
+  for (int k = 0; k < 4000; ++k) {
+    tool.move(k < 2000 ? force : Vec3(-force), Mat3::Zero(), Mat3::Zero(), kTick);
+    fastest = std::max(fastest, tool.velocity().norm());
+    EXPECT_LE(tool.velocity().norm(), options.max_speed * (1.0 + kRoundOff));
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_LE(std::abs(tool.velocity()[c] - before[c]),
+                options.max_acceleration * kTick * (1.0 + 1e-6) + kRoundOff);
+      EXPECT_LE(tool.position()[c], options.workspace_high[c] + kRoundOff);
+      EXPECT_GE(tool.position()[c], options.workspace_low[c] - kRoundOff);
+    }
+    before = tool.velocity();
+    if (k == 1999) {
+      EXPECT_NEAR(tool.position().x(), options.workspace_high.x(), 1e-4) << "it gets there";
+    }
+  }
+  EXPECT_NEAR(fastest, options.max_speed, 1e-6);
+}
+
+TEST(AdmittanceTool, PlacedOutsideItOnlyComesIn) {
+  AdmittanceOptions options;
+  AdmittanceTool tool(options);
+  const Vec3 outside = options.workspace_high + Vec3(0.1, -0.2, -0.2);
+  tool.place(outside);
+  for (int k = 0; k < 100; ++k) tool.move(Vec3(3.0, 0.0, 0.0), Mat3::Zero(), Mat3::Zero(), kTick);
+  EXPECT_EQ(tool.position(), outside);
+  for (int k = 0; k < 100; ++k) tool.move(Vec3(-3.0, 0.0, 0.0), Mat3::Zero(), Mat3::Zero(), kTick);
+  EXPECT_LT(tool.position().x(), outside.x());
+}
+
+TEST(AdmittanceTool, BrakesToExactlyZero) {
+  AdmittanceOptions options;
+  AdmittanceTool tool(options);
+  for (int k = 0; k < 200; ++k) tool.move(Vec3(2.0, 0.0, 0.0), Mat3::Zero(), Mat3::Zero(), kTick);
+  const double speed = tool.velocity().norm();
+  ASSERT_GT(speed, 0.2);
+  const int ticks = static_cast<int>(std::ceil(speed / (options.max_acceleration * kTick)));
+  for (int k = 0; k < ticks; ++k) tool.brake(kTick);
+  EXPECT_TRUE(tool.velocity().isZero(0.0));
+}
+
+TEST(AdmittanceLoop, StandsUntilThereIsAForce) {
+  AdmittanceLoop loop(softlessOptions());
+  const Vec3 device(0.05, 0.0, 0.1);
+  loop.place(device);
+  loop.tick(ForceSample(), nothingTouched(1.0), false, 1.0);
+  EXPECT_FALSE(loop.started());
+  EXPECT_EQ(loop.status(), HapticStatus::NoForce);
+  EXPECT_LT(loop.device().received, 0.0) << "not in the scene";
+  loop.tick(pushed(Vec3(1, 0, 0), 1.001), nothingTouched(1.001), false, 1.001);
+  EXPECT_TRUE(loop.started());
+  EXPECT_EQ(loop.device().position, device);
+  loop.place(Vec3::Zero());
+  loop.tick(pushed(Vec3(1, 0, 0), 1.002), nothingTouched(1.002), false, 1.002);
+  EXPECT_NEAR((loop.device().position - device).norm(), 0.0, 1e-5) << "it has started";
+}
+
+/// A loop on its way at about 0.2 m/s.
+struct MovingLoop {
+  HapticOptions options = softlessOptions();
+  AdmittanceLoop loop{options};
+  double now = 1.0;
+
+  MovingLoop() {
+    for (int k = 0; k < 300; ++k) step(pushed(Vec3(1, 0, 0), now), now, false);
+    EXPECT_GT(loop.device().velocity.norm(), 0.18);
+  }
+  void step(const ForceSample& force, double taken, bool paused) {
+    now += kTick;
+    loop.tick(force, nothingTouched(taken), paused, now);
+  }
+  /// Ticks until it stands; it has to within what braking takes.
+  void expectRest(const std::function<void()>& tick, HapticStatus status) {
+    const double time = options.admittance.max_speed / options.admittance.max_acceleration;
+    for (double t = 0.0; t < time + 2.0 * kTick; t += kTick) tick();
+    EXPECT_TRUE(loop.atRest());
+    EXPECT_EQ(loop.status(), status);
+    const Vec3 there = loop.device().position;
+    for (int k = 0; k < 100; ++k) tick();
+    EXPECT_EQ(loop.device().position, there);
+    EXPECT_TRUE(loop.started());
+  }
+};
+
+TEST(AdmittanceLoop, ComesToRestWhenTheForceIsLost) {
+  MovingLoop moving;
+  const ForceSample last = pushed(Vec3(1, 0, 0), moving.now);
+  while (moving.now < last.received + moving.options.admittance.force_timeout - kTick) {
+    moving.step(last, moving.now, false);
+    EXPECT_FALSE(moving.loop.atRest());
+  }
+  moving.step(last, moving.now, false);
+  moving.expectRest([&] { moving.step(last, moving.now, false); }, HapticStatus::ForceStale);
+  EXPECT_LT(moving.loop.device().received, last.received + moving.options.admittance.force_timeout + kTick)
+      << "a silent hand leaves the scene in the end";
+}
+
+TEST(AdmittanceLoop, ComesToRestInAPauseAndWithoutTheSolver) {
+  MovingLoop paused;
+  paused.expectRest([&] { paused.step(pushed(Vec3(1, 0, 0), paused.now), paused.now, true); },
+                    HapticStatus::Paused);
+  MovingLoop stalled;
+  const double last = stalled.now;
+  while (stalled.now <= last + stalled.options.snapshot_timeout)
+    stalled.step(pushed(Vec3(1, 0, 0), stalled.now), last, false);
+  stalled.expectRest([&] { stalled.step(pushed(Vec3(1, 0, 0), stalled.now), last, false); },
+                     HapticStatus::SnapshotStale);
+}
+
+TEST(AdmittanceLoop, AForceThatIsNotFiniteIsNone) {
+  MovingLoop moving;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  moving.expectRest([&] { moving.step(pushed(Vec3(nan, 0, 0), moving.now), moving.now, false); },
+                    HapticStatus::ForceStale);
+  EXPECT_TRUE(moving.loop.device().position.allFinite());
+}
+
+TEST(AdmittanceLoop, TheForceComesInSoftlyAndNoStrongerThanItMay) {
+  HapticOptions options;  // with a soft start of half a second
+  AdmittanceLoop loop(options);
+  double now = 1.0;
+  loop.tick(pushed(Vec3(1e6, 0, 0), now), nothingTouched(now), false, now);
+  // m v < ∫ F dt: the force grows linearly, up to its limit.
+  double impulse = options.max_force / options.soft_start * kTick * kTick;
+  for (int k = 0; k < 100; ++k) {
+    now += kTick;
+    loop.tick(pushed(Vec3(1e6, 0, 0), now), nothingTouched(now), false, now);
+    EXPECT_LE(options.admittance.mass * loop.device().velocity.norm(), impulse + kRoundOff);
+    impulse += options.max_force * std::min(1.0, (k + 2) * kTick / options.soft_start) * kTick;
+  }
+  EXPECT_GT(loop.device().velocity.norm(), 0.0);
+}
+
+TEST(AdmittanceLoop, TheDeadbandIsTakenOff) {
+  HapticOptions options = softlessOptions();
+  options.admittance.deadband = 0.1;
+  AdmittanceLoop loop(options);
+  double now = 1.0;
+  const auto run = [&](double force, double time) {
+    for (double t = 0.0; t < time; t += kTick, now += kTick)
+      loop.tick(pushed(Vec3(0, force, 0), now), nothingTouched(now), false, now);
+  };
+  run(0.1, 0.1);
+  EXPECT_TRUE(loop.atRest());
+  run(0.6, 1.0);
+  EXPECT_NEAR(loop.device().velocity.y(), 0.5 / options.admittance.damping, 1e-4);
+}
+
+TEST(AdmittanceLoop, BadOptionsAreNamed) {
+  const auto message = [](const std::function<void(AdmittanceOptions&)>& change) -> std::string {
+    HapticOptions options;
+    change(options.admittance);
+    try {
+      AdmittanceLoop loop(options);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "taken";
+  };
+  const auto named = [&](const char* key, const std::function<void(AdmittanceOptions&)>& change) {
+    EXPECT_NE(message(change).find(std::string("haptics/admittance/") + key), std::string::npos)
+        << message(change);
+  };
+  named("mass", [](AdmittanceOptions& o) { o.mass = 0.0; });
+  named("damping", [](AdmittanceOptions& o) { o.damping = -1.0; });
+  named("deadband", [](AdmittanceOptions& o) { o.deadband = -0.1; });
+  named("force_timeout", [](AdmittanceOptions& o) { o.force_timeout = 0.0; });
+  named("max_speed", [](AdmittanceOptions& o) { o.max_speed = std::nan(""); });
+  named("max_acceleration", [](AdmittanceOptions& o) { o.max_acceleration = 0.0; });
+  named("workspace_high", [](AdmittanceOptions& o) { o.workspace_high.z() = o.workspace_low.z(); });
+  named("start", [](AdmittanceOptions& o) { o.start.x() = 1.0; });
+}
+
+}  // namespace
+}  // namespace haptic_cloth
