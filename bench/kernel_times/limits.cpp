@@ -16,7 +16,7 @@ HAPTIC_CLOTH_CLONES void triad(double* a, const double* b, const double* c, int 
 template <int Chains>
 HAPTIC_CLOTH_INLINE double multiplyAdd(int rounds) {
   Lanes chain[Chains];
-  for (int k = 0; k < Chains; ++k) chain[k] = all(1.0 + 0.01 * k);
+  for (int k = 0; k < Chains; ++k) chain[k] = all(2.0 + 0.01 * k);
   const Lanes factor = all(0.999), term = all(1e-3);  // to 1: neither grows nor becomes denormal
   for (int round = 0; round < rounds; ++round) {
 #pragma GCC unroll 12

@@ -28,6 +28,8 @@ constexpr const char* kUsage =
 /// As many iterations as a step takes, about.
 constexpr int kIterations = 60;
 
+constexpr int kRounds = 1000;  ///< of multiply-adds in a run
+
 struct Options {
   std::vector<std::string> strategies{"finest", "amrc"}, fabrics{"linear", "winter_suiting"};
   std::vector<int> threads;
@@ -87,7 +89,6 @@ void addSimple(const std::string& name, double flops, double bytes, const Work& 
 }
 
 void addLimits() {
-  constexpr int kRounds = 1000;
   const auto chains = [&](int count, double (*loop)(int)) {
     addSimple("limits/fma/" + std::to_string(count), kRounds * multiplyAddFlops(count), 0.0,
               [loop] { return loop(kRounds); });
