@@ -26,7 +26,7 @@ def table2(best, counts):
         for threads in counts:
             found = {part: best["threads/%d/%s/%s" % (threads, strategy, part)] for part in PARTS}
             row = {"strategy": strategy, "threads": threads, "particles": found["total"]["particles"]}
-            row.update({part + "_us": 1e-3 * found[part]["real_time"] for part in PARTS})
+            row.update({part + "_us": 1e-3 * found[part]["time"] for part in PARTS})
             one = one or row
             row.update({part + "_speedup": one[part + "_us"] / row[part + "_us"] for part in PARTS})
             rows.append(row)
@@ -37,7 +37,7 @@ def openmp(best, counts):
     """By the method of [M04]: what a delay takes inside less what it takes outside."""
     rows = []
     for threads in counts:
-        took = {what: 1e-3 * best["openmp/%d/%s" % (threads, what)]["real_time"] / TIMES
+        took = {what: 1e-3 * best["openmp/%d/%s" % (threads, what)]["time"] / TIMES
                 for what in ("delay", "fork", "loop", "barrier")}
         rows.append({"threads": threads, "delay_us": took["delay"],
                      **{what + "_us": took[what] - took["delay"] for what in ("fork", "loop", "barrier")}})

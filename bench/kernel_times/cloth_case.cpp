@@ -1,6 +1,8 @@
 #include "cloth_case.h"
 
+#include <algorithm>
 #include <cmath>
+#include <ctime>
 
 #include "haptic_cloth/scene.h"
 
@@ -89,25 +91,22 @@ void ClothCase::measureUnder() {
             start_nodes_.arrays(), inertial_.arrays()};
 }
 
-ClothCase::Iterations ClothCase::iterate(int iterations) {
-  ClothWorld& world = *world_;
-  Minimizer minimizer(endless(world.scene.solver.minimizer, iterations));
-  minimizer.reserve(world.objective.capacity());
-  start_ = point_;
-  const double value = world.objective.evaluate(start_, scratch_);
-  const MinimizerReport report = minimizer.minimize(world.objective, start_, value, scratch_, world.team);
-  return {report.iterations, report.evaluations, report.seconds};
-}
-
-ClothCase::Iterations ClothCase::iterateVectors(int iterations) {
-  ClothWorld& world = *world_;
-  VectorsOnly objective(world.objective);
-  Minimizer minimizer(endless(world.scene.solver.minimizer, iterations));
-  minimizer.reserve(world.objective.capacity());
+ClothCase::Iterations ClothCase::minimize(Objective& objective, int iterations) {
+  Minimizer minimizer(endless(world_->scene.solver.minimizer, iterations));
+  minimizer.reserve(world_->objective.capacity());
   start_ = point_;
   const double value = objective.evaluate(start_, scratch_);
-  const MinimizerReport report = minimizer.minimize(objective, start_, value, scratch_, world.team);
-  return {report.iterations, report.evaluations, report.seconds};
+  const std::clock_t before = std::clock();
+  const MinimizerReport report = minimizer.minimize(objective, start_, value, scratch_, world_->team);
+  const double cpu = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
+  return {report.iterations, report.evaluations, report.seconds, cpu};
+}
+
+ClothCase::Iterations ClothCase::iterate(int iterations) { return minimize(world_->objective, iterations); }
+
+ClothCase::Iterations ClothCase::iterateVectors(int iterations) {
+  VectorsOnly objective(world_->objective);
+  return minimize(objective, iterations);
 }
 
 }  // namespace haptic_cloth

@@ -40,7 +40,7 @@ class ClothCase {
 
   struct Iterations {
     int iterations = 0, evaluations = 0;
-    double seconds = 0.0;
+    double seconds = 0.0, cpu_seconds = 0.0;  ///< wall clock, and what all threads together had of the cores
   };
 
   /// Whole iterations from the point on, of the cloth.
@@ -50,6 +50,7 @@ class ClothCase {
   Iterations iterateVectors(int iterations);
 
  private:
+  Iterations minimize(Objective& objective, int iterations);
   void measureUnder();
 
   CaseOptions options_;
