@@ -33,6 +33,15 @@ HAPTIC_CLOTH_CLONES double multiplyAdd3(int rounds) { return multiplyAdd<3>(roun
 HAPTIC_CLOTH_CLONES double multiplyAdd6(int rounds) { return multiplyAdd<6>(rounds); }
 HAPTIC_CLOTH_CLONES double multiplyAdd12(int rounds) { return multiplyAdd<12>(rounds); }
 
+HAPTIC_CLOTH_CLONES double rootAndDivide(int packs) {
+  Lanes sum{}, value{1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0};
+  for (int k = 0; k < packs; ++k) {
+    sum += 1.0 / squareRoot(value);
+    value += kFactor;
+  }
+  return total(sum);
+}
+
 Triad::Triad(std::size_t bytes) {
   const int count = padded(static_cast<int>(bytes / (3 * sizeof(double))));
   for (auto* list : {&a_, &b_, &c_}) list->assign(count, 1.0);

@@ -26,6 +26,9 @@ double multiplyAdd3(int rounds);
 double multiplyAdd6(int rounds);
 double multiplyAdd12(int rounds);
 
+/// A square root and a division for each number of `packs` packs of eight, none waiting for another.
+double rootAndDivide(int packs);
+
 /// Floating point operations of a round.
 constexpr double multiplyAddFlops(int chains) { return 2.0 * 8.0 * chains; }
 

@@ -77,12 +77,13 @@ bool parse(int& argc, char** argv, Options& options) {
 }
 
 template <class Work>
-void addSimple(const std::string& name, double flops, double bytes, const Work& work,
-               double particles = 0.0) {
+void addSimple(const std::string& name, double flops, double bytes, const Work& work, double particles = 0.0,
+               double roots = 0.0) {
   benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
     for (auto _ : state) benchmark::DoNotOptimize(work());
     state.counters["flops"] = flops;
     state.counters["bytes"] = bytes;
+    state.counters["roots"] = roots;
     state.counters["particles"] = particles;
     state.SetLabel(instructionSet());
   });
@@ -96,6 +97,8 @@ void addLimits() {
   chains(3, multiplyAdd3);
   chains(6, multiplyAdd6);
   chains(12, multiplyAdd12);
+  addSimple(
+      "limits/roots", 0.0, 0.0, [] { return rootAndDivide(kRounds); }, 0.0, 8.0 * kRounds);
   for (std::size_t size = 16 << 10; size <= std::size_t{64} << 20; size *= 2) {
     const auto triad = std::make_shared<Triad>(size);
     addSimple("limits/triad/" + std::to_string(size), 0.0, triad->bytes(), [triad] {
@@ -134,7 +137,8 @@ void addIterations(const std::string& name, ClothCase& cloth, double flops, doub
 
 void addPasses(const std::string& name, ClothCase& cloth) {
   for (const Pass& pass : passesOf(cloth)) {
-    addSimple(name + pass.part + "/" + pass.name, pass.flops, pass.bytes, pass.run, cloth.particles());
+    addSimple(name + pass.part + "/" + pass.name, pass.flops, pass.bytes, pass.run, cloth.particles(),
+              pass.roots);
   }
   const int unknowns = cloth.world().objective.size();
   addIterations(name + "vectors/vector updates", cloth, vectorFlops(unknowns), vectorBytes(unknowns),

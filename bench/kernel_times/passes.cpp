@@ -62,7 +62,7 @@ void addElements(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
   passes.push_back(
       {"stretch", "value", n.edges * (25.0 + lawFlops(fabric.tensile)),
        n.edges * (packBytes<EdgePack>(0) + kVector + memoryBytes(fabric.tensile)) + 2.0 * n.nodes * kVector,
-       range(0, triples)});
+       range(0, triples), n.edges});
   // curvature 20, energy 2, force 1, slot 3, stiffness 1; reads normals as well as positions
   passes.push_back({"bending", "value", n.triples * (27.0 + lawFlops(fabric.bending)),
                     n.triples * (packBytes<TriplePack>(0) + kVector + memoryBytes(fabric.bending)) +
@@ -76,7 +76,7 @@ void addElements(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
                           (n.twist ? 2.0 * kVector : 0.0);
   passes.push_back({"shear", "value", n.patches * (shear + twist),
                     n.patches * of_patch + (n.patches > 0.0 ? 1.0 : 0.0) * n.nodes * kVector,
-                    range(patches, end)});
+                    range(patches, end), n.shear ? n.patches : 0.0});
   passes.push_back({"contact", "value", -1.0,
                     n.samples * (static_cast<double>(sizeof(SamplePack)) / kLanes + kVector),
                     [&world, &x] { return world.contacts.evaluate(0, world.contacts.size(), x).contact; }});

@@ -18,6 +18,7 @@ struct Pass {
   double flops;      ///< below zero: not counted
   double bytes;
   std::function<double()> run;
+  double roots = 0.0;  ///< pairs of a square root and a division, which take far longer than other flops
 };
 
 /// All but those the minimizer does itself.

@@ -15,7 +15,7 @@ constexpr int kMostThreads = 64;
 struct Weights {
   double edge, triple, patch, sample, node;
 };
-constexpr Weights kGradient{2.0, 2.0, 4.0, 3.0, 7.0}, kEnergy{1.5, 1.7, 2.2, 0.5, 0.4};
+constexpr Weights kGradient{4.7, 4.9, 8.3, 10.0, 6.3}, kEnergy{0.7, 1.0, 1.0, 2.3, 0.15};
 
 /// Places of a loop in their order: the weight of each and the particle of the finest grid it lies at.
 struct WorkLoop {
