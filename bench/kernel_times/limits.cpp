@@ -33,12 +33,9 @@ HAPTIC_CLOTH_CLONES double multiplyAdd3(int rounds) { return multiplyAdd<3>(roun
 HAPTIC_CLOTH_CLONES double multiplyAdd6(int rounds) { return multiplyAdd<6>(rounds); }
 HAPTIC_CLOTH_CLONES double multiplyAdd12(int rounds) { return multiplyAdd<12>(rounds); }
 
-HAPTIC_CLOTH_CLONES double rootAndDivide(int packs) {
-  Lanes sum{}, value{1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0};
-  for (int k = 0; k < packs; ++k) {
-    sum += 1.0 / squareRoot(value);
-    value += kFactor;
-  }
+HAPTIC_CLOTH_CLONES double rootAndDivide(const double* values, int count) {
+  Lanes sum{};
+  for (int n = 0; n < count; n += kLanes) sum += 1.0 / squareRoot(load(values + n));
   return total(sum);
 }
 
