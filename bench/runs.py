@@ -118,8 +118,9 @@ class Result:
 
     def state(self):
         """The same for the same final state."""
-        text = (self.directory / "particles.csv").read_bytes()
-        return self.summary.get("state_hash") or hashlib.sha256(text).hexdigest()[:16]
+        if "state_hash" in self.summary:
+            return self.summary["state_hash"]
+        return hashlib.sha256((self.directory / "particles.csv").read_bytes()).hexdigest()[:16]
 
     def steps(self):
         """Columns of steps.csv by name, numbers all but `termination`, of a run that kept it."""

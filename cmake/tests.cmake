@@ -61,6 +61,18 @@ if(TARGET simulate)
       --simulate $<TARGET_FILE:simulate> --cache "${scratch}" --out "${scratch}" ${picture})
   endforeach()
 endif()
+if(TARGET kernel_times)
+  add_test(NAME bench_kernels_smoke COMMAND "${PROJECT_SOURCE_DIR}/bench/kernels" --smoke
+    --program $<TARGET_FILE:kernel_times> --out "${PROJECT_BINARY_DIR}/bench_kernels")
+endif()
+add_test(NAME bench_compare COMMAND "${PROJECT_SOURCE_DIR}/bench/compare_test.py")
+
+# Counts do not depend on the machine's load, but they do on how it is built.
+if(TARGET simulate AND CMAKE_BUILD_TYPE STREQUAL "Release")
+  add_test(NAME bench_instructions COMMAND "${PROJECT_SOURCE_DIR}/bench/instructions"
+    --simulate $<TARGET_FILE:simulate> --out "${PROJECT_BINARY_DIR}/bench_instructions")
+  set_tests_properties(bench_instructions PROPERTIES SKIP_RETURN_CODE 77)
+endif()
 
 if(catkin_FOUND)
   include(cmake/ros_tests.cmake)

@@ -3,7 +3,7 @@
 # Usage: scripts/install_deps.sh [--lint]     --lint: also what scripts/lint.sh needs
 set -euo pipefail
 
-common=(build-essential cmake libeigen3-dev libgtest-dev libyaml-cpp-dev libcli11-dev nlohmann-json3-dev)
+common=(build-essential cmake libeigen3-dev libgtest-dev libyaml-cpp-dev libcli11-dev nlohmann-json3-dev libbenchmark-dev valgrind)
 # Debian 12 ships ROS 1 itself.
 debian=(catkin libroscpp-dev pluginlib-dev libtf2-ros-dev libtopic-tools-dev libdynamic-reconfigure-config-init-mutex-dev libinteractive-markers-dev librostest-dev libnodeletlib-dev libnodeletlib-tools librosbag-dev
         ros-geometry-msgs libstd-msgs-dev libstd-srvs-dev libgeometry-msgs-dev libvisualization-msgs-dev

@@ -47,6 +47,7 @@ struct StepReport {
   int coarsened = 0;             ///< groups of four merged in this step
   bool failed = false;           ///< the last good state was restored
   double velocity_scale = 1.0;   ///< by the energy guard; 1: nothing to do
+  double adapt_seconds = 0.0;    ///< wall clock of following the shape with the mesh [s]
   double max_penetration = 0.0;  ///< deepest contact sample below an obstacle or the probe [m]
 };
 

@@ -75,6 +75,9 @@ class ContactSet {
   /// Length of the range that evaluate() and curvature() share out, in steps of kLanes.
   int size() const { return static_cast<int>(samples_.size()); }
 
+  /// A node of the cell that sample k of the range lies in.
+  int firstNode(int k) const { return samples_[k].nodes[0]; }
+
   /// Stops the nodes of samples that began the step inside a solid: they are let out, not thrown.
   void calm(Field& velocities) const;
 

@@ -1,6 +1,7 @@
 #include "sim/cloth_world.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 namespace haptic_cloth {
@@ -139,7 +140,9 @@ StepReport ClothWorld::step() {
   StepReport report;
   if (isIdle()) return idle();
   contacts.advance();
+  const auto start = std::chrono::steady_clock::now();
   adapt(report);
+  report.adapt_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   takeHold();
   solve(report);
   if (report.minimizer.why == Termination::NotFinite) {

@@ -40,7 +40,7 @@ void writeSteps(std::ostream& stream, const std::vector<StepRecord>& steps) {
   stream << "time,active_particles,awake_particles,iterations,evaluations,restarts,termination,residual,"
             "kinetic,gravity,"
             "stretch,bend,shear,contact,coupling,dissipated,refined,coarsened,failed,velocity_scale,"
-            "max_penetration,wall_time\n";
+            "max_penetration,adapt_time,wall_time\n";
   for (const StepRecord& row : steps) {
     const StepReport& report = row.report;
     const MinimizerReport& minimizer = report.minimizer;
@@ -51,7 +51,7 @@ void writeSteps(std::ostream& stream, const std::vector<StepRecord>& steps) {
            << energy.gravity << ',' << energy.stretch << ',' << energy.bend << ',' << energy.shear << ','
            << energy.contact << ',' << energy.coupling << ',' << energy.dissipated << ',' << report.refined
            << ',' << report.coarsened << ',' << report.failed << ',' << report.velocity_scale << ','
-           << report.max_penetration << ',' << row.wall_time << '\n';
+           << report.max_penetration << ',' << report.adapt_seconds << ',' << row.wall_time << '\n';
   }
 }
 

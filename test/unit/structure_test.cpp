@@ -137,10 +137,11 @@ TEST(Structure, NoRosOutsideItsFolder) {
 
 TEST(Structure, OpenMpStaysInOneHeader) {
   std::vector<SourceFile> files = code({"src", "include", "examples", "bench", "test"});
-  files.erase(
-      std::remove_if(files.begin(), files.end(),
-                     [](const SourceFile& file) { return file.path == "src/parallel/parallel_for.h"; }),
-      files.end());
+  const std::set<fs::path> allowed = {"src/parallel/parallel_for.h",
+                                      "bench/kernel_times/openmp_costs.cpp"};  // which measures it
+  files.erase(std::remove_if(files.begin(), files.end(),
+                             [&](const SourceFile& file) { return allowed.count(file.path) == 1; }),
+              files.end());
   expectNoLine(files, "^\\s*#\\s*pragma\\s+omp|[<\"]omp\\.h[>\"]", "OpenMP belongs into parallel_for.h");
 }
 

@@ -1,0 +1,112 @@
+#include "cloth_case.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+
+#include "haptic_cloth/scene.h"
+
+namespace haptic_cloth {
+namespace {
+
+// Far less than a cell, far more than rounding: what an iteration late in a solve is about [m].
+constexpr double kAway = 1e-6;
+
+/// The same bits on every machine, in -1..1.
+double scatter(int k) {
+  const double value = 43758.5453 * std::sin(12.9898 * (k + 1));
+  return 2.0 * (value - std::floor(value)) - 1.0;
+}
+
+Scene sceneOf(const CaseOptions& options) {
+  const std::string side = std::to_string(options.side);
+  return loadScene(HAPTIC_CLOTH_SCENES "/box_drape.yaml",
+                   {"cloth.particles=[" + side + ", " + side + "]", "cloth.fabric=" + options.fabric,
+                    "adapt.strategy=" + options.strategy, "solver.sleep_speed=0", "stop.rest_speed=0",
+                    "solver.threads=" + std::to_string(options.threads)});
+}
+
+/// Costs nothing of its own, so that what remains is the minimizer. Its gradients are all alike but for the
+/// first entry, which grows: so that directions stay conjugate, as nearly all are.
+class VectorsOnly : public Objective {
+ public:
+  explicit VectorsOnly(const ClothObjective& cloth) : cloth_(cloth) {}
+
+  int size() const override { return cloth_.size(); }
+  double evaluate(const Vector&, Vector& gradient) override {
+    constexpr int kBuffers = 3;  // the minimizer's gradients go round in so many vectors
+    if (++calls_ <= kBuffers) gradient.head(size()).setConstant(kAway);
+    gradient[0] = calls_ * kAway;
+    return -calls_;  // always low enough
+  }
+  Along along(const Vector&) override { return {1.0, 1e300}; }
+  void fitPreconditioner() override {}
+  void precondition(const Vector&, Vector& z) const override {
+    if (calls_ == 1) z.head(size()).setConstant(kAway);
+  }
+  double residual(const Vector& gradient) const override { return cloth_.residual(gradient); }
+
+ private:
+  const ClothObjective& cloth_;
+  int calls_ = 0;
+};
+
+MinimizerOptions endless(MinimizerOptions options, int iterations) {
+  options.tolerance = 0.0;
+  options.max_iterations = iterations;
+  options.time_budget = 0.0;
+  return options;
+}
+
+}  // namespace
+
+ClothCase::ClothCase(const CaseOptions& options)
+    : options_(options), world_(std::make_unique<ClothWorld>(sceneOf(options))) {
+  ClothWorld& world = *world_;
+  while (world.time() < options.time) world.step();
+  const int capacity = world.objective.capacity();
+  for (Vector* v : {&point_, &direction_, &scratch_, &start_}) v->setZero(capacity);
+  nodes_ = motion_ = gradient_ = world.objective.nodes();
+  world.objective.pack(nodes_, point_);
+  for (int k = 0; k < world.objective.size(); ++k) {
+    point_[k] += kAway * scatter(k);
+    direction_[k] = kAway * scatter(7 * k + 1);
+  }
+  proxies_.assign(world.scene.probes.size(), Vec3::Zero());
+  world.objective.unpack(direction_, motion_, proxies_);
+  world.objective.unpack(point_, nodes_, proxies_);
+  measureUnder();
+}
+
+/// The energy of motion, put together as the objective does it.
+void ClothCase::measureUnder() {
+  const ActiveMesh& mesh = world_->mesh;
+  start_nodes_ = inertial_ = nodes_;
+  mass_.assign(padded(mesh.nodes()), 0.0);
+  moving_mass_ = mass_;
+  std::copy(mesh.mass.begin(), mesh.mass.end(), mass_.begin());
+  std::copy_n(mesh.mass.begin(), mesh.free, moving_mass_.begin());
+  const Vec3 g = world_->scene.gravity;
+  terms_ = {mass_.data(),          moving_mass_.data(), {g.x(), g.y(), g.z()}, world_->objective.inertia(),
+            start_nodes_.arrays(), inertial_.arrays()};
+}
+
+ClothCase::Iterations ClothCase::minimize(Objective& objective, int iterations) {
+  Minimizer minimizer(endless(world_->scene.solver.minimizer, iterations));
+  minimizer.reserve(world_->objective.capacity());
+  start_ = point_;
+  const double value = objective.evaluate(start_, scratch_);
+  const std::clock_t before = std::clock();
+  const MinimizerReport report = minimizer.minimize(objective, start_, value, scratch_, world_->team);
+  const double cpu = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
+  return {report.iterations, report.evaluations, report.seconds, cpu};
+}
+
+ClothCase::Iterations ClothCase::iterate(int iterations) { return minimize(world_->objective, iterations); }
+
+ClothCase::Iterations ClothCase::iterateVectors(int iterations) {
+  VectorsOnly objective(world_->objective);
+  return minimize(objective, iterations);
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,237 @@
+/// kernel_times: the passes of an iteration under Google Benchmark. bench/kernels and bench/threads run it.
+#include <benchmark/benchmark.h>
+
+#include <cstdlib>
+#include <iostream>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "cloth_case.h"
+#include "limits.h"
+#include "openmp_costs.h"
+#include "passes.h"
+#include "work_shares.h"
+
+namespace {
+
+using namespace haptic_cloth;
+
+constexpr const char* kUsage =
+    "kernel_times [--strategy=a,b] [--fabric=a,b] [--side=N] [--time=S] [--limits] [--threads=1,2] "
+    "[--shares]\n"
+    "  and the options of Google Benchmark. Names: limits/..., MESH/FABRIC/PASS, threads/N/MESH/PASS,\n"
+    "  openmp/N/PASS. Counters: flops and bytes of one run, particles, unknowns, evaluations an iteration.\n"
+    "  --shares: prints the work of each thread for 1 to 64 of them as JSON, and measures nothing.";
+
+/// As many iterations as a step takes, about.
+constexpr int kIterations = 60;
+
+constexpr int kRounds = 1000;  ///< of multiply-adds in a run
+
+struct Options {
+  std::vector<std::string> strategies{"finest", "amrc"}, fabrics{"linear", "winter_suiting"};
+  std::vector<int> threads;
+  int side = 77;
+  double time = 0.2;
+  bool limits = false, shares = false;
+};
+
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> words;
+  std::istringstream stream(text);
+  for (std::string word; std::getline(stream, word, ',');) words.push_back(word);
+  return words;
+}
+
+/// Takes the program's own options; leaves the others. @return false for --help
+bool parse(int& argc, char** argv, Options& options) {
+  int left = 1;
+  for (int k = 1; k < argc; ++k) {
+    const std::string argument = argv[k];
+    const auto equals = argument.find('=');
+    const std::string key = argument.substr(0, equals),
+                      value = equals == std::string::npos ? "" : argument.substr(equals + 1);
+    if (key == "--help") return false;
+    if (key == "--strategy") {
+      options.strategies = split(value);
+    } else if (key == "--fabric") {
+      options.fabrics = split(value);
+    } else if (key == "--side") {
+      options.side = std::atoi(value.c_str());
+    } else if (key == "--time") {
+      options.time = std::atof(value.c_str());
+    } else if (key == "--threads") {
+      for (const std::string& word : split(value)) options.threads.push_back(std::atoi(word.c_str()));
+    } else if (key == "--limits") {
+      options.limits = true;
+    } else if (key == "--shares") {
+      options.shares = true;
+    } else {
+      argv[left++] = argv[k];
+    }
+  }
+  argc = left;
+  return true;
+}
+
+template <class Work>
+void addSimple(const std::string& name, double flops, double bytes, const Work& work, double particles = 0.0,
+               double roots = 0.0) {
+  benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
+    for (auto _ : state) benchmark::DoNotOptimize(work());
+    state.counters["flops"] = flops;
+    state.counters["bytes"] = bytes;
+    state.counters["roots"] = roots;
+    state.counters["particles"] = particles;
+    state.SetLabel(instructionSet());
+  });
+}
+
+void addLimits() {
+  const auto chains = [&](int count, double (*loop)(int)) {
+    addSimple("limits/fma/" + std::to_string(count), kRounds * multiplyAddFlops(count), 0.0,
+              [loop] { return loop(kRounds); });
+  };
+  chains(3, multiplyAdd3);
+  chains(6, multiplyAdd6);
+  chains(12, multiplyAdd12);
+  const std::vector<double> values(2048, 2.0);  // in the nearest cache
+  const int count = static_cast<int>(values.size());
+  addSimple(
+      "limits/roots", 0.0, 0.0, [values, count] { return rootAndDivide(values.data(), count); }, 0.0, count);
+  for (std::size_t size = 16 << 10; size <= std::size_t{64} << 20; size *= 2) {
+    const auto triad = std::make_shared<Triad>(size);
+    addSimple("limits/triad/" + std::to_string(size), 0.0, triad->bytes(), [triad] {
+      triad->run();
+      benchmark::ClobberMemory();
+      return triad->last();
+    });
+  }
+}
+
+/// Whole iterations or the minimizer's part of them; the time is that of one.
+template <class Iterate>
+void addIterations(const std::string& name, ClothCase& cloth, double flops, double bytes,
+                   const Iterate& iterate) {
+  const auto measure = [&cloth, flops, bytes, iterate](benchmark::State& state) {
+    double evaluations = 0.0;
+    for (auto _ : state) {
+      const ClothCase::Iterations done = iterate(kIterations);
+      if (done.iterations == 0) {
+        state.SkipWithError("no iteration was possible");
+        return;
+      }
+      // Alone on its core a thread has all of the time; of several, the slowest counts.
+      const double seconds = cloth.world().team.threads() == 1 ? done.cpu_seconds : done.seconds;
+      state.SetIterationTime(seconds / done.iterations);
+      evaluations = static_cast<double>(done.evaluations) / done.iterations;
+    }
+    state.counters["evaluations"] = evaluations;
+    state.counters["flops"] = flops;
+    state.counters["bytes"] = bytes;
+    state.counters["particles"] = cloth.particles();
+    state.SetLabel(instructionSet());
+  };
+  benchmark::RegisterBenchmark(name.c_str(), measure)->UseManualTime()->Iterations(3);
+}
+
+void addPasses(const std::string& name, ClothCase& cloth) {
+  for (const Pass& pass : passesOf(cloth)) {
+    addSimple(name + pass.part + "/" + pass.name, pass.flops, pass.bytes, pass.run, cloth.particles(),
+              pass.roots);
+  }
+  const int unknowns = cloth.world().objective.size();
+  addIterations(name + "vectors/vector updates", cloth, vectorFlops(unknowns), vectorBytes(unknowns),
+                [&cloth](int count) { return cloth.iterateVectors(count); });
+  addIterations(name + "whole/iteration", cloth, -1.0, -1.0,
+                [&cloth](int count) { return cloth.iterate(count); });
+}
+
+/// The parts of Table 2 of [M04] on so many threads.
+void addThreads(int threads, const std::string& strategy, ClothCase& cloth) {
+  const std::string name = "threads/" + std::to_string(threads) + "/" + strategy + "/";
+  ClothWorld& world = cloth.world();
+  const auto on_threads = [&world, threads] {
+    if (world.team.threads() != threads) world.team = Team(threads);
+  };
+  addSimple(
+      name + "gradient", -1.0, -1.0,
+      [&cloth, &world, on_threads] {
+        on_threads();
+        return world.objective.evaluate(cloth.point(), cloth.scratch());
+      },
+      cloth.particles());
+  addSimple(
+      name + "energy", -1.0, -1.0,
+      [&cloth, &world, on_threads] {
+        on_threads();
+        return world.objective.along(cloth.direction()).curvature;
+      },
+      cloth.particles());
+  addIterations(name + "total", cloth, -1.0, -1.0, [&cloth, on_threads](int count) {
+    on_threads();
+    return cloth.iterate(count);
+  });
+}
+
+void addOpenMp(int threads) {
+  constexpr int kTimes = 100;
+  const std::string name = "openmp/" + std::to_string(threads) + "/";
+  const auto add = [&](const char* what, void (*work)(int, int)) {
+    addSimple(name + what, -1.0, -1.0, [work, threads] {
+      work(threads, kTimes);
+      return 0;
+    });
+  };
+  addSimple(name + "delay", -1.0, -1.0, [] {
+    for (int k = 0; k < kTimes; ++k) delay();
+    return 0;
+  });
+  add("fork", forkAndJoin);
+  add("loop", shareLoops);
+  add("barrier", meetAtBarriers);
+}
+
+std::vector<std::unique_ptr<ClothCase>> makeCases(const Options& options) {
+  std::vector<std::unique_ptr<ClothCase>> cases;
+  for (const std::string& strategy : options.strategies) {
+    for (const std::string& fabric : options.fabrics) {
+      cases.push_back(
+          std::make_unique<ClothCase>(CaseOptions{strategy, fabric, options.side, options.time, 1}));
+    }
+  }
+  return cases;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  if (!parse(argc, argv, options)) {
+    std::cout << kUsage << std::endl;
+    return 0;
+  }
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  try {
+    const auto cases = makeCases(options);
+    if (options.shares) {
+      std::cout << workSharesJson(cases) << std::endl;
+      return 0;
+    }
+    if (options.limits) addLimits();
+    for (const auto& cloth : cases) {
+      const CaseOptions& made = cloth->options();
+      if (options.threads.empty()) addPasses(made.strategy + "/" + made.fabric + "/", *cloth);
+      for (const int threads : options.threads) addThreads(threads, made.strategy, *cloth);
+    }
+    for (const int threads : options.threads) addOpenMp(threads);
+    benchmark::RunSpecifiedBenchmarks();
+  } catch (const std::exception& error) {
+    std::cerr << "kernel_times: " << error.what() << std::endl;
+    return 2;
+  }
+  return 0;
+}

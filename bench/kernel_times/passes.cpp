@@ -1,0 +1,180 @@
+#include "passes.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kVector = 3.0 * sizeof(double);  ///< a point or vector of one node or slot
+
+/// A law's flops: linear 0.5 r hoisted; a table has its interval to find, memory adds its offsets
+/// (law_table.h).
+double lawFlops(const Loop& law) {
+  if (law.hasMemory()) return 11.0;
+  return law.upper().intervals().size() == 1 ? 6.0 : 9.0;
+}
+double lawFlops(const std::array<Loop, 2>& laws) {  // warp and weft come in equal numbers
+  return 0.5 * (lawFlops(laws[kWarp]) + lawFlops(laws[kWeft]));
+}
+double memoryBytes(const Loop& law) { return law.hasMemory() ? sizeof(StepLanes) / kLanes : 0.0; }
+double memoryBytes(const std::array<Loop, 2>& laws) {
+  return 0.5 * (memoryBytes(laws[kWarp]) + memoryBytes(laws[kWeft]));
+}
+
+/// Of an element, by sizes of the packs: all of a pack but `unread` arrays of a number a lane.
+template <class Pack>
+double packBytes(int unread) {
+  return static_cast<double>(sizeof(Pack)) / kLanes - unread * sizeof(double);
+}
+
+/// How many of each there are; lanes past the last element are work too.
+struct Counts {
+  double edges, triples, patches, nodes, unknowns, samples;
+  bool shear, twist;
+};
+
+Counts countsOf(ClothCase& cloth) {
+  ClothWorld& world = cloth.world();
+  const NodeGather& gather = world.internal.gather();
+  return {static_cast<double>(gather.edges().size()),
+          static_cast<double>(gather.triples().size()),
+          static_cast<double>(gather.patches().size()),
+          static_cast<double>(padded(world.mesh.nodes())),
+          static_cast<double>(world.objective.size()),
+          static_cast<double>(world.contacts.size()),
+          !cloth.fabric().shear.isZero(),
+          cloth.fabric().twist_rigidity > 0.0};
+}
+
+/// Energy and gradient, term by term; each leaves forces in slots.
+void addElements(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
+  ClothWorld& world = cloth.world();
+  InternalEnergy& internal = world.internal;
+  const NodeGather& gather = internal.gather();
+  const Fabric& fabric = cloth.fabric();
+  const int triples = gather.firstTriple(), patches = gather.firstPatch(), end = internal.size();
+  const Field& x = cloth.nodes();
+  const auto range = [&internal, &x](int first, int last) {
+    return [&internal, &x, first, last] {
+      const InternalEnergy::Energy e = internal.evaluate(first, last, x);
+      return e.stretch + e.bend + e.shear;
+    };
+  };
+  // span 3, its length 6, its inverse 1, axis 3, strain 2, width and force 2, energy 2, slot 3, stiffnesses 3
+  passes.push_back(
+      {"stretch", "value", n.edges * (25.0 + lawFlops(fabric.tensile)),
+       n.edges * (packBytes<EdgePack>(0) + kVector + memoryBytes(fabric.tensile)) + 2.0 * n.nodes * kVector,
+       range(0, triples), n.edges});
+  // curvature 20, energy 2, force 1, slot 3, stiffness 1; reads normals as well as positions
+  passes.push_back({"bending", "value", n.triples * (27.0 + lawFlops(fabric.bending)),
+                    n.triples * (packBytes<TriplePack>(0) + kVector + memoryBytes(fabric.bending)) +
+                        (n.triples > 0.0 ? 4.0 : 0.0) * n.nodes * kVector,
+                    range(triples, patches)});
+  // u and v 12, their products 16, area 6, tangent 4, angle 26, its gradient 26, energy 3, slots 6, stiffness
+  // 1; twist: saddle 14, stiffness 2, energy 4, slot 4
+  const double shear = n.shear ? 100.0 + lawFlops(fabric.shear) : 0.0, twist = n.twist ? 24.0 : 0.0;
+  const double of_patch = packBytes<PatchPack>(0) +
+                          (n.shear ? 2.0 * kVector + memoryBytes(fabric.shear) : 0.0) +
+                          (n.twist ? 2.0 * kVector : 0.0);
+  passes.push_back({"shear", "value", n.patches * (shear + twist),
+                    n.patches * of_patch + (n.patches > 0.0 ? 1.0 : 0.0) * n.nodes * kVector,
+                    range(patches, end), n.shear ? n.patches : 0.0});
+  passes.push_back({"contact", "value", -1.0,
+                    n.samples * (static_cast<double>(sizeof(SamplePack)) / kLanes + kVector),
+                    [&world, &x] { return world.contacts.evaluate(0, world.contacts.size(), x).contact; }});
+}
+
+/// What the nodes do: motion and gravity, and gathering what the elements left.
+void addNodes(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
+  ClothWorld& world = cloth.world();
+  const int nodes = world.mesh.nodes();
+  // way 3, stiffness 1, energy 17, gradient 9; masses, three fields read, one written
+  passes.push_back({"motion, gravity", "value", n.nodes * 31.0,
+                    n.nodes * (2.0 * sizeof(double) + 4.0 * kVector), [&cloth, nodes] {
+                      return evaluateMotion(cloth.motionTerms(), 0, nodes, cloth.nodes().arrays(),
+                                            cloth.gradient().arrays());
+                    }});
+  // A multiplication and an addition for each coordinate of each entry; eight entries share 16 bytes.
+  const double entries =
+      2.0 * n.edges + 3.0 * n.triples + (n.shear ? 4.0 : 0.0) * n.patches + (n.twist ? 4.0 : 0.0) * n.patches;
+  const double slots = n.edges + n.triples + ((n.shear ? 2.0 : 0.0) + (n.twist ? 1.0 : 0.0)) * n.patches;
+  passes.push_back({"gathering", "value", 6.0 * entries,
+                    kVector * slots + 2.0 * kVector * n.nodes + 2.0 * entries, [&cloth, &world, nodes] {
+                      world.internal.addGradient(0, nodes, cloth.gradient());
+                      return cloth.gradient().coordinate(0)[0];
+                    }});
+  passes.push_back({"gathering of contact", "value", -1.0, kVector * n.samples + sizeof(int) * n.nodes,
+                    [&cloth, &world, nodes] {
+                      world.contacts.addGradient(0, nodes, cloth.gradient());
+                      return cloth.gradient().coordinate(0)[0];
+                    }});
+  passes.push_back({"packing", "value", 0.0, 4.0 * n.unknowns * sizeof(double), [&cloth, &world] {
+                      Proxies proxies(world.scene.probes.size(), Vec3::Zero());
+                      world.objective.unpack(cloth.point(), cloth.gradient(), proxies);
+                      world.objective.packFree(cloth.gradient(), cloth.scratch());
+                      return cloth.scratch()[0];
+                    }});
+}
+
+/// Curvature along the direction.
+void addAlong(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
+  ClothWorld& world = cloth.world();
+  const InternalEnergy& internal = world.internal;
+  const NodeGather& gather = internal.gather();
+  const int triples = gather.firstTriple(), patches = gather.firstPatch(), end = internal.size();
+  const Field& d = cloth.motion();
+  const auto range = [&internal, &d](int first, int last) {
+    return [&internal, &d, first, last] { return internal.curvature(first, last, d); };
+  };
+  // change 3, along it 5, its square 1, all of it 5, across 1, sums 5
+  passes.push_back({"stretch, curvature", "along", n.edges * 20.0,
+                    n.edges * packBytes<EdgePack>(2) + 2.0 * n.nodes * kVector, range(0, triples)});
+  passes.push_back({"bending, curvature", "along", n.triples * 23.0,
+                    n.triples * packBytes<TriplePack>(1) + (n.triples > 0.0 ? 4.0 : 0.0) * n.nodes * kVector,
+                    range(triples, patches)});
+  // sides 6, along their gradients 11, square 3; twist: saddle 14, stiffness 2, square 3
+  passes.push_back({"shear, curvature", "along",
+                    n.patches * ((n.shear ? 20.0 : 0.0) + (n.twist ? 19.0 : 0.0)),
+                    n.patches * (packBytes<PatchPack>(1) + (n.twist ? kVector : 0.0)) + n.nodes * kVector,
+                    range(patches, end)});
+  passes.push_back({"contact, curvature", "along", -1.0,
+                    n.samples * static_cast<double>(sizeof(SamplePack)) / kLanes, [&world, &d] {
+                      const Proxies still(world.scene.probes.size(), Vec3::Zero());
+                      return world.contacts.curvature(0, world.contacts.size(), d, still);
+                    }});
+  passes.push_back(
+      {"motion, curvature", "along", n.nodes * 7.0, n.nodes * (sizeof(double) + kVector), [&cloth] {
+         return motionCurvature(cloth.motionTerms(), 0, cloth.places(), cloth.motion().arrays());
+       }});
+  passes.push_back({"unpacking", "along", 0.0, 2.0 * n.unknowns * sizeof(double), [&cloth, &world] {
+                      Proxies proxies(world.scene.probes.size(), Vec3::Zero());
+                      world.objective.unpack(cloth.direction(), cloth.gradient(), proxies);
+                      return cloth.gradient().coordinate(0)[0];
+                    }});
+}
+
+}  // namespace
+
+std::vector<Pass> passesOf(ClothCase& cloth) {
+  const Counts counts = countsOf(cloth);
+  std::vector<Pass> passes;
+  addElements(cloth, counts, passes);
+  addNodes(cloth, counts, passes);
+  addAlong(cloth, counts, passes);
+  ClothWorld& world = cloth.world();
+  passes.push_back({"preconditioner", "vectors", counts.unknowns, 3.0 * counts.unknowns * sizeof(double),
+                    [&cloth, &world] {
+                      world.objective.precondition(cloth.direction(), cloth.scratch());
+                      return cloth.scratch()[0];
+                    }});
+  passes.push_back({"fit of the preconditioner", "fit", -1.0, -1.0, [&cloth, &world] {
+                      world.objective.fitPreconditioner();
+                      return cloth.scratch()[0];
+                    }});
+  return passes;
+}
+
+// Of an unknown: residual 3 (gradient, weight), two dot products 4 (three vectors), direction and slope 4
+// (three read, one written), trial point 2 (two read, one written).
+double vectorFlops(int unknowns) { return 13.0 * unknowns; }
+double vectorBytes(int unknowns) { return (2.0 + 3.0 + 4.0 + 3.0) * sizeof(double) * unknowns; }
+
+}  // namespace haptic_cloth
