@@ -15,14 +15,24 @@ constexpr double kLinearStrain = 1.0 / 16.0;  ///< [-]
 constexpr double kLinearCurvature = 256.0;    ///< [1/m]
 constexpr double kLinearShear = 1.0 / 8.0;    ///< [rad]
 
-double positive(const YamlValue& value) {
+/// Within these no product or quotient of a law overflows, and nothing measured comes near.
+constexpr double kSmallest = 1e-12, kLargest = 1e12;
+
+double bounded(const YamlValue& value) {
   const double number = value.number();
+  if (std::abs(number) > kLargest) value.fail("must be within -1e12 to 1e12");
+  return number;
+}
+
+double positive(const YamlValue& value) {
+  const double number = bounded(value);
   if (!(number > 0.0)) value.fail("must be > 0");
+  if (number < kSmallest) value.fail("must be at least 1e-12");
   return number;
 }
 
 double notNegative(const YamlValue& value) {
-  const double number = value.number();
+  const double number = bounded(value);
   if (!(number >= 0.0)) value.fail("must be >= 0");
   return number;
 }
@@ -37,7 +47,8 @@ std::vector<TableRow> readRows(const YamlValue& table) {
   if (entries.size() < 2) table.fail("must have at least two rows");
   std::vector<TableRow> rows;
   for (const YamlValue& entry : entries) {
-    const auto [deformation, force] = entry.numbers<2>();
+    const std::vector<YamlValue> row = entry.list(2, "numbers");
+    const double deformation = bounded(row[0]), force = bounded(row[1]);
     if (!rows.empty() && deformation <= rows.back().deformation) {
       entry.fail("the first column must increase strictly from row to row");
     }
@@ -73,6 +84,7 @@ std::vector<TableRow> readUnloading(const YamlValue& table, const std::vector<Ta
 HalfLoop readTables(const YamlMap& map, bool through_zero) {
   const YamlValue table = map.require("loading", "is required beside unloading");
   const std::vector<TableRow> rows = readRows(table);
+  if (rows.back().deformation < kSmallest) table.list().back().fail("must end at 1e-12 at least");
   const auto other = map.find("unloading");
   const TableRow& first = rows.front();
   if (first.deformation != 0.0 || first.force < 0.0 || ((through_zero || !other) && first.force != 0.0)) {
@@ -259,13 +271,20 @@ Fabric readFabric(const YamlMap& map, const std::string& default_name) {
   return fabric;
 }
 
+Fabric readFabric(const YamlDocument& document, const std::string& default_name) {
+  const YamlMap map(document.root(), {"name", "source", "assumed", "areal_density", "thickness", "tensile",
+                                      "bending", "shear", "compression_ratio"});
+  return readFabric(map, default_name);
+}
+
 }  // namespace
 
 Fabric loadFabric(const std::string& file) {
-  const YamlDocument document = YamlDocument::fromFile(file);
-  const YamlMap map(document.root(), {"name", "source", "assumed", "areal_density", "thickness", "tensile",
-                                      "bending", "shear", "compression_ratio"});
-  return readFabric(map, std::filesystem::path(file).stem().string());
+  return readFabric(YamlDocument::fromFile(file), std::filesystem::path(file).stem().string());
+}
+
+Fabric parseFabric(const std::string& yaml, const std::string& origin, const std::string& name) {
+  return readFabric(YamlDocument::fromText(yaml, origin), name);
 }
 
 }  // namespace haptic_cloth
