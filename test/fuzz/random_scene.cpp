@@ -98,8 +98,9 @@ class Writer {
 
   /// About where the cloth is: mostly beside it, at times through it.
   Eigen::Vector3d near(double reach) {
-    return centre_ + Eigen::Vector3d(dice_.uniform(-0.6, 0.6) * size_[0], dice_.uniform(-0.6, 0.6) * size_[1],
-                                     dice_.uniform(-1.0, 0.3) * reach);
+    // Braces: their arguments are drawn in order on every compiler.
+    return centre_ + Eigen::Vector3d{dice_.uniform(-0.6, 0.6) * size_[0], dice_.uniform(-0.6, 0.6) * size_[1],
+                                     dice_.uniform(-1.0, 0.3) * reach};
   }
 
   void obstacles() {
@@ -114,7 +115,7 @@ class Writer {
           "shape: plane", "shape: sphere, " + radius, "shape: cylinder, " + radius + ", " + length,
           "shape: capsule, " + radius + ", " + length,
           "shape: box, size: " +
-              list(size * Eigen::Vector3d(1.0, dice_.uniform(0.2, 1.0), dice_.uniform(0.1, 1.0)))};
+              list(size * Eigen::Vector3d{1.0, dice_.uniform(0.2, 1.0), dice_.uniform(0.1, 1.0)})};
       const std::size_t shape = dice_.below(shapes.size());
       const bool plane = shape == 0;
       const Eigen::Vector3d place =
@@ -204,7 +205,7 @@ class Writer {
   }
 
   std::string orientation() {
-    const Eigen::AngleAxisd turn(dice_.uniform(0.0, EIGEN_PI), direction());
+    const Eigen::AngleAxisd turn{dice_.uniform(0.0, EIGEN_PI), direction()};
     const Eigen::Vector4d q = Eigen::Quaterniond(turn).normalized().coeffs();
     std::ostringstream text;
     text.imbue(std::locale::classic());
