@@ -18,8 +18,9 @@ done
 for compiler in clang++ clang++-19 clang++-16 clang++-15 clang++-14 clang++-10; do
   if command -v "$compiler" >/dev/null; then break; fi
 done
+mkdir -p "$build"
 cmake -S "$root" -B "$build" -DCMAKE_CXX_COMPILER="$compiler" -DHAPTIC_CLOTH_ROS=OFF -DHAPTIC_CLOTH_TESTS=OFF \
-  -DHAPTIC_CLOTH_FUZZ=ON >"$build.cmake.log" 2>&1 || { cat "$build.cmake.log"; exit 1; }
+  -DHAPTIC_CLOTH_FUZZ=ON >"$build/cmake.log" 2>&1 || { cat "$build/cmake.log"; exit 1; }
 cmake --build "$build" --target fuzzers -- -j"${JOBS:-$(nproc)}"
 
 mkdir -p "$build/findings"

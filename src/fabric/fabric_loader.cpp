@@ -1,6 +1,8 @@
 #include <cmath>
 #include <filesystem>
+#include <locale>
 #include <optional>
+#include <sstream>
 #include <string>
 
 #include "fabric/fabric_laws.h"
@@ -77,6 +79,14 @@ std::vector<TableRow> readUnloading(const YamlValue& table, const std::vector<Ta
   }
   if (rows.front().deformation > 0.0) rows.insert(rows.begin(), {0.0, rows.front().force});
   if (rows.back().deformation < loading.back().deformation) rows.push_back(loading.back());
+  for (const TableRow& row : loading) {
+    if (interpolate(rows, row.deformation) > row.force + slack) {
+      std::ostringstream where;
+      where.imbue(std::locale::classic());
+      where << "unloading must not lie above loading, as it does at " << row.deformation;
+      table.fail(where.str());
+    }
+  }
   return rows;
 }
 
@@ -170,9 +180,9 @@ HalfLoop readKesShear(const YamlMap& map) {
   const double modulus = notNegative(map.require("G"));
   const double narrow = notNegativeOr(map, "2HG", notNegativeOr(map, "2HG5", 0.0));
   const double wide = notNegativeOr(map, "2HG5", narrow);
-  // Both branches rise, and the loop is open at zero.
-  if (std::abs(wide - narrow) > 9.0 * modulus || wide > 10.0 * narrow) {
-    map.require("2HG5").fail("must differ from 2HG by at most 9 G and be at most 10 times 2HG");
+  // Both branches rise, and the loop is open at zero and still at 8°, where the law ends.
+  if (std::abs(wide - narrow) > 9.0 * modulus || wide > 10.0 * narrow || wide < 0.4 * narrow) {
+    map.require("2HG5").fail("must differ from 2HG by at most 9 G and be 0.4 to 10 times 2HG");
   }
   return kesShear(kes::kShearModulus * modulus, 0.5 * kes::kForcePerWidth * narrow,
                   0.5 * kes::kForcePerWidth * wide);

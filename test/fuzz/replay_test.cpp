@@ -58,7 +58,7 @@ TEST_P(Readers, HoldOnEverySeed) {
 }
 
 TEST_P(Readers, HoldOnMutations) {
-  constexpr int kMutations = 2500;
+  constexpr int kMutations = 1500;
   const std::vector<Seed> seeds = readSeeds(GetParam().seeds);
   Dice dice(20040607);
   int accepted = 0;
@@ -152,7 +152,7 @@ TEST_F(TooLarge, AListThatHoldsItselfIsRefused) {
 
 TEST_F(TooLarge, DeepNestsAreRefused) {
   const std::string rule = "scene: must not nest lists and mappings deeper than 32";
-  for (const std::string& word : {"[", "{a: ", "- ", "? ", "{[", "[{", "{? "}) {
+  for (const char* word : {"[", "{a: ", "- ", "? ", "{[", "[{", "{? "}) {
     EXPECT_EQ(refusal(repeated(word, 300000)), rule) << word;
   }
   std::string steps;  // a block that goes one column deeper each line
@@ -162,10 +162,10 @@ TEST_F(TooLarge, DeepNestsAreRefused) {
 
 TEST_F(TooLarge, LongTextsAreRefused) {
   EXPECT_EQ(refusal(repeated("# comment\n", 2000000)), "scene: must be at most 16777216 bytes long");
-  EXPECT_EQ(refusal(std::string(kCloth) + "obstacles: [" + repeated("1,", 2000000) + "]"), kTooMany);
+  EXPECT_EQ(refusal(std::string(kCloth) + "obstacles: [" + repeated("1,", 1100000) + "]"), kTooMany);
   EXPECT_EQ(refusal("cloth: {fabric: " + repeated("x", 10000000) + "}").substr(0, 30),
             "scene: cloth.fabric = xxxxxxxx");
-  EXPECT_EQ(refusal(repeated("x", 10000000) + ": 1\n").substr(0, 20), "scene: xxxxxxxxxxxxx");
+  EXPECT_EQ(refusal("? " + repeated("x", 10000000) + "\n: 1\n").substr(0, 20), "scene: xxxxxxxxxxxxx");
 }
 
 TEST_F(TooLarge, AFileWithoutAnEndIsRefused) {
@@ -179,8 +179,8 @@ TEST_F(TooLarge, AFileWithoutAnEndIsRefused) {
 
 TEST_F(TooLarge, ManyProbesObstaclesAndPinsAreRefused) {
   std::string probes = std::string(kCloth) + "probes: {";
-  for (int k = 0; k < 100000; ++k) probes += "p" + std::to_string(k) + ": {},";
-  EXPECT_EQ(refusal(probes + "}"), "scene: probes = 100000 entries: must have at most 64");
+  for (int k = 0; k < 50000; ++k) probes += "p" + std::to_string(k) + ": {},";
+  EXPECT_EQ(refusal(probes + "}"), "scene: probes = 50000 entries: must have at most 64");
   EXPECT_EQ(refusal(std::string(kCloth) + "obstacles: [" + repeated("{shape: plane},", 1025) + "]"),
             "scene: obstacles = 1025 entries: must have at most 1024");
   EXPECT_EQ(
@@ -193,9 +193,9 @@ TEST_F(TooLarge, ManyProbesObstaclesAndPinsAreRefused) {
 }
 
 TEST_F(TooLarge, LongTablesAreReadInOneGo) {
-  // As many rows as are allowed: the time is that of a sort, not the square of their number.
+  // The time grows with the rows, not with the square of their number: that would be minutes.
   std::string rows;
-  for (int k = 0; k < 300000; ++k) rows += "[" + std::to_string(k) + "," + std::to_string(k) + "],";
+  for (int k = 0; k < 100000; ++k) rows += "[" + std::to_string(k) + "," + std::to_string(k) + "],";
   const std::string head = "source: x\nareal_density: 0.1\nthickness: 0.001\n";
   EXPECT_EQ(fabricRefusal(head + "tensile: {loading: [" + rows + "]}"), "accepted");
 }

@@ -235,6 +235,8 @@ TEST_F(FabricFile, WrongShearLawsAreNamed) {
       {base + "shear: {}\n",
        "cloth.yaml:5: shear = {}: must have exactly one of: KES parameters (G, 2HG, 2HG5), modulus, or "
        "tables (loading, unloading)"},
+      {base + "shear: {G: 1, 2HG: 2, 2HG5: 0.7}\n",
+       "cloth.yaml:5: shear.2HG5 = 0.7: must differ from 2HG by at most 9 G and be 0.4 to 10 times 2HG"},
       {base + "shear: {2HG: 1}\n", "cloth.yaml:5: shear.G: is required"},
       {base + "shear: {modulus: -2}\n", "cloth.yaml:5: shear.modulus = -2: must be >= 0"},
       {base + "shear: {G: 1, bias: {B: 1}}\n",
@@ -255,6 +257,10 @@ TEST_F(FabricFile, WrongShearLawsAreNamed) {
        "cloth.yaml:5: shear.loading: is required beside unloading"},
       {base + "shear: {loading: [[0, 0], [0.1, 2]], unloading: [[0, 0], [0.05, 1.5]]}\n",
        "cloth.yaml:5: shear.unloading[1] = [0.05, 1.5]: unloading must not lie above loading"},
+      {base + "shear: {loading: [[0, 0], [0.1, 1], [0.2, 20]], unloading: [[0, 0], [0.2, 20]]}\n",
+       "cloth.yaml:5: shear.unloading = [[0, 0], [0.2, 20]]: unloading must not lie above loading, as it "
+       "does "
+       "at 0.1"},
       {base + "shear: {loading: [[0, 0], [0.1, 2]], unloading: [[0, 0], [0.2, 2]]}\n",
        "cloth.yaml:5: shear.unloading[1] = [0.2, 2]: the first column must stay within that of loading"},
   });
