@@ -32,7 +32,7 @@ endfunction()
 
 foreach(folder unit physics stability fuzz)
   file(GLOB sources CONFIGURE_DEPENDS test/${folder}/*.cpp)
-  list(REMOVE_ITEM sources "${PROJECT_SOURCE_DIR}/test/fuzz/fuzzer.cpp")
+  list(REMOVE_ITEM sources "${PROJECT_SOURCE_DIR}/test/fuzz/fuzzer.cpp" "${PROJECT_SOURCE_DIR}/test/fuzz/race.cpp")
   if(NOT TARGET simulate)
     list(REMOVE_ITEM sources "${PROJECT_SOURCE_DIR}/test/unit/simulate_test.cpp")
   endif()
@@ -47,6 +47,12 @@ endif()
 
 add_test(NAME bench_z_width_smoke COMMAND "${PROJECT_SOURCE_DIR}/bench/z_width"
   --tests $<TARGET_FILE:stability_tests> --out "${PROJECT_BINARY_DIR}/bench_z_width")
+
+# What scripts/sanitize.sh thread must find fault with.
+if(HAPTIC_CLOTH_SANITIZE STREQUAL thread)
+  add_executable(race EXCLUDE_FROM_ALL test/fuzz/race.cpp)
+  target_link_libraries(race haptic_cloth haptic_cloth_private Threads::Threads)
+endif()
 
 # A minute of libFuzzer in all, for the three readers side by side. Its replay, in fuzz_tests, needs no clang.
 find_program(HAPTIC_CLOTH_CLANG NAMES clang++ clang++-19 clang++-16 clang++-15 clang++-14 clang++-10)

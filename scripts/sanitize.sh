@@ -40,7 +40,9 @@ else
   export OMP_TOOL_LIBRARIES="$archer" TSAN_OPTIONS="ignore_noninstrumented_modules=1 halt_on_error=1 second_deadlock_stack=1 ${TSAN_OPTIONS:-}"
 fi
 cmake -S "$root" -B "$build" -DCMAKE_BUILD_TYPE=None -DHAPTIC_CLOTH_ROS=OFF "${configure[@]}"
-cmake --build "$build" --target fuzz_tests unit_tests -- -j"${JOBS:-$(nproc)}"
+targets=(fuzz_tests unit_tests)
+if [ "$mode" = thread ]; then targets+=(race); fi
+cmake --build "$build" --target "${targets[@]}" -- -j"${JOBS:-$(nproc)}"
 
 export OMP_WAIT_POLICY=passive HAPTIC_CLOTH_RANDOM_SEED="$seed" HAPTIC_CLOTH_RANDOM_SCENES="$scenes"
 export ASAN_OPTIONS="detect_stack_use_after_return=1 ${ASAN_OPTIONS:-}" UBSAN_OPTIONS="print_stacktrace=1 ${UBSAN_OPTIONS:-}"
@@ -49,6 +51,11 @@ if [ "$mode" = address ]; then
   "$programs/fuzz_tests"
   "$programs/unit_tests" --gtest_filter="$unit"
 else
+  # Silence means something only where a race is heard.
+  if "$build/race" >"$build/race.log" 2>&1 || ! grep -q 'ThreadSanitizer: data race' "$build/race.log"; then
+    echo "the sanitizer does not see the race of test/fuzz/race.cpp"
+    exit 1
+  fi
   "$programs/unit_tests" --gtest_filter='Exchange.*:Mailbox.*'
   "$programs/fuzz_tests" --gtest_filter='RandomScenes.StayFinite*'
 fi
