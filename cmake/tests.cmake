@@ -48,12 +48,6 @@ endif()
 add_test(NAME bench_z_width_smoke COMMAND "${PROJECT_SOURCE_DIR}/bench/z_width"
   --tests $<TARGET_FILE:stability_tests> --out "${PROJECT_BINARY_DIR}/bench_z_width")
 
-# What scripts/sanitize.sh thread must find fault with.
-if(HAPTIC_CLOTH_SANITIZE STREQUAL thread)
-  add_executable(race EXCLUDE_FROM_ALL test/fuzz/race.cpp)
-  target_link_libraries(race haptic_cloth haptic_cloth_private Threads::Threads)
-endif()
-
 # A minute of libFuzzer in all, for the three readers side by side. Its replay, in fuzz_tests, needs no clang.
 find_program(HAPTIC_CLOTH_CLANG NAMES clang++ clang++-19 clang++-16 clang++-15 clang++-14 clang++-10)
 if(HAPTIC_CLOTH_CLANG)
