@@ -30,8 +30,9 @@ function(haptic_cloth_test_settings name)
   target_link_libraries(${name} haptic_cloth_tools haptic_cloth haptic_cloth_private yaml-cpp Threads::Threads)
 endfunction()
 
-foreach(folder unit physics stability)
+foreach(folder unit physics stability fuzz)
   file(GLOB sources CONFIGURE_DEPENDS test/${folder}/*.cpp)
+  list(REMOVE_ITEM sources "${PROJECT_SOURCE_DIR}/test/fuzz/fuzzer.cpp" "${PROJECT_SOURCE_DIR}/test/fuzz/race.cpp")
   if(NOT TARGET simulate)
     list(REMOVE_ITEM sources "${PROJECT_SOURCE_DIR}/test/unit/simulate_test.cpp")
   endif()
@@ -46,6 +47,15 @@ endif()
 
 add_test(NAME bench_z_width_smoke COMMAND "${PROJECT_SOURCE_DIR}/bench/z_width"
   --tests $<TARGET_FILE:stability_tests> --out "${PROJECT_BINARY_DIR}/bench_z_width")
+
+# A minute of libFuzzer in all, for the three readers side by side. Its replay, in fuzz_tests, needs no clang.
+find_program(HAPTIC_CLOTH_CLANG NAMES clang++ clang++-19 clang++-16 clang++-15 clang++-14 clang++-10)
+if(HAPTIC_CLOTH_CLANG)
+  add_test(NAME fuzz_readers COMMAND "${PROJECT_SOURCE_DIR}/scripts/fuzz.sh" --seconds 20
+    --build "${PROJECT_BINARY_DIR}/fuzz")
+else()
+  message(WARNING "clang++ not found: the readers are not fuzzed, their seeds are replayed only")
+endif()
 
 add_test(NAME hello_cloth COMMAND hello_cloth)
 

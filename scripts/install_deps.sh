@@ -12,12 +12,14 @@ debian=(catkin libroscpp-dev pluginlib-dev libtf2-ros-dev libtopic-tools-dev lib
 # Ubuntu 20.04 with the packages of packages.ros.org.
 noetic=(ros-noetic-ros-base ros-noetic-rostest ros-noetic-nodelet ros-noetic-tf2-ros ros-noetic-dynamic-reconfigure ros-noetic-interactive-markers ros-noetic-visualization-msgs
         ros-noetic-diagnostic-msgs ros-noetic-rviz)
+# libFuzzer for the readers of files and, with libomp, the thread sanitizer: about 50 MB.
+fuzz=(clang libclang-rt-dev libomp-dev)
 show=(xvfb imagemagick x11-utils python3-matplotlib python3-numpy)
 lint=(catkin-lint clang-format clang-tidy)
 
 packages=("${common[@]}")
 if [ -d /opt/ros/noetic ]; then packages+=("${noetic[@]}"); else packages+=("${debian[@]}"); fi
-packages+=("${show[@]}")
+packages+=("${show[@]}" "${fuzz[@]}")
 if [ "${1:-}" = --lint ]; then packages+=("${lint[@]}"); fi
 
 installed() { dpkg-query -W -f '${Status}' "$1" 2>/dev/null | grep -q 'ok installed'; }

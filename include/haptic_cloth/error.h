@@ -1,6 +1,7 @@
 /// The one exception of the library: an input that breaks a rule.
 #pragma once
 
+#include <cctype>
 #include <stdexcept>
 #include <string>
 
@@ -15,8 +16,20 @@ class InputError : public std::runtime_error {
   /// @param rule  what would be right ("must be > 0")
   InputError(const std::string& file, const std::string& key, const std::string& value,
              const std::string& rule)
-      : std::runtime_error(file + (key.empty() ? "" : ": " + key) + (value.empty() ? "" : " = " + value) +
-                           ": " + rule) {}
+      : std::runtime_error(oneLine(file) + (key.empty() ? "" : ": " + oneLine(key)) +
+                           (value.empty() ? "" : " = " + oneLine(value)) + ": " + oneLine(rule)) {}
+
+ private:
+  static constexpr std::size_t kLongest = 2000;  ///< of each part [characters]
+
+  /// Names and values come from files that may hold anything.
+  static std::string oneLine(std::string text) {
+    if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
+    for (char& c : text) {
+      if (std::iscntrl(static_cast<unsigned char>(c)) != 0) c = ' ';
+    }
+    return text;
+  }
 };
 
 }  // namespace haptic_cloth

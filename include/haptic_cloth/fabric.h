@@ -27,6 +27,11 @@ struct Fabric {
 /// @throws InputError for unreadable files, unknown keys, wrong types and impossible values.
 Fabric loadFabric(const std::string& file);
 
+/// Reads a fabric from YAML text. @param origin names the source in messages; @param name is the fabric's
+/// where the text has none.
+/// @throws InputError as loadFabric()
+Fabric parseFabric(const std::string& yaml, const std::string& origin, const std::string& name);
+
 /// Finds a fabric by name or path. A value that ends in ".yaml" is a path, relative to `base_directory`;
 /// else NAME.yaml is looked up in $HAPTIC_CLOTH_FABRIC_PATH (colon separated), in base_directory/../fabrics
 /// and in the fabrics shipped with the package.

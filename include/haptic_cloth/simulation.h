@@ -22,7 +22,7 @@ struct CellView {
 /// Cloth, obstacles and probes, advanced step by step. Not thread-safe: one thread owns it.
 class Simulation {
  public:
-  /// @throws InputError if the scene is not valid
+  /// @throws InputError if the scene is not valid, or needs more memory than there is
   explicit Simulation(const Scene& scene);
   ~Simulation();
   Simulation(Simulation&&) noexcept;

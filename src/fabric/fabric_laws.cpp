@@ -66,10 +66,10 @@ HalfLoop kesShear(double modulus, double half_width, double half_width5) {
 HalfLoop linearLaw(double slope, double end) { return {end, {0.0, slope * end}, {0.0, slope * end}}; }
 
 double interpolate(const std::vector<TableRow>& rows, double s) {
-  std::size_t row = 0;
-  while (row + 2 < rows.size() && rows[row + 1].deformation < s) ++row;
-  const TableRow& a = rows[row];
-  const TableRow& b = rows[row + 1];
+  const auto end = std::lower_bound(rows.begin() + 1, rows.end() - 1, s,
+                                    [](const TableRow& row, double x) { return row.deformation < x; });
+  const TableRow& a = *(end - 1);
+  const TableRow& b = *end;
   return a.force + (b.force - a.force) * (s - a.deformation) / (b.deformation - a.deformation);
 }
 

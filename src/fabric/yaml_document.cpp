@@ -1,9 +1,10 @@
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 
+#include "fabric/yaml_limits.h"
 #include "fabric/yaml_reader.h"
 
 namespace haptic_cloth {
@@ -12,6 +13,7 @@ namespace {
 /// The one YAML document in `text`.
 YAML::Node parseText(const std::string& text, const std::string& origin, bool has_lines) {
   try {
+    checkYamlLimits(text, origin, has_lines);
     const std::vector<YAML::Node> documents = YAML::LoadAll(text);
     if (documents.size() > 1) throw InputError(origin, "", "", "must hold one YAML document, not several");
     return documents.empty() ? YAML::Node() : documents.front();
@@ -28,8 +30,14 @@ std::string readFile(const std::string& file) {
     throw InputError(file, "", "", "is a directory, must be a YAML file");
   }
   std::ifstream stream(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (!stream) throw InputError(file, "", "", "cannot be read, must be a YAML file");
+  // A file too long, or one without an end such as a device, is left after the first part beyond the limit.
+  std::string text;
+  for (std::array<char, 1 << 14> part{}; stream && text.size() <= YamlLimits::kBytes;) {
+    stream.read(part.data(), part.size());
+    text.append(part.data(), static_cast<std::size_t>(stream.gcount()));
+  }
+  if (!stream.is_open() || stream.bad())
+    throw InputError(file, "", "", "cannot be read, must be a YAML file");
   return text;
 }
 
@@ -59,6 +67,9 @@ Assignment parseAssignment(const std::string& text) {
   assignment.parts = splitKey(text.substr(0, equals));
   for (const std::string& part : assignment.parts) {
     if (part.empty()) assignment.fail("must be KEY=VALUE with KEY such as cloth.size or obstacles.0.radius");
+  }
+  if (assignment.parts.size() > static_cast<std::size_t>(YamlLimits::kDepth)) {
+    assignment.fail("must be KEY=VALUE with at most " + std::to_string(YamlLimits::kDepth) + " parts in KEY");
   }
   assignment.value = parseText(text.substr(equals + 1), "--set: " + describe(YAML::Node(text)), false);
   if (assignment.value.IsNull()) assignment.fail("must have a value behind the =");

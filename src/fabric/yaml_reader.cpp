@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <locale>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -137,10 +138,10 @@ Vec3 YamlValue::vector() const {
 std::vector<std::pair<std::string, YamlValue>> YamlValue::entries() const {
   if (!isMap()) fail("must be a mapping");
   std::vector<std::pair<std::string, YamlValue>> found;
+  std::set<std::string> names;
   for (const auto& entry : node_) {
     const std::string name = entry.first.IsScalar() ? entry.first.Scalar() : describe(entry.first);
-    const auto same = [&](const auto& other) { return other.first == name; };
-    if (std::any_of(found.begin(), found.end(), same)) failAt(name, entry.first, "must not stand here twice");
+    if (!names.insert(name).second) failAt(name, entry.first, "must not stand here twice");
     found.emplace_back(name, child(entry.second, name));
   }
   return found;

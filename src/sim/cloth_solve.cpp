@@ -120,17 +120,21 @@ void ClothWorld::lookAtRest() {
   x_.head(size) = start_.head(size);
 }
 
-/// Positions as the joint cost has them; forces and energies then are those of the laws there, as ever. What a
-/// limit has ended on the way may be worse than rest, by Φ: then it is rest.
+/// Positions as the joint cost has them; forces and energies then are those of the laws there, as ever. A
+/// least square falls while Φ rises: where it was cut short above Φ at rest, which the condensed cost never
+/// is, the step stays where the solve started. Else a step could store any energy out of nothing.
 MinimizerReport ClothWorld::minimiseJoint() {
+  const int size = objective.size();
   joint_->begin(start_, x_, joint_x_);
-  const MinimizerReport report = minimizer_.minimize(*joint_, joint_x_, team);
+  MinimizerReport report = minimizer_.minimize(*joint_, joint_x_, team);
   cost = joint_->costs();
-  x_.head(objective.size()) = joint_x_.head(objective.size());
-  const double value = objective.evaluate(x_, gradient_);
-  if (report.why != Termination::Converged && !(value <= at_rest_)) {
-    x_.head(objective.size()) = start_.head(objective.size());
+  motion_.head(size) = x_.head(size);
+  x_.head(size) = joint_x_.head(size);
+  const double end = objective.evaluate(x_, gradient_);
+  if (report.why != Termination::Converged && report.why != Termination::NotFinite && !(end <= at_rest_)) {
+    x_.head(size) = motion_.head(size);
     objective.evaluate(x_, gradient_);
+    report.why = Termination::LineSearchFailed;
   }
   return report;
 }

@@ -16,6 +16,9 @@ constexpr int kMostThreads = 1024;
 constexpr double kMostParticles = 1 << 24;  ///< so that every index and offset fits an int
 constexpr double kMost =
     1e6;  ///< of positions [m] and gravity [m/s²]: beyond, millimetres are lost to rounding
+constexpr double kSmallest = 1e-12, kLargest = 1e12;  ///< of the rest: products and quotients stay finite
+constexpr double kMostContacts = 1 << 26;  ///< particles times solids: each of these has its places reserved
+constexpr std::size_t kMostProbes = 64, kMostObstacles = 1024, kMostPins = 4096;
 constexpr double kFinestProbe =
     0.02;  ///< probe radius over the finest spacing: thinner ones need too many samples [-]
 constexpr double kUnitTolerance = 1e-6;  ///< of a quaternion's norm [-]
@@ -36,9 +39,18 @@ class Check {
 
   void positive(const std::string& key, double value) const {
     that(std::isfinite(value) && value > 0.0, key, value, "must be > 0");
+    that(value >= kSmallest && value <= kLargest, key, value, "must be within 1e-12 to 1e12");
+  }
+  void length(const std::string& key, double value) const {
+    positive(key, value);
+    that(value <= kMost, key, value, "must be at most 1e6");
+  }
+  void count(const std::string& key, std::size_t value, std::size_t most) const {
+    that(value <= most, key, std::to_string(value) + " entries", "must have at most " + std::to_string(most));
   }
   void notNegative(const std::string& key, double value) const {
     that(std::isfinite(value) && value >= 0.0, key, value, "must be >= 0");
+    that(value <= kLargest, key, value, "must be at most 1e12");
   }
   void atLeast(const std::string& key, int value, int least) const {
     that(value >= least, key, value, "must be >= " + std::to_string(least));
@@ -74,13 +86,14 @@ void checkGrid(const Check& check, const ClothOptions& cloth, const AdaptOptions
     check.atLeast(key, cloth.particles[d], 2);
     check.that((cloth.particles[d] - 1) % coarsest == 0, key, cloth.particles[d],
                "particles - 1 must be divisible by 2^adapt.levels = " + std::to_string(coarsest));
-    check.positive(indexed("cloth.size", d), cloth.size[d]);
+    check.length(indexed("cloth.size", d), cloth.size[d]);
   }
   const double count = static_cast<double>(cloth.particles[0]) * cloth.particles[1];
   check.that(count <= kMostParticles, "cloth.particles", count, "the product must be at most 2^24");
 }
 
 void checkPins(const Check& check, const ClothOptions& cloth) {
+  check.count("cloth.pins", cloth.pins.size(), kMostPins);
   for (std::size_t p = 0; p < cloth.pins.size(); ++p) {
     const ParticleRange& pin = cloth.pins[p];
     const std::string key = indexed("cloth.pins", p);
@@ -101,6 +114,7 @@ void checkPath(const Check& check, const std::string& prefix, const std::vector<
     const double time = path[i].time;
     check.finite(key, path[i].position);
     check.that(std::isfinite(time), key + "[0]", time, "must be finite");
+    check.that(std::abs(time) <= kLargest, key + "[0]", time, "must be within -1e12 to 1e12");
     check.that(i == 0 || time > path[i - 1].time, key + "[0]", time,
                "times must increase strictly from row to row");
   }
@@ -110,16 +124,16 @@ void checkObstacle(const Check& check, const std::string& key, const Obstacle& o
   switch (obstacle.shape) {
     case Shape::Box:
       for (int d = 0; d < 3; ++d) {
-        check.positive(indexed(key + ".size", static_cast<std::size_t>(d)), obstacle.size[d]);
+        check.length(indexed(key + ".size", static_cast<std::size_t>(d)), obstacle.size[d]);
       }
       break;
     case Shape::Cylinder:
     case Shape::Capsule:
-      check.positive(key + ".length", obstacle.length);
-      check.positive(key + ".radius", obstacle.radius);
+      check.length(key + ".length", obstacle.length);
+      check.length(key + ".radius", obstacle.radius);
       break;
     case Shape::Sphere:
-      check.positive(key + ".radius", obstacle.radius);
+      check.length(key + ".radius", obstacle.radius);
       break;
     case Shape::Plane:
       break;
@@ -148,10 +162,11 @@ void checkNames(const Check& check, const std::string& prefix, const std::vector
 
 /// @param prefix the probe's key
 void checkProbe(const Check& check, const std::string& prefix, const ProbeOptions& probe, double spacing) {
-  check.positive(prefix + ".radius", probe.radius);
+  check.length(prefix + ".radius", probe.radius);
   check.that(probe.radius >= kFinestProbe * spacing, prefix + ".radius", probe.radius,
              "must be at least a fiftieth of the finest spacing");
   check.notNegative(prefix + ".length", probe.length);
+  check.that(probe.length <= kMost, prefix + ".length", probe.length, "must be at most 1e6");
   check.notNegative(prefix + ".friction", probe.friction);
   check.positive(prefix + ".coupling_stiffness", probe.coupling_stiffness);
   check.notNegative(prefix + ".coupling_damping", probe.coupling_damping);
@@ -204,6 +219,12 @@ void checkScene(const Scene& scene, const Locate& locate) {
   check.positive("cloth.fabric.thickness", scene.cloth.fabric.thickness);
   checkPins(check, scene.cloth);
   check.finite("gravity", scene.gravity);
+  check.count("obstacles", scene.obstacles.size(), kMostObstacles);
+  check.count("probes", scene.probes.size(), kMostProbes);
+  const double contacts = static_cast<double>(scene.cloth.particles[0]) * scene.cloth.particles[1] *
+                          static_cast<double>(scene.obstacles.size() + scene.probes.size());
+  check.that(contacts <= kMostContacts, "cloth.particles", contacts,
+             "the product, times the number of obstacles and probes, must be at most 2^26");
   check.notNegative("air_damping", scene.air_damping);
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     checkObstacle(check, indexed("obstacles", i), scene.obstacles[i]);

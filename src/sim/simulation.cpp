@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <new>
 
 #include "haptic_cloth/error.h"
 #include "sim/cloth_world.h"
@@ -24,7 +25,13 @@ class Simulation::Implementation {
 
 Simulation::Simulation(const Scene& scene) {
   validateScene(scene, "scene");
-  implementation_ = std::make_unique<Implementation>(scene);
+  try {
+    implementation_ = std::make_unique<Implementation>(scene);
+  } catch (const std::bad_alloc&) {
+    const auto& [columns, rows] = scene.cloth.particles;
+    throw InputError("scene", "cloth.particles", std::to_string(columns) + " x " + std::to_string(rows),
+                     "needs more memory than there is");
+  }
 }
 
 Simulation::~Simulation() = default;

@@ -196,6 +196,12 @@ TEST_F(FabricFile, WrongDocumentsAndValuesAreNamed) {
        "cloth.yaml:2: areal_density = \"0.2\": must be a finite number"},
       {"source: x\nareal_density: 0.2\nthickness: -1\n", "cloth.yaml:3: thickness = -1: must be > 0"},
       {kHead, "cloth.yaml:1: tensile: is required"},
+      {"source: x\nareal_density: 1e-13\n", "cloth.yaml:2: areal_density = 1e-13: must be at least 1e-12"},
+      {"source: x\nareal_density: 1e13\n",
+       "cloth.yaml:2: areal_density = 1e13: must be within -1e12 to 1e12"},
+      {base + "bending: {B: 1e13}\n", "cloth.yaml:5: bending.B = 1e13: must be within -1e12 to 1e12"},
+      {base + "shear: {loading: [[0, 0], [1.0e-13, 1]]}\n",
+       "cloth.yaml:5: shear.loading[1] = [1.0e-13, 1]: must end at 1e-12 at least"},
       {base + "compression_ratio: -0.1\n", "cloth.yaml:5: compression_ratio = -0.1: must be >= 0"},
       {base + "assumed: shear\n", "cloth.yaml:5: assumed = shear: must be a list"},
       {base + "assumed: [sheer]\n",
@@ -229,6 +235,8 @@ TEST_F(FabricFile, WrongShearLawsAreNamed) {
       {base + "shear: {}\n",
        "cloth.yaml:5: shear = {}: must have exactly one of: KES parameters (G, 2HG, 2HG5), modulus, or "
        "tables (loading, unloading)"},
+      {base + "shear: {G: 1, 2HG: 2, 2HG5: 0.7}\n",
+       "cloth.yaml:5: shear.2HG5 = 0.7: must differ from 2HG by at most 9 G and be 0.4 to 10 times 2HG"},
       {base + "shear: {2HG: 1}\n", "cloth.yaml:5: shear.G: is required"},
       {base + "shear: {modulus: -2}\n", "cloth.yaml:5: shear.modulus = -2: must be >= 0"},
       {base + "shear: {G: 1, bias: {B: 1}}\n",
@@ -249,6 +257,10 @@ TEST_F(FabricFile, WrongShearLawsAreNamed) {
        "cloth.yaml:5: shear.loading: is required beside unloading"},
       {base + "shear: {loading: [[0, 0], [0.1, 2]], unloading: [[0, 0], [0.05, 1.5]]}\n",
        "cloth.yaml:5: shear.unloading[1] = [0.05, 1.5]: unloading must not lie above loading"},
+      {base + "shear: {loading: [[0, 0], [0.1, 1], [0.2, 20]], unloading: [[0, 0], [0.2, 20]]}\n",
+       "cloth.yaml:5: shear.unloading = [[0, 0], [0.2, 20]]: unloading must not lie above loading, as it "
+       "does "
+       "at 0.1"},
       {base + "shear: {loading: [[0, 0], [0.1, 2]], unloading: [[0, 0], [0.2, 2]]}\n",
        "cloth.yaml:5: shear.unloading[1] = [0.2, 2]: the first column must stay within that of loading"},
   });

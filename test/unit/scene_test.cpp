@@ -218,6 +218,13 @@ TEST(Scene, UnknownAndDuplicateKeysAreNamed) {
        {ok + "air_damping: 1\nair_damping: 2\n", "scene: air_damping: must not stand here twice"}});
 }
 
+TEST(Scene, MessagesAreOneLineWhateverTheFileHolds) {
+  // message() looks for line ends.
+  EXPECT_EQ(message(std::string(kCloth) + "probes: {\"a\\nb\": {radius: 0}}"),
+            "scene: probes = a b: a name must be a letter, then letters, digits and underscores");
+  EXPECT_EQ(message("cloth: {fabric: \"a\\nb\"}").substr(0, 26), "scene: cloth.fabric = a b: ");
+}
+
 TEST(Scene, WrongTypesAreNamed) {
   const std::string ok = kCloth;
   expectMessages(
@@ -268,6 +275,12 @@ TEST(Scene, ImpossibleValuesAreNamed) {
        {withCloth("particles: [40001, 40001]"),
         "scene: cloth.particles = 1.60008e+09: the product must be at most 2^24"},
        {withCloth("size: [0.3, 0]"), "scene: cloth.size[1] = 0: must be > 0"},
+       {withCloth("size: [0.3, 1e7]"), "scene: cloth.size[1] = 1e+07: must be at most 1e6"},
+       {ok + "stop: {time: 1e13}", "scene: stop.time = 1e+13: must be within 1e-12 to 1e12"},
+       {ok + "solver: {time_step: 1e-13}", "scene: solver.time_step = 1e-13: must be within 1e-12 to 1e12"},
+       {ok + "air_damping: 1e13", "scene: air_damping = 1e+13: must be at most 1e12"},
+       {ok + "probe: {path: [[1e13, 0, 0, 0]]}",
+        "scene: probe.path[0][0] = 1e+13: must be within -1e12 to 1e12"},
        {withCloth("pins: [{particles: [[0, 77], [0, 0]]}]"),
         "scene: cloth.pins[0] = [0, 77]: particles[0] must be a range [first, last] with 0 <= first <= last "
         "<= 76"},

@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# Builds the library and its tests with sanitizers and runs them.
+# Usage: scripts/sanitize.sh address [--scenes N] [--seed S]    memory and undefined behaviour: random scenes, readers,
+#                                                               unit tests; N scenes (200) from number S (1)
+#        scripts/sanitize.sh thread [--scenes N] [--seed S]     races: exchange of the threads, every loop shared out
+#                                                               over two threads, N random scenes (20)
+# Builds in build/sanitize_MODE ($BUILD_DIR instead). `thread` needs clang and libomp: gcc's libgomp does not tell the
+# sanitizer what it waits for, libomp does so by its tool libarcher.
+set -euo pipefail
+root="$(cd "$(dirname "$0")/.." && pwd)"
+mode="${1:-}"
+case "$mode" in
+  address) scenes=200 ;;
+  thread) scenes=20 ;;
+  *) sed -n 3,8p "$0"; exit 2 ;;
+esac
+shift
+seed=1
+while [ $# -gt 0 ]; do
+  case "$1" in
+    --scenes) scenes="$2" ;;
+    --seed) seed="$2" ;;
+    *) sed -n 3,8p "$0"; exit 2 ;;
+  esac
+  shift 2
+done
+build="${BUILD_DIR:-$root/build/sanitize_$mode}"
+# Tests that drive other programs or sources, or know how much is allocated, say nothing here.
+unit='-Structure.*:Simulate*.*:KesTest*.*'
+
+if [ "$mode" = address ]; then
+  configure=(-DHAPTIC_CLOTH_SANITIZE=address,undefined -DCMAKE_CXX_FLAGS=-O1)
+else
+  compiler="$(command -v clang++ || command -v clang++-14)"
+  # The tool belongs to one version of libomp, that of the compiler.
+  archer="$("$compiler" -print-file-name=libarcher.so)"
+  if [ ! -f "$archer" ]; then archer="$(dirname "$(readlink -f "$compiler")")/../lib/libarcher.so"; fi
+  [ -f "$archer" ] || { echo "libarcher.so not found: install libomp-dev"; exit 1; }
+  configure=(-DHAPTIC_CLOTH_SANITIZE=thread "-DCMAKE_CXX_COMPILER=$compiler" "-DCMAKE_CXX_FLAGS=-O1 -DHAPTIC_CLOTH_SHARE_ALL")
+  export OMP_TOOL_LIBRARIES="$archer" TSAN_OPTIONS="ignore_noninstrumented_modules=1 halt_on_error=1 second_deadlock_stack=1 ${TSAN_OPTIONS:-}"
+fi
+cmake -S "$root" -B "$build" -DCMAKE_BUILD_TYPE=None -DHAPTIC_CLOTH_ROS=OFF "${configure[@]}"
+cmake --build "$build" --target fuzz_tests unit_tests -- -j"${JOBS:-$(nproc)}"
+
+export OMP_WAIT_POLICY=passive HAPTIC_CLOTH_RANDOM_SEED="$seed" HAPTIC_CLOTH_RANDOM_SCENES="$scenes"
+export ASAN_OPTIONS="detect_stack_use_after_return=1 ${ASAN_OPTIONS:-}" UBSAN_OPTIONS="print_stacktrace=1 ${UBSAN_OPTIONS:-}"
+programs="$build/devel/lib/haptic_cloth"
+if [ "$mode" = address ]; then
+  "$programs/fuzz_tests"
+  "$programs/unit_tests" --gtest_filter="$unit"
+else
+  # Silence means something only where a race is heard.
+  "$compiler" -std=c++17 -O1 -g1 -fsanitize=thread -fopenmp -DHAPTIC_CLOTH_SHARE_ALL -I"$root/src" -I/usr/include/eigen3 \
+    "$root/test/fuzz/race.cpp" -o "$build/race"
+  if "$build/race" >"$build/race.log" 2>&1 || ! grep -q 'ThreadSanitizer: data race' "$build/race.log"; then
+    echo "the sanitizer does not see the race of test/fuzz/race.cpp"
+    exit 1
+  fi
+  "$programs/unit_tests" --gtest_filter='Exchange.*:Mailbox.*'
+  "$programs/fuzz_tests" --gtest_filter='RandomScenes.StayFinite*'
+fi
+echo "sanitize $mode: clean"
