@@ -68,6 +68,7 @@ EnergyReport ClothWorld::energy() const {
   e.shear = stored.shear;
   e.contact = parts[3];
   e.coupling = objective.couplingEnergy();
+  e.work = supplied_ - initial_;
   e.dissipated = supplied_ - e.total();
   return e;
 }
