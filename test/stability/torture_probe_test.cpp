@@ -117,13 +117,13 @@ TEST(Torture, PinchAndPullAgainstPins) {
     ProbeOptions& probe = sheet.scene.probes[k];
     probe.name = k == 0 ? "above" : "below";
     const double side = k == 0 ? 1.0 : -1.0;
-    const Vec3 start(0.0, 0.0, -0.012 + 0.03 * side), touch(0.0, 0.0, -0.012 + 0.006 * side);
+    const Vec3 start(0.0, 0.0, 0.0095 * side), touch(0.0, 0.0, 0.0075 * side);
     const Vec3 away = touch + Vec3(0.08, 0.0, 0.15);
-    probe.path = {{0.0, start}, {0.1, touch}, {0.15, touch},
-                  {0.4, away},  {0.45, away}, {0.5, away + side * Vec3(0, 0, 0.03)}};
-    probe.grasp = {{0.12, 0.45}};
+    probe.path = {{0.0, start}, {0.01, touch}, {0.05, touch},
+                  {0.3, away},  {0.35, away},  {0.4, away + side * Vec3(0, 0, 0.03)}};
+    probe.grasp = {{0.0, 0.35}};
   }
-  sheet.scene.stop.time = 0.6;
+  sheet.scene.stop.time = 0.45;
   sheet.limits.strain = 2.0 * mostStrain(sheet.scene.probes[0], 0.15, 490.3 / 0.0603);
   torture(sheet);
 }
@@ -137,14 +137,10 @@ TEST(Torture, TornAtAPin) {
   sheet.scene.gravity.setZero();
   ProbeOptions& probe = sheet.scene.probes[0];
   probe.coupling_stiffness = 2000.0;
-  const Vec3 above(-0.07, -0.1, 0.02), touch(-0.07, -0.1, 0.0082);
-  probe.path = {{0.0, above},
-                {0.05, touch},
-                {0.1, touch},
-                {0.11, touch + Vec3(0.1, -0.05, 0.0)},
-                {0.2, touch + Vec3(0.1, -0.05, 0.0)}};
-  probe.grasp = {{0.08, 0.2}};
-  sheet.scene.stop.time = 0.3;
+  const Vec3 above(-0.07, -0.1, 0.0095), touch(-0.07, -0.1, 0.008), away(0.03, -0.15, 0.008);
+  probe.path = {{0.0, above}, {0.02, touch}, {0.03, away}, {0.12, away}};
+  probe.grasp = {{0.0, 0.12}};
+  sheet.scene.stop.time = 0.2;
   sheet.limits.strain = mostStrain(probe, 0.112, 490.3 / 0.0603);
   torture(sheet);
 }

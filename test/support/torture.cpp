@@ -19,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kStandardGravity = 9.80665;  // residuals count in it where a scene has none [m/s²]
+constexpr double kRoundOff = 1e-10;           // sums of 10³ terms, each rounded by 1e-16, over 10³ steps
 
 fs::path outputDirectory() {
   const char* wanted = std::getenv("HAPTIC_CLOTH_TORTURE_OUT");
@@ -130,7 +131,7 @@ class Run {
     const double before_guard = energy.kinetic / std::max(1e-12, std::pow(report.velocity_scale, 2));
     const double residual = std::max(report.minimizer.residual, world_.scene.solver.minimizer.tolerance);
     way_ += residual * weight_ * h * std::sqrt(2.0 * before_guard / world_.mass());
-    if (energy.dissipated >= most_dissipated_) {
+    if (energy.dissipated >= most_dissipated_ || result_.steps <= wanted_.set_up) {
       most_dissipated_ = energy.dissipated;
       way_ = 0.0;
     } else if (most_dissipated_ - energy.dissipated > result_.gain) {
@@ -174,7 +175,8 @@ void judge(const Torture& wanted, const TortureResult& result) {
     EXPECT_LE(measured, tolerance(limit)) << wanted.name << ": " << what;
   };
   EXPECT_TRUE(result.finite) << wanted.name << ", step " << result.steps;
-  keep("energy gained / turned over", result.gain / result.energy, limits.gain, "-");
+  keep("energy gained / turned over", result.gain / result.energy,
+       kRoundOff + limits.gain + result.allowed / result.energy, "-");
   keep("largest strain", result.strain, limits.strain, "-");
   keep("fastest particle", result.speed, limits.speed, "m/s");
   keep("failed steps", static_cast<double>(result.failed), limits.failed, "");
@@ -239,7 +241,7 @@ TortureResult torture(const Torture& wanted) {
             "time,probe,device_x,device_y,device_z,proxy_x,proxy_y,proxy_z,force_x,force_y,force_z\n" +
                 run.probeRows());
   std::cout << "  replay: simulate " << (directory / "scene.yaml").string()
-            << (wanted.before ? "   (a hook of the test did more than a scene can say)" : "") << '\n';
+            << (wanted.before ? "   (the test did more than a scene can say)" : "") << '\n';
   return result;
 }
 
