@@ -27,7 +27,8 @@ struct MinimizerReport {
 struct EnergyReport {
   double kinetic = 0.0, gravity = 0.0, stretch = 0.0, bend = 0.0, shear = 0.0, contact = 0.0;
   double coupling = 0.0;    ///< spring between device and proxy
-  double dissipated = 0.0;  ///< since reset: initial energy + work of the device - energy now
+  double work = 0.0;        ///< since reset: of devices and obstacles; pins do none
+  double dissipated = 0.0;  ///< since reset: initial energy + work - energy now
   double total() const { return kinetic + gravity + stretch + bend + shear + contact + coupling; }
 };
 

@@ -159,6 +159,16 @@ double ContactSet::obstacleWork() const {
   return work;
 }
 
+double ContactSet::insideEnergy() const {
+  double energy = 0.0;
+  for (int k = 0; k < size(); ++k) {
+    const double gap = packs_[k / kLanes].gap[k % kLanes];
+    if (gap < 0.0 && !isProbe(samples_[k].solid))
+      energy += samples_[k].area * law_(gap + samples_[k].raised).energy;
+  }
+  return energy;
+}
+
 double ContactSet::deepest() const {
   double deepest = 0.0;
   for (int k = 0; k < size(); ++k) deepest = std::max(deepest, -packs_[k / kLanes].gap[k % kLanes]);

@@ -56,6 +56,7 @@ void ContactSet::collect(const ActiveMesh& mesh, const Field& nodes, const std::
   samples_.clear();
   groups_.clear();
   packs_.clear();
+  raised_energy_ = 0.0;
   sampleObstacles(mesh, nodes, reach);
   for (const Reach& probe : touching) {
     beginGroup(obstacles_ + probe.probe);
@@ -241,12 +242,17 @@ ContactSample ContactSet::surfacePoint(const Patch& patch, double u, double v, d
   return sample;
 }
 
-/// What begins the step inside an obstacle was put there: it counts as pressed, no more. A probe came from
-/// outside, so its samples are inside only by what the load asks for, and must not give way to it step by
-/// step.
+/// What begins the step inside an obstacle was put there: it counts as pressed, no more, and the less the
+/// deeper it is. Pushed as hard as it may be, a cloth that begins in the middle of a ball is blown up like a
+/// balloon, and thrown when it is out. A probe came from outside, so its samples are inside only by what the
+/// load asks for, and must not give way to it step by step.
 double ContactSet::raise(int solid, double gap) const {
+  constexpr double kGentle = 0.2;  // least share of the range that counts as pressed: p0/20, 500 Pa
   if (isProbe(solid)) return std::max(0.0, -law_.range() - gap);
-  return gap < 0.0 ? law_.firmGap() - gap : 0.0;
+  if (!(gap < 0.0)) return 0.0;
+  const double firm = law_.range() - law_.firmGap();
+  const double pressed = std::max(std::min(1.0, law_.range() / -gap) * firm, kGentle * law_.range());
+  return law_.range() - pressed - gap;
 }
 
 /// @param margin farther away from its solid it does not count [m]
@@ -285,10 +291,12 @@ void ContactSet::siftSamples(int first, int solid) {
 /// What moving solids press on only at the end of the step does not rub yet.
 /// @param now, then from the solid at the end of the step and at its start
 ContactSample ContactSet::started(ContactSample sample, const Vec3& point, const Distance& now,
-                                  const Distance& then, bool still) const {
+                                  const Distance& then, bool still) {
   const Solid &solid = solids_[sample.solid], &before = before_[sample.solid];
   sample.raised = raise(sample.solid, then.value);
-  sample.friction_force = solid.friction() * sample.area * law_(then.value + sample.raised).pressure;
+  const ContactLaw::Point law = law_(then.value + sample.raised);
+  if (sample.raised > 0.0 && !isProbe(sample.solid)) raised_energy_ += sample.area * law.energy;
+  sample.friction_force = solid.friction() * sample.area * law.pressure;
   Vec3 carried = point;
   sample.start_normal = then.normal;
   if (!still) {

@@ -115,6 +115,12 @@ class ContactSet {
   /// What moving obstacles have worked on the cloth in the step, by the forces of the last evaluation [J].
   double obstacleWork() const;
 
+  /// Obstacles let cloth out by pushing it anew in every step, which is work. Contact energy of what begins
+  /// the step inside one, and of what is inside at the last evaluation [J]: the first less the second of the
+  /// step before.
+  double raisedEnergy() const { return raised_energy_; }
+  double insideEnergy() const;
+
   /// Largest factor of the step d from the last evaluated point that lets no probe sample come nearer than a
   /// tenth of its gap.
   double maxStep(const Field& d, const std::vector<Vec3>& d_proxies) const;
@@ -157,7 +163,7 @@ class ContactSet {
   void addSample(const ContactSample& sample, const Field& nodes, double margin);
   void siftSamples(int first, int solid);
   ContactSample started(ContactSample sample, const Vec3& point, const Distance& now, const Distance& then,
-                        bool still) const;
+                        bool still);
   void beginGroup(int solid);
   void endGroup();
   void packGroup(const Group& group);
@@ -178,8 +184,9 @@ class ContactSet {
   std::vector<ContactSample> samples_;
   std::vector<Group> groups_;
   std::vector<SamplePack> packs_;
-  Field gradient_;  ///< of the energy by the samples' positions [N]
-  Field change_;    ///< of that along a direction [N]
+  double raised_energy_ = 0.0;  ///< see raisedEnergy() [J]
+  Field gradient_;              ///< of the energy by the samples' positions [N]
+  Field change_;                ///< of that along a direction [N]
   std::vector<int> rows_;
   std::vector<double> node_area_;  ///< scratch of sampleObstacles() [m²]
   std::vector<double> node_gaps_;  ///< scratch of sampleObstacles(): of the nodes to one obstacle [m]

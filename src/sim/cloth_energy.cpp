@@ -7,8 +7,10 @@
 namespace haptic_cloth {
 
 /// Passivity: what moves may not hold more kinetic energy than is left [J] of what the step began with, the
-/// work of its inputs included. @return scale of the velocities, 1 where nothing was to do
+/// work of its inputs included. Where a mesh change created more than there is motion to take it from, later
+/// steps give it back. @return scale of the velocities, 1 where nothing was to do
 double ClothWorld::guardEnergy(double left) {
+  debt_ = std::max(0.0, -left);
   const double kinetic = kineticEnergy();
   const double allowed = std::max(0.0, left);
   if (kinetic <= allowed || kinetic == 0.0) return 1.0;
@@ -18,8 +20,8 @@ double ClothWorld::guardEnergy(double left) {
 }
 
 /// What the devices do: they work on spring and damper of their couplings; taking one away takes the spring's
-/// energy with it. Moving obstacles work, too. What is missing in the balance at the end of a step was
-/// dissipated, in a failed step too.
+/// energy with it. Obstacles work where they move and where they let cloth out. What is missing in the
+/// balance at the end of a step was dissipated, in a failed step too.
 void ClothWorld::account() {
   for (int k = 0; k < static_cast<int>(probes.size()); ++k) {
     const ProbeStep& made = objective.probeSteps()[k];
@@ -33,7 +35,8 @@ void ClothWorld::account() {
                      (made.device_velocity - probes[k].velocity).dot(made.device_velocity);
     coupling = objective.couplingEnergy(k);
   }
-  supplied_ += contacts.obstacleWork();
+  supplied_ += contacts.obstacleWork() + contacts.raisedEnergy() - inside_;
+  inside_ = contacts.insideEnergy();
 }
 
 double ClothWorld::kineticEnergy() const {
@@ -68,6 +71,7 @@ EnergyReport ClothWorld::energy() const {
   e.shear = stored.shear;
   e.contact = parts[3];
   e.coupling = objective.couplingEnergy();
+  e.work = supplied_ - initial_;
   e.dissipated = supplied_ - e.total();
   return e;
 }

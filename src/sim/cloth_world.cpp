@@ -79,7 +79,8 @@ ClothWorld::ClothWorld(const Scene& s)
   objective.begin(nodes_, velocities_, probe_steps_);
   objective.pack(nodes_, start_);
   objective.evaluate(start_, gradient_);
-  supplied_ = energy().total();
+  initial_ = supplied_ = energy().total();
+  inside_ = contacts.insideEnergy();
 }
 
 void ClothWorld::setDevice(int k, const DeviceState& device) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "support/dynamic_solutions.h"
+#include "support/oscillation.h"
 #include "support/record.h"
 #include "support/scenes.h"
 #include "support/tolerance.h"
@@ -79,33 +80,12 @@ class Swing {
   std::vector<Vec3> positions_;
 };
 
-/// A swing about a rest position: z = ρ e^{iφ} a step, by least squares of
-/// x_{n+1} - 2ρ cos φ x_n + ρ² x_{n-1} = const over steps `stride` apart.
-struct Oscillation {
-  double phase;   ///< φ [rad a step]
-  double energy;  ///< kept over a period, ρ^{4π/φ} [-]
-};
-
-Oscillation fit(const std::vector<double>& x, int first, int stride) {
-  const int rows = static_cast<int>(x.size()) - first - 2 * stride;
-  Eigen::MatrixXd a(rows, 3);
-  Eigen::VectorXd b(rows);
-  for (int n = 0; n < rows; ++n) {
-    a.row(n) << x[first + n + stride], -x[first + n], 1.0;
-    b[n] = x[first + n + 2 * stride];
-  }
-  const Eigen::VectorXd c = a.colPivHouseholderQr().solve(b);
-  const double ratio = std::sqrt(c[1]);
-  const double phase = std::acos(0.5 * c[0] / ratio);
-  return {phase / stride, std::pow(ratio, 4.0 * static_cast<double>(EIGEN_PI) / phase)};
-}
-
 /// Swings for some periods and measures what is left after the first two, when higher modes have died away.
 Oscillation swing(const HangingMode& mode, double rigidity, int clamp, Strategy strategy, double omega_h) {
   const double period = 2.0 * EIGEN_PI / backwardEulerPhase(omega_h);
   Swing strip(tiltedStrip(rigidity, clamp, strategy, omega_h / angular(mode)), clamp, mode.shape);
   const std::vector<double> x = strip.run(static_cast<int>(4.0 * period));
-  return fit(x, static_cast<int>(2.0 * period), static_cast<int>(0.2 * period));
+  return fitOscillation(x, static_cast<int>(2.0 * period), static_cast<int>(0.2 * period));
 }
 
 struct Case {

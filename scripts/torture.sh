@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# The torture suite in its long forms, and docs/stability.md's table from what it measured.
+# Usage: scripts/torture.sh [ci|short|long] [BUILD]    default: short, build
+#   ci     as every build runs it: a minute
+#   short  a soak of 10 simulated minutes, 30,000 cycles: about an hour
+#   long   a soak of an hour, 1,000,000 cycles: a night
+# What fails leaves a scene in BUILD/torture that `simulate` replays. --no-table: the document stays as it is.
+set -euo pipefail
+root="$(cd "$(dirname "$0")/.." && pwd)"
+table=yes
+if [ "${1:-}" = --no-table ]; then table=no; shift; fi
+form="${1:-short}"
+build="$(realpath "${2:-$root/build}")"
+case "$form" in
+  ci) ;;
+  short) export HAPTIC_CLOTH_TORTURE_SOAK=600 HAPTIC_CLOTH_TORTURE_CYCLES=30000 ;;
+  long) export HAPTIC_CLOTH_TORTURE_SOAK=3600 HAPTIC_CLOTH_TORTURE_CYCLES=1000000 ;;
+  *) sed -n '2,8p' "$0" >&2; exit 2 ;;
+esac
+program="$build/devel/lib/haptic_cloth/stability_tests"
+[ -x "$program" ] || { echo "$program is missing: build it first" >&2; exit 2; }
+
+export HAPTIC_CLOTH_TORTURE_OUT="$build/torture" OMP_WAIT_POLICY="${OMP_WAIT_POLICY:-passive}"
+mkdir -p "$HAPTIC_CLOTH_TORTURE_OUT"
+rm -f "$HAPTIC_CLOTH_TORTURE_OUT/margins.csv"
+status=0
+"$program" --gtest_brief=1 --gtest_filter='*Torture*' || status=$?
+if [ "$table" = yes ]; then
+  "$root/scripts/stability.py" "$HAPTIC_CLOTH_TORTURE_OUT/margins.csv" "$root/docs/stability.md"
+fi
+exit "$status"

@@ -1,0 +1,171 @@
+/// What shows only after a while: small cycles inside the loops, hours under the probe, the damping of the
+/// time stepping. scripts/torture.sh runs these for as long as issue and patience ask; here they are short.
+/// Criteria: those of every case (test/support/torture.h); cycles must close (play operator [Visintin 1994]:
+/// inner loops do not ratchet): same place and force at the same phase, within a share of the cycle's own
+/// amplitude; backward Euler's amplitude over a period, from its pole z = 1/(1 - iωh).
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "support/dynamic_solutions.h"
+#include "support/oscillation.h"
+#include "support/tolerance.h"
+#include "support/torture.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr int kStepsPerCycle = 20;
+
+/// What is compared at the same phase of each cycle.
+struct Phase {
+  Vec3 middle = Vec3::Zero();  ///< of the strip [m]
+  double force = 0.0;          ///< on the grip [N]
+};
+
+/// A strip of suiting, one end held, the other in a grip that goes to `bias` and then moves by
+/// ± `amplitude` around it.
+Torture cycledStrip(const std::string& name, const Vec3& bias, const Vec3& amplitude) {
+  Torture strip = tortureSheet(name, shippedFabric("winter_suiting"), 17, 3, 0.08, 0.01);
+  pin(strip.scene, 0, 1, 0, 2);
+  strip.scene.gravity.setZero();
+  strip.scene.probes = {gripper(0.02, 2e4)};
+  strip.scene.air_damping = 5.0;
+  strip.scene.solver.time_step = 0.01;
+  strip.scene.solver.minimizer.tolerance = 1e-3;
+  strip.scene.solver.minimizer.max_iterations = 2000;
+  strip.scene.solver.sleep_speed = 0.0;
+  strip.before = [bias, amplitude](ClothWorld& world, long step) {
+    constexpr long kReach = 50, kGo = 100;
+    const double h = world.scene.solver.time_step;
+    const Vec3 start(0.0375, 0.0, 0.008), touch(0.0375, 0.0, 0.0042);
+    const auto at = [&](long n) -> Vec3 {
+      if (n < kReach) return start + (touch - start) * static_cast<double>(n) / kReach;
+      if (n < kReach + kGo) return touch + bias * static_cast<double>(n - kReach) / kGo;
+      return touch + bias + amplitude * std::sin(2.0 * EIGEN_PI * (n - kReach - kGo) / kStepsPerCycle);
+    };
+    world.setDevice(0, {at(step + 1), (at(step + 1) - at(step)) / h, world.scene.probes[0].orientation});
+    world.setGrasp(0, true);
+  };
+  return strip;
+}
+
+/// Runs the cycles and compares the last one with the one after which all should have closed.
+void expectNoRatchet(Torture strip) {
+  constexpr long kSettle = 20, kStart = 150;
+  const long cycles = std::lround(tortureLength("HAPTIC_CLOTH_TORTURE_CYCLES", 100.0));
+  strip.scene.stop.time = strip.scene.solver.time_step * (kStart + kStepsPerCycle * cycles);
+  Phase settled, last;
+  double least = 1e300, most = -1e300;
+  Vec3 low = Vec3::Constant(1e300), high = -low;
+  strip.after = [&](const ClothWorld& world, long step) {
+    const long cycle = (step + 1 - kStart) / kStepsPerCycle;
+    const int middle = world.grid.particle(8, 1);
+    const Phase now{world.state.position[middle], world.probes[0].force.norm()};
+    const bool end = step + 1 > kStart && (step + 1 - kStart) % kStepsPerCycle == 0;
+    if (end && cycle == kSettle) settled = now;
+    if (end) last = now;
+    if (cycle != kSettle) return;
+    least = std::min(least, now.force);
+    most = std::max(most, now.force);
+    low = low.cwiseMin(now.middle);
+    high = high.cwiseMax(now.middle);
+  };
+  torture(strip);
+  const double moved = (last.middle - settled.middle).norm() / (high - low).norm();
+  const double weaker = std::abs(last.force - settled.force) / (most - least);
+  recordMargin(strip.name, "drift of the middle / cycle", moved, 0.01, "-");
+  recordMargin(strip.name, "drift of the force / cycle", weaker, 0.01, "-");
+  std::cout << "  " << strip.name << ": " << cycles << " cycles, drift of the middle " << moved
+            << ", of the force " << weaker << " of a cycle's own " << (high - low).norm() << " m, "
+            << most - least << " N\n";
+  EXPECT_LT(moved, tolerance(0.01));
+  EXPECT_LT(weaker, tolerance(0.01));
+}
+
+TEST(Torture, StretchCyclesDoNotRatchet) {
+  expectNoRatchet(cycledStrip("cycles_stretch", Vec3(1e-3, 0, 0), Vec3(1e-4, 0, 0)));
+}
+
+TEST(Torture, BendCyclesDoNotRatchet) {
+  expectNoRatchet(cycledStrip("cycles_bend", Vec3(-0.02, 0, 0.01), Vec3(0, 0, 2e-4)));
+}
+
+TEST(Torture, Soak) {
+  // A draped box under a probe that wanders over it, through its sides, and away.
+  LinearFabric linear;
+  linear.rigidity = 1e-5;
+  linear.compression = 0.1;
+  Torture drape = tortureSheet("soak", shippedFabric("winter_suiting"), 25, 25, 0.25, 0.25);
+  setStrategy(drape.scene, Strategy::Amrc, 2);
+  Obstacle box, floor;
+  box.shape = Shape::Box;
+  box.size = Vec3(0.12, 0.12, 0.1);
+  box.pose.position.z() = -0.055;
+  floor.pose.position.z() = -0.1;
+  drape.scene.obstacles = {box, floor};
+  std::mt19937 generator(5);
+  std::uniform_real_distribution<double> share(-1.0, 1.0);
+  const double time = tortureLength("HAPTIC_CLOTH_TORTURE_SOAK", 2.0);
+  std::vector<PathPoint>& path = drape.scene.probes[0].path;
+  for (double t = 0.0; t < time; t += 0.4) {
+    path.push_back({t, Vec3(0.1 * share(generator), 0.1 * share(generator), 0.02 + 0.03 * share(generator))});
+  }
+  drape.scene.stop.time = time;
+  drape.limits.strain = 0.5;
+  torture(drape);
+}
+
+/// A strip that swings a little about its rest, one end held, and how it does so.
+Oscillation swing(double h, double residual) {
+  constexpr int kCells = 10;
+  constexpr double kLength = 0.2, kSwing = 0.02;  // [m], [rad]
+  LinearFabric linear;
+  linear.stiffness = 2000.0;
+  Scene scene = sheetScene(makeFabric(linear), kCells + 1, 3, kLength, 2.0 * kLength / kCells);
+  hangDown(scene);
+  scene.gravity = 9.81 * Vec3(std::sin(kSwing), 0.0, -std::cos(kSwing));
+  pin(scene, 0, 0, 0, 2);
+  scene.solver.time_step = h;
+  scene.solver.minimizer.tolerance = residual;
+  scene.solver.minimizer.max_iterations = 5000;
+  scene.solver.sleep_speed = 0.0;
+  const HangingMode mode = hangingChainMode(1, kCells);
+  const double omega = mode.frequency * std::sqrt(9.81 / kLength);
+  const double period = 2.0 * EIGEN_PI / backwardEulerPhase(omega * h);
+  Simulation simulation(scene);
+  std::vector<Vec3> positions;
+  std::vector<double> x;
+  while (static_cast<double>(x.size()) < 4.0 * period) {
+    simulation.step();
+    simulation.positions(positions);
+    double sum = 0.0;  // weighted with the mode, from the tip up
+    for (int k = 0; k <= kCells; ++k) {
+      sum += (k == 0 ? 0.5 : 1.0) * mode.shape[k] * positions[kCells + 1 + kCells - k].x();
+    }
+    x.push_back(sum);
+  }
+  return fitOscillation(x, static_cast<int>(2.0 * period), std::max(1, static_cast<int>(0.2 * period)));
+}
+
+class TortureSwing : public testing::TestWithParam<double> {};
+
+TEST_P(TortureSwing, OfASwingIsThatOfBackwardEuler) {
+  const double h = GetParam();
+  const Oscillation found = swing(h, 1e-6), loose = swing(h, 0.1);
+  const auto amplitude_lost = [](double energy) { return 1.0 - std::sqrt(energy); };
+  const double exact = amplitude_lost(backwardEulerEnergy(std::tan(found.phase)));
+  const double lost = amplitude_lost(found.energy);
+  const std::string name = "swing_h_" + std::to_string(std::lround(1e3 * h)) + "ms";
+  std::cout << "  " << name << ": amplitude lost in a period " << lost << ", exactly " << exact
+            << ", with the default tolerance " << amplitude_lost(loose.energy) << "\n";
+  recordMargin(name, "amplitude lost in a period", lost, exact, "=");
+  recordMargin(name, "the same, default tolerance", amplitude_lost(loose.energy), exact, "=");
+  EXPECT_NEAR(lost, exact, tolerance(2e-3));
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, TortureSwing, testing::Values(1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2));
+
+}  // namespace
+}  // namespace haptic_cloth

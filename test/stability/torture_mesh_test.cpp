@@ -1,0 +1,188 @@
+/// The mesh and the state where methods fail: pins where coarse cells have no particle, cells that split and
+/// merge at random in every step, particles all at one point, options and inputs that change in every step.
+/// Criteria: those of every case (test/support/torture.h).
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "support/scene_text.h"
+#include "support/torture.h"
+#include "tools/run.h"
+
+namespace haptic_cloth {
+namespace {
+
+std::string lightFabric() {
+  LinearFabric linear;
+  linear.rigidity = 1e-5;
+  linear.compression = 0.1;
+  return writeFabric(linear);
+}
+
+Torture heldSheet(const std::string& name, const std::string& fabric, int levels) {
+  Torture sheet = tortureSheet(name, fabric, 33, 33, 0.2, 0.2);
+  setStrategy(sheet.scene, Strategy::Amrc, levels);
+  sheet.scene.cloth.pins = {{0, 0, 0, 0}, {32, 32, 0, 0}};
+  sheet.scene.adapt.interval = 1;
+  sheet.scene.adapt.minimum_age = 0;
+  return sheet;
+}
+
+/// Numbers that depend on the step alone: every run of a case sees the same.
+double random(long step, int which) {
+  std::mt19937 generator(static_cast<unsigned>(7919 * step + 104729 * which + 1));
+  return std::uniform_real_distribution<double>()(generator);
+}
+
+/// All cells that may split do, or all that may merge do, or what a random threshold picks.
+AdaptOptions randomThresholds(AdaptOptions options, long step) {
+  const double turn = std::pow(10.0, -4.0 + 4.0 * random(step, 0));
+  options.strategy = random(step, 1) < 0.5 ? Strategy::Refine : Strategy::Coarsen;
+  options.refine_above = turn;
+  options.coarsen_below = 100.0 * turn;
+  options.refine_above_strain = 0.1 * turn;
+  options.coarsen_below_strain = 10.0 * turn;
+  return options;
+}
+
+TEST(Torture, RefinedAndCoarsenedAtRandomInEveryStep) {
+  for (const bool suiting : {false, true}) {
+    Torture sheet = heldSheet(suiting ? "random_mesh_suiting" : "random_mesh",
+                              suiting ? shippedFabric("winter_suiting") : lightFabric(), 3);
+    sheet.scene.probes[0].path = {{0.0, Vec3(0, 0, 0.03)}, {0.2, Vec3(0, 0, -0.03)}, {0.3, Vec3(0, 0, 0.05)}};
+    sheet.scene.stop.time = 0.3;
+    sheet.limits.strain = 0.5;
+    sheet.before = [&](ClothWorld& world, long step) {
+      world.setAdaptOptions(randomThresholds(world.scene.adapt, step));
+    };
+    torture(sheet);
+  }
+}
+
+TEST(Torture, PinsWhereCoarseCellsHaveNoParticle) {
+  // On sides and insides of the coarsest cells, of all three finer levels.
+  for (const Strategy strategy : {Strategy::Coarsest, Strategy::Amrc}) {
+    Torture sheet = heldSheet("pins_on_ghosts_" + name(strategy), lightFabric(), 3);
+    sheet.scene.adapt.strategy = strategy;
+    sheet.scene.cloth.pins = {
+        {4, 4, 8, 8}, {26, 26, 16, 16}, {9, 9, 24, 24}, {13, 13, 11, 11}, {27, 29, 5, 5}};
+    sheet.scene.stop.time = 0.3;
+    sheet.limits.strain = 0.5;
+    torture(sheet);
+  }
+}
+
+/// Where the degenerate cloth begins: at a point, nearly so, on a line, folded onto itself, mirrored.
+Vec3 collapsed(int kind, const Vec3& x) {
+  switch (kind) {
+    case 0:
+      return Vec3::Zero();
+    case 1:
+      return 1e-9 * x;
+    case 2:
+      return {x.x(), 0.0, 0.0};
+    case 3:
+      return {std::abs(x.x()), x.y(), 0.0};
+    default:
+      return {-x.x(), x.y(), 0.0};
+  }
+}
+
+TEST(Torture, ParticlesAllAtOnePoint) {
+  const char* const names[] = {"all_at_a_point", "all_near_a_point", "all_on_a_line", "folded_flat",
+                               "mirrored"};
+  for (int kind = 0; kind < 5; ++kind) {
+    Torture sheet = tortureSheet(names[kind], lightFabric(), 9, 9, 0.1, 0.1);
+    // The state is put there before the mesh refines for the first time, when it is read anew.
+    setStrategy(sheet.scene, Strategy::Refine, 1);
+    sheet.scene.adapt.interval = 1;
+    sheet.scene.adapt.coarsen_below = 0.0;
+    sheet.scene.stop.time = 0.06;
+    sheet.set_up = 1;
+    // Pressed to a point it stores E/20 an area in each direction; all of that in motion, E/10 = ρ v²/2, and
+    // all of that in one quarter of it.
+    sheet.limits.speed = 2.0 * std::sqrt(2.0 * 0.1 * 1000.0 / 0.15);
+    sheet.limits.strain = 1.0 + std::sqrt(0.1);
+    sheet.before = [kind](ClothWorld& world, long step) {
+      if (step != 0) return;
+      for (Vec3& x : world.state.position) x = collapsed(kind, x);
+      AdaptOptions options = world.scene.adapt;
+      options.refine_above_strain = options.refine_above = -1.0;
+      world.setAdaptOptions(options);
+    };
+    torture(sheet);
+  }
+}
+
+TEST(Torture, EverythingChangesInEveryStep) {
+  // Devices come, go, close, open and jump, an obstacle is thrown about, thresholds change.
+  Torture sheet = heldSheet("all_inputs_random", shippedFabric("winter_suiting"), 3);
+  Obstacle ball;
+  ball.name = "ball";
+  ball.shape = Shape::Sphere;
+  ball.radius = 0.03;
+  ball.pose.position = Vec3(0.0, 0.0, -0.08);
+  sheet.scene.obstacles = {ball};
+  sheet.scene.probes.resize(2);
+  sheet.scene.probes[1].name = "second";
+  sheet.scene.stop.time = 0.3;
+  sheet.limits.strain = 1.0;
+  sheet.before = [](ClothWorld& world, long step) {
+    const auto at = [step](int first, double reach) {
+      return Vec3(reach * (random(step, first) - 0.5), reach * (random(step, first + 1) - 0.5),
+                  reach * (random(step, first + 2) - 0.5));
+    };
+    world.setAdaptOptions(randomThresholds(world.scene.adapt, step));
+    world.moveObstacle(0, {at(10, 0.2), Quat::Identity()});
+    for (int k = 0; k < 2; ++k) {
+      const double what = random(step / 10, 20 + k);
+      if (what < 0.2) {
+        world.removeDevice(k);
+      } else {
+        world.setDevice(k, {at(30 + 3 * k, 0.1), at(40 + 3 * k, 1.0), Quat::Identity()});
+        world.setGrasp(k, what < 0.5);
+      }
+    }
+  };
+  torture(sheet);
+}
+
+TEST(Torture, SavedSceneReplaysTheSameBits) {
+  // What a failed case leaves behind is worth something only then.
+  Torture sheet = heldSheet("replay", shippedFabric("winter_suiting"), 2);
+  hangDown(sheet.scene);
+  Obstacle box;
+  box.shape = Shape::Box;
+  box.name = "box";
+  box.size = Vec3(0.1, 0.07, 0.03);
+  box.pose.position = Vec3(0.06, 0.0, -0.05);
+  box.path = {{0.0, box.pose.position}, {0.1, Vec3(0.02, 0.0, -0.05)}};
+  sheet.scene.obstacles = {box};
+  ProbeOptions finger = gripper(0.03, 500.0);
+  finger.path = {{0.0, Vec3(-0.02, 0.0, 0.0)}, {0.1, Vec3(0.01, 0.0, 1.0 / 3.0)}};
+  finger.grasp = {{0.02, 0.05}, {0.07, 0.08}};
+  sheet.scene.probes = {finger};
+  sheet.scene.stop.time = 0.1;
+  const std::string directory = testing::TempDir() + "haptic_cloth_replay";
+  const Scene read = loadScene(saveTorture(sheet, directory));
+  const Scene again = loadScene(saveTorture({sheet.name, sheet.fabric_file, read, {}}, directory));
+  EXPECT_EQ(sceneText(read, "f.yaml"), sceneText(again, "f.yaml"));
+  std::vector<Vec3> seen, replayed;
+  sheet.scene = read;
+  sheet.after = [&](const ClothWorld& world, long) { seen = world.state.position; };
+  torture(sheet);
+  Simulation simulation(again);
+  runScene(simulation, false, nullptr);
+  simulation.positions(replayed);
+  std::vector<char> active;
+  simulation.activeFlags(active);
+  ASSERT_EQ(seen.size(), replayed.size());
+  for (std::size_t p = 0; p < seen.size(); ++p) {
+    if (active[p] == 0) continue;
+    EXPECT_EQ(seen[p], replayed[p]) << p;
+  }
+}
+
+}  // namespace
+}  // namespace haptic_cloth

@@ -1,0 +1,166 @@
+/// The probe where methods fail: in the cloth from the start, too fast, not there any more, at the edge,
+/// pulling as if to tear, ten at a time.
+/// Criteria: those of every case (test/support/torture.h). Where a probe ends in the open the proxy must
+/// stand with its device, or the probe would hang in the cloth or behind it. Forces: no more than the
+/// coupling's spring and damper can give. Strain: a thread of one cell that carries all of that force.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/torture.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kSize = 0.2;
+constexpr int kParticles = 33;
+constexpr double kCell = kSize / (kParticles - 1);
+
+std::string lightFabric() {
+  LinearFabric linear;
+  linear.rigidity = 1e-5;
+  linear.compression = 0.1;
+  return writeFabric(linear);
+}
+
+/// A sheet on an AMRC mesh, held along all sides.
+Torture heldSheet(const std::string& name, const std::string& fabric) {
+  Torture sheet = tortureSheet(name, fabric, kParticles, kParticles, kSize, kSize);
+  setStrategy(sheet.scene, Strategy::Amrc, 2);
+  pinAllSides(sheet.scene);
+  return sheet;
+}
+
+/// Bound of the strain where the device is at most `way` from its proxy and the cloth's stiffness is E.
+double mostStrain(const ProbeOptions& probe, double way, double stiffness) {
+  return probe.coupling_stiffness * way / (stiffness * kCell);
+}
+
+TEST(Torture, ClothInsideAnObstacle) {
+  // A ball larger than the cloth, a thick box, a floor above it.
+  const char* const names[] = {"inside_ball", "inside_box", "inside_floor"};
+  for (int k = 0; k < 3; ++k) {
+    Torture sheet = tortureSheet(names[k], lightFabric(), 17, 17, 0.1, 0.1);
+    setStrategy(sheet.scene, Strategy::Amrc, 2);
+    Obstacle solid;
+    solid.shape = k == 0 ? Shape::Sphere : k == 1 ? Shape::Box : Shape::Plane;
+    solid.radius = 0.1;
+    solid.size = Vec3(0.3, 0.3, 0.06);
+    solid.pose.position = k == 0 ? Vec3(0.005, 0.01, -0.05) : k == 1 ? Vec3(0, 0, -0.02) : Vec3(0, 0, 0.02);
+    sheet.scene.obstacles = {solid};
+    sheet.scene.stop.time = 0.5;
+    sheet.limits.speed = 1.0;
+    torture(sheet);
+  }
+}
+
+TEST(Torture, UpsideDownInTheProbe) {
+  Torture sheet = heldSheet("upside_down_in_probe", lightFabric());
+  sheet.scene.cloth.pose.orientation = Quat(Eigen::AngleAxisd(EIGEN_PI, Vec3::UnitX()));
+  sheet.scene.probes[0].path = {{0.0, Vec3(0.001, 0, -0.001)}, {0.1, Vec3(0.001, 0, -0.001)},
+                                {0.15, Vec3(0.001, 0, 0.03)},  {0.2, Vec3(0.001, 0, 0.03)},
+                                {0.3, Vec3(0.001, 0, -0.02)},  {0.4, Vec3(0.001, 0, 0.03)}};
+  sheet.scene.stop.time = 0.45;
+  sheet.limits.strain = mostStrain(sheet.scene.probes[0], 0.02, 1000.0);
+  EXPECT_LT(torture(sheet).left, 1e-3);
+}
+
+TEST(Torture, ProbeAtTenMetresASecond) {
+  for (const double radius : {0.008, 0.001}) {
+    Torture sheet = heldSheet(radius < 0.002 ? "probe_10mps_thin" : "probe_10mps", lightFabric());
+    ProbeOptions& probe = sheet.scene.probes[0];
+    probe.radius = radius;
+    const Vec3 up(0.013, 0.007, 0.05), down(0.013, 0.007, -0.05);
+    probe.path = {{0.0, up}, {0.01, up}, {0.02, down}, {0.1, down}, {0.11, up}, {0.2, up}};
+    sheet.scene.stop.time = 0.25;
+    sheet.limits.strain = mostStrain(probe, 0.1, 1000.0);
+    EXPECT_LT(torture(sheet).left, 1e-3);
+  }
+}
+
+TEST(Torture, ProbeTeleportsByAMetre) {
+  // In one step, across the cloth, along it and back.
+  Torture sheet = heldSheet("probe_teleport", lightFabric());
+  ProbeOptions& probe = sheet.scene.probes[0];
+  const Vec3 home(0.0, 0.0, 0.02), across(0.05, 0.05, -0.98), along(1.0, 0.0, 0.02);
+  const double h = sheet.scene.solver.time_step;
+  probe.path = {{0.0, home},  {0.02, home},       {0.02 + h, along}, {0.05, along},    {0.05 + h, home},
+                {0.08, home}, {0.08 + h, across}, {0.15, across},    {0.15 + h, home}, {0.25, home}};
+  sheet.scene.stop.time = 0.3;
+  sheet.limits.strain = mostStrain(probe, 1.0, 1000.0);
+  EXPECT_LT(torture(sheet).left, 1e-3);
+}
+
+TEST(Torture, ProbeThroughTheEdge) {
+  // In the plane of a hanging sheet, through its free side, in and out.
+  Torture sheet = tortureSheet("probe_edge", lightFabric(), kParticles, kParticles, kSize, kSize);
+  setStrategy(sheet.scene, Strategy::Amrc, 2);
+  hangDown(sheet.scene);
+  pin(sheet.scene, 0, 0, 0, kParticles - 1);
+  ProbeOptions& probe = sheet.scene.probes[0];
+  probe.path = {{0.0, Vec3(0, 0.13, 0)}, {0.2, Vec3(0, -0.03, 0)}, {0.4, Vec3(0, 0.13, 0)}};
+  sheet.scene.stop.time = 0.45;
+  sheet.limits.strain = mostStrain(probe, 0.1, 1000.0);
+  EXPECT_LT(torture(sheet).left, 1e-3);
+}
+
+TEST(Torture, PinchAndPullAgainstPins) {
+  // Two fingers take the middle of a sheet held at its corners between them, pull it 15 cm up and away, and
+  // let go.
+  Torture sheet =
+      tortureSheet("pinch_pull", shippedFabric("winter_suiting"), kParticles, kParticles, kSize, kSize);
+  setStrategy(sheet.scene, Strategy::Amrc, 2);
+  const int last = kParticles - 1;
+  sheet.scene.cloth.pins = {{0, 0, 0, 0}, {last, last, 0, 0}, {0, 0, last, last}, {last, last, last, last}};
+  sheet.scene.probes.resize(2);
+  for (int k = 0; k < 2; ++k) {
+    ProbeOptions& probe = sheet.scene.probes[k];
+    probe.name = k == 0 ? "above" : "below";
+    const double side = k == 0 ? 1.0 : -1.0;
+    const Vec3 start(0.0, 0.0, 0.0095 * side), touch(0.0, 0.0, 0.0075 * side);
+    const Vec3 away = touch + Vec3(0.08, 0.0, 0.15);
+    probe.path = {{0.0, start}, {0.01, touch}, {0.05, touch},
+                  {0.3, away},  {0.35, away},  {0.4, away + side * Vec3(0, 0, 0.03)}};
+    probe.grasp = {{0.0, 0.35}};
+  }
+  sheet.scene.stop.time = 0.45;
+  sheet.limits.strain = 2.0 * mostStrain(sheet.scene.probes[0], 0.15, 490.3 / 0.0603);
+  torture(sheet);
+}
+
+TEST(Torture, TornAtAPin) {
+  // A grip beside a pinned corner pulls along the threads, at once.
+  Torture sheet =
+      tortureSheet("tear_at_pin", shippedFabric("winter_suiting"), kParticles, kParticles, kSize, kSize);
+  setStrategy(sheet.scene, Strategy::Amrc, 2);
+  sheet.scene.cloth.pins = {{0, 0, 0, 0}, {0, 0, kParticles - 1, kParticles - 1}};
+  sheet.scene.gravity.setZero();
+  ProbeOptions& probe = sheet.scene.probes[0];
+  probe.coupling_stiffness = 2000.0;
+  const Vec3 above(-0.07, -0.1, 0.0095), touch(-0.07, -0.1, 0.008), away(0.03, -0.15, 0.008);
+  probe.path = {{0.0, above}, {0.02, touch}, {0.03, away}, {0.12, away}};
+  probe.grasp = {{0.0, 0.12}};
+  sheet.scene.stop.time = 0.2;
+  sheet.limits.strain = mostStrain(probe, 0.112, 490.3 / 0.0603);
+  torture(sheet);
+}
+
+TEST(Torture, TenProbesAtOnce) {
+  Torture sheet = heldSheet("ten_probes", lightFabric());
+  sheet.scene.probes.assign(10, ProbeOptions());
+  for (int k = 0; k < 10; ++k) {
+    ProbeOptions& probe = sheet.scene.probes[k];
+    probe.name = "p" + std::to_string(k);
+    const double side = k % 2 == 0 ? 1.0 : -1.0, turn = 2.0 * EIGEN_PI * k / 10.0;
+    const Vec3 at = 0.05 * Vec3(std::cos(turn), std::sin(turn), 0.0);
+    probe.path = {{0.0, at + side * Vec3(0, 0, 0.02)},
+                  {0.15, 0.6 * at - side * Vec3(0, 0, 0.02)},
+                  {0.3, at + side * Vec3(0, 0, 0.04)}};
+  }
+  sheet.scene.stop.time = 0.32;
+  sheet.limits.strain = mostStrain(sheet.scene.probes[0], 0.03, 1000.0);
+  EXPECT_LT(torture(sheet).left, 1e-3);
+}
+
+}  // namespace
+}  // namespace haptic_cloth

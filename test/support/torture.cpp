@@ -1,0 +1,272 @@
+#include "support/torture.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iomanip>
+#include <iostream>
+#include <sstream>
+
+#include "support/scene_text.h"
+#include "support/tolerance.h"
+
+namespace haptic_cloth {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kStandardGravity = 9.80665;  // residuals count in it where a scene has none [m/s²]
+constexpr double kRoundOff = 1e-10;           // sums of 10³ terms, each rounded by 1e-16, over 10³ steps
+
+fs::path outputDirectory() {
+  const char* wanted = std::getenv("HAPTIC_CLOTH_TORTURE_OUT");
+  return wanted == nullptr ? "torture_failures" : wanted;
+}
+
+void writeText(const fs::path& file, const std::string& text) {
+  fs::create_directories(file.parent_path());
+  std::ofstream stream(file);
+  stream << text;
+  ASSERT_TRUE(stream.flush()) << file;
+}
+
+/// As `simulate` drives a scene (src/tools/run.cpp).
+void followPaths(ClothWorld& world) {
+  const Scene& scene = world.scene;
+  const double h = scene.solver.time_step, end = world.time() + h;
+  for (int k = 0; k < static_cast<int>(scene.probes.size()); ++k) {
+    const ProbeOptions& probe = scene.probes[k];
+    if (probe.path.empty()) continue;
+    const Vec3 from = pathPosition(probe.path, world.time()), to = pathPosition(probe.path, end);
+    world.setDevice(k, {to, (to - from) / h, probe.orientation});
+    bool closed = false;
+    for (const auto& [close, open] : probe.grasp) closed = closed || (close <= end && end < open);
+    world.setGrasp(k, closed);
+  }
+  for (int k = 0; k < static_cast<int>(scene.obstacles.size()); ++k) {
+    const Obstacle& obstacle = scene.obstacles[k];
+    if (obstacle.path.empty()) continue;
+    world.moveObstacle(k, {pathPosition(obstacle.path, end), obstacle.pose.orientation});
+  }
+}
+
+bool isFinite(const ClothWorld& world) {
+  bool finite = std::isfinite(world.energy().total()) && world.support_force.allFinite();
+  for (const int p : world.mesh.particle) {
+    finite = finite && world.state.position[p].allFinite() && world.state.velocity[p].allFinite();
+  }
+  for (const ProbeReport& probe : world.probes) {
+    finite = finite && probe.force.allFinite() && probe.proxy.allFinite();
+  }
+  return finite;
+}
+
+std::uint64_t hashOf(const ClothWorld& world) {
+  std::uint64_t hash = 14695981039346656037ull;  // FNV-1a
+  const auto add = [&hash](const Vec3& v) {
+    const auto* bytes = reinterpret_cast<const unsigned char*>(v.data());
+    for (std::size_t k = 0; k < sizeof(Vec3); ++k) hash = (hash ^ bytes[k]) * 1099511628211ull;
+  };
+  for (const int p : world.mesh.particle) {
+    add(world.state.position[p]);
+    add(world.state.velocity[p]);
+  }
+  for (const ProbeReport& probe : world.probes) add(probe.proxy);
+  return hash;
+}
+
+/// One run of a case, step by step, with its books.
+class Run {
+ public:
+  Run(const Torture& wanted, const Scene& scene) : wanted_(wanted), world_(scene) {
+    const double size = std::hypot(scene.cloth.size[0], scene.cloth.size[1]);
+    const double g = scene.gravity.norm() > 0.0 ? scene.gravity.norm() : kStandardGravity;
+    weight_ = world_.mass() * g;
+    result_.energy = weight_ * size;
+    ways_.resize(scene.probes.size());
+  }
+
+  TortureResult run() {
+    const double h = world_.scene.solver.time_step;
+    const long steps = std::lround(world_.scene.stop.time / h);
+    while (result_.steps < steps && result_.finite) step(h);
+    for (const ProbeReport& probe : world_.probes) {
+      if (probe.present) result_.left = std::max(result_.left, (probe.proxy - probe.device).norm());
+    }
+    result_.hash = hashOf(world_);
+    return result_;
+  }
+
+  /// Where the devices were, as rows of a path.
+  const std::vector<std::vector<PathPoint>>& ways() const { return ways_; }
+  const std::string& probeRows() const { return rows_; }
+
+ private:
+  void step(double h) {
+    followPaths(world_);
+    if (wanted_.before) wanted_.before(world_, result_.steps);
+    const StepReport report = world_.step();
+    ++result_.steps;
+    result_.failed += report.failed ? 1 : 0;
+    result_.cut += report.minimizer.why == Termination::Converged ? 0 : 1;
+    result_.finite = isFinite(world_);
+    result_.strain = std::max(result_.strain, world_.internal.maxStrain(world_.nodes()));
+    result_.speed = std::max(result_.speed, world_.maxSpeed());
+    result_.penetration = std::max(result_.penetration, report.max_penetration);
+    balance(report, h);
+    note();
+    if (wanted_.after) wanted_.after(world_, result_.steps - 1);
+  }
+
+  /// Energy less work is what the cloth began with less what was dissipated: it may only fall. The rise and
+  /// what the residual may work on its way begin anew at each low.
+  void balance(const StepReport& report, double h) {
+    const EnergyReport energy = world_.energy();
+    const double work = energy.work - work_before_;
+    work_before_ = energy.work;
+    result_.energy += std::abs(work);
+    const double before_guard = energy.kinetic / std::max(1e-12, std::pow(report.velocity_scale, 2));
+    const double residual = std::max(report.minimizer.residual, world_.scene.solver.minimizer.tolerance);
+    way_ += residual * weight_ * h * std::sqrt(2.0 * before_guard / world_.mass());
+    if (energy.dissipated >= most_dissipated_ || result_.steps <= wanted_.set_up) {
+      most_dissipated_ = energy.dissipated;
+      way_ = 0.0;
+    } else if (most_dissipated_ - energy.dissipated > result_.gain) {
+      result_.gain = most_dissipated_ - energy.dissipated;
+      result_.allowed = way_;
+    }
+  }
+
+  void note() {
+    constexpr long kMostRows = 200000;  // enough to reach a failure; a soak would fill the disk
+    std::ostringstream rows;
+    rows.precision(17);
+    for (std::size_t k = 0; k < world_.probes.size(); ++k) {
+      const ProbeReport& probe = world_.probes[k];
+      if (!probe.present) continue;
+      result_.force = std::max(result_.force, probe.force.norm());
+      if (result_.steps > kMostRows) continue;
+      if (ways_[k].empty()) ways_[k].push_back({0.0, probe.device});
+      ways_[k].push_back({world_.time(), probe.device});
+      rows << world_.time() << ',' << k;
+      for (const Vec3& v : {probe.device, probe.proxy, probe.force}) {
+        rows << ',' << v.x() << ',' << v.y() << ',' << v.z();
+      }
+      rows << '\n';
+    }
+    rows_ += rows.str();
+  }
+
+  const Torture& wanted_;
+  ClothWorld world_;
+  TortureResult result_;
+  double weight_ = 0.0, work_before_ = 0.0, most_dissipated_ = 0.0, way_ = 0.0;
+  std::vector<std::vector<PathPoint>> ways_;
+  std::string rows_;
+};
+
+void judge(const Torture& wanted, const TortureResult& result) {
+  const TortureLimits& limits = wanted.limits;
+  const auto keep = [&](const std::string& what, double measured, double limit, const std::string& unit) {
+    recordMargin(wanted.name, what, measured, limit, unit);
+    EXPECT_LE(measured, tolerance(limit)) << wanted.name << ": " << what;
+  };
+  EXPECT_TRUE(result.finite) << wanted.name << ", step " << result.steps;
+  keep("energy gained / turned over", result.gain / result.energy,
+       kRoundOff + limits.gain + result.allowed / result.energy, "-");
+  keep("largest strain", result.strain, limits.strain, "-");
+  keep("fastest particle", result.speed, limits.speed, "m/s");
+  keep("failed steps", static_cast<double>(result.failed), limits.failed, "");
+  std::cout << "  " << wanted.name << ": " << result.steps << " steps, " << result.cut << " cut short, gain "
+            << result.gain << " J of " << result.energy << " J (residuals' work " << result.allowed
+            << " J), force " << result.force << " N, penetration " << result.penetration << " m\n";
+}
+
+}  // namespace
+
+std::string writeFabric(const LinearFabric& linear) {
+  std::ostringstream text;
+  text.precision(17);
+  text << "name: linear\nsource: \"made up for a test\"\nareal_density: " << linear.areal_density
+       << "\nthickness: " << linear.thickness << "\ntensile: {stiffness: " << linear.stiffness
+       << "}\nbending: {rigidity: " << linear.rigidity << "}\nshear: {modulus: " << linear.shear_modulus
+       << "}\ncompression_ratio: " << linear.compression << '\n';
+  std::ostringstream file;
+  file << testing::TempDir() << "haptic_cloth_fabric_" << std::hash<std::string>()(text.str()) << ".yaml";
+  writeText(file.str(), text.str());
+  return file.str();
+}
+
+std::string shippedFabric(const std::string& name) {
+  return HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/" + name + ".yaml";
+}
+
+Torture tortureSheet(const std::string& name, const std::string& fabric_file, int warp, int weft,
+                     double length, double width) {
+  Torture wanted{name, fabric_file, sheetScene(loadFabric(fabric_file), warp, weft, length, width), {}};
+  wanted.scene.air_damping = 0.5;
+  return wanted;
+}
+
+std::string saveTorture(const Torture& wanted, const std::string& directory) {
+  const fs::path scene = fs::path(directory) / "scene.yaml", fabric = fs::path(directory) / "fabric.yaml";
+  writeText(scene, sceneText(wanted.scene, "fabric.yaml"));
+  fs::copy_file(wanted.fabric_file, fabric, fs::copy_options::overwrite_existing);
+  return scene.string();
+}
+
+TortureResult torture(const Torture& wanted) {
+  const bool had_failed = testing::Test::HasFailure();
+  const fs::path directory = outputDirectory() / wanted.name;
+  // What runs is what is saved, read back.
+  Scene scene = loadScene(saveTorture(wanted, directory.string()));
+  Run run(wanted, scene);
+  TortureResult result = run.run();
+  scene.solver.threads = 2;
+  EXPECT_EQ(Run(wanted, scene).run().hash, result.hash) << wanted.name << ": bits differ with two threads";
+  judge(wanted, result);
+  if (had_failed || !testing::Test::HasFailure()) {
+    fs::remove_all(directory);
+    return result;
+  }
+  Torture saved = wanted;
+  for (std::size_t k = 0; k < saved.scene.probes.size(); ++k) {
+    if (saved.scene.probes[k].path.empty()) saved.scene.probes[k].path = run.ways()[k];
+  }
+  saveTorture(saved, directory.string());
+  writeText(directory / "probe.csv",
+            "time,probe,device_x,device_y,device_z,proxy_x,proxy_y,proxy_z,force_x,force_y,force_z\n" +
+                run.probeRows());
+  std::cout << "  replay: simulate " << (directory / "scene.yaml").string()
+            << (wanted.before ? "   (the test did more than a scene can say)" : "") << '\n';
+  return result;
+}
+
+void recordMargin(const std::string& test_case, const std::string& criterion, double measured, double limit,
+                  const std::string& unit) {
+  if (std::getenv("HAPTIC_CLOTH_TORTURE_OUT") == nullptr) return;
+  fs::create_directories(outputDirectory());
+  std::ofstream file(outputDirectory() / "margins.csv", std::ios::app);
+  file.precision(6);
+  file << '"' << test_case << "\",\"" << criterion << "\"," << measured << ',' << limit << ",\"" << unit
+       << "\"\n";
+}
+
+double tortureLength(const char* variable, double short_form) {
+  const char* length = std::getenv(variable);
+  return length == nullptr ? short_form : std::strtod(length, nullptr);
+}
+
+ProbeOptions gripper(double length, double coupling_stiffness) {
+  ProbeOptions probe;
+  probe.radius = 0.004;
+  probe.length = length;
+  probe.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY());
+  probe.coupling_stiffness = coupling_stiffness;
+  return probe;
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,78 @@
+/// Runs scenes at which methods fail, and holds each against the same few criteria.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "sim/cloth_world.h"
+#include "support/scenes.h"
+
+namespace haptic_cloth {
+
+/// What a run must keep to. Finite values, equal bits for one and two threads and the energy balance are
+/// asked of every case, so they are not listed.
+/// Balance: energy less work may not rise above its lowest so far by more than round-off, kRoundOff of what
+/// was turned over, and the work of the residual forces that the steps left over, residual · weight · way,
+/// since then: with Newton's law met up to R, a step of backward Euler gains R · Δx at most, and by Cauchy
+/// and Schwarz that is residual · |g| · mass · rms_m(Δx); residual: what the step reports, or its tolerance.
+struct TortureLimits {
+  double strain = 1.0;   ///< largest |strain| of an edge in the whole run [-]
+  double speed = 100.0;  ///< of the fastest particle [m/s]
+  double gain =
+      0.0;         ///< rise of energy less work over what was turned over, beyond what is allowed to all [-]
+  int failed = 0;  ///< steps whose state had to be restored
+};
+
+/// A case: a scene that `simulate` could run, and what a scene file cannot say.
+struct Torture {
+  std::string name;
+  std::string fabric_file;
+  Scene scene;
+  TortureLimits limits;
+  long set_up = 0;  ///< steps before the books are opened: what is done to the state in these is no physics
+  std::function<void(ClothWorld&, long step)> before = {};       ///< before each step
+  std::function<void(const ClothWorld&, long step)> after = {};  ///< after each step
+};
+
+/// What a run came to.
+struct TortureResult {
+  long steps = 0, failed = 0, cut = 0;  ///< cut: steps that ended short of their tolerance
+  bool finite = true;
+  double strain = 0.0, speed = 0.0;
+  double force = 0.0;        ///< largest on a probe [N]
+  double penetration = 0.0;  ///< [m]
+  double energy = 0.0;       ///< turned over: cloth lifted by its size, work of probes and obstacles [J]
+  double gain = 0.0;         ///< largest rise of energy less work, from its lowest so far [J]
+  double allowed = 0.0;      ///< what the residuals left over could have worked on the way of that rise [J]
+  double left = 0.0;         ///< distance of the proxies from their devices at the end [m]
+  std::uint64_t hash = 0;
+};
+
+/// A fabric with linear laws as a file that outlives the program's scenes. @return its path
+std::string writeFabric(const LinearFabric& linear);
+std::string shippedFabric(const std::string& name);
+
+/// A sheet as sheetScene() has it, with its fabric's file.
+Torture tortureSheet(const std::string& name, const std::string& fabric_file, int warp, int weft,
+                     double length, double width);
+
+/// Runs a case and expects what its limits ask. A case that fails leaves a scene and the probes' ways in
+/// $HAPTIC_CLOTH_TORTURE_OUT (default: torture_failures) and prints the command that replays it.
+TortureResult torture(const Torture& wanted);
+
+/// Files of a case: DIR/scene.yaml, DIR/fabric.yaml. @return path of the scene
+std::string saveTorture(const Torture& wanted, const std::string& directory);
+
+/// What a case measured, beside its limit, for the table in docs/stability.md: printed, and appended to
+/// $HAPTIC_CLOTH_TORTURE_OUT/margins.csv where that is set.
+void recordMargin(const std::string& test_case, const std::string& criterion, double measured, double limit,
+                  const std::string& unit);
+
+/// How long a case goes on: what the environment variable says, else `short_form`, which is for every build.
+double tortureLength(const char* variable, double short_form);
+
+/// A capsule across the cloth's weft, as a hand would grip a strip's end.
+ProbeOptions gripper(double length, double coupling_stiffness);
+
+}  // namespace haptic_cloth
