@@ -10,6 +10,7 @@ using diagnostic_msgs::DiagnosticStatus;
 constexpr double kHanging = 2.0;        ///< without news [s]
 constexpr double kRateShare = 0.9;      ///< of the wanted rate that is good enough [-]
 constexpr double kLatenessGood = 1e-3;  ///< 99 % of ticks are less late [s]
+constexpr double kLately = 5.0;         ///< a fault that is over is a warning no longer than this [s]
 
 void add(DiagnosticStatus& status, const std::string& key, const std::string& value) {
   diagnostic_msgs::KeyValue entry;
@@ -89,12 +90,13 @@ DiagnosticStatus hapticStatus(const HapticStats& stats, double rate, const std::
   add(status, "late p50 [us]", 1e6 * stats.lateness.quantile(0.5));
   add(status, "late p99 [us]", 1e6 * stats.lateness.quantile(0.99));
   add(status, "late max [us]", 1e6 * stats.lateness.max());
+  add(status, "ticks given up", stats.given_up);
   add(status, "scheduling", scheduling);
   return status;
 }
 
 DiagnosticStatus probeStatus(const std::string& name, const InputCounters& counters, const FeltForce& felt,
-                             GraspState grasp) {
+                             GraspState grasp, double now) {
   DiagnosticStatus status;
   status.name = "haptic_cloth: " + name;
   const std::uint64_t dropped = counters.dropped();
@@ -103,7 +105,11 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
     judge(status, DiagnosticStatus::OK, "no pose yet");
   } else if (doubt != UnitDoubt::None) {
     judge(status, DiagnosticStatus::WARN, toText(doubt));
-  } else if (dropped > 0) {
+  } else if (felt.status == HapticStatus::PoseStale) {
+    judge(status, DiagnosticStatus::WARN, "the poses stopped; no force");
+  } else if (felt.status == HapticStatus::SnapshotStale) {
+    judge(status, DiagnosticStatus::WARN, "the solver stalls; no force");
+  } else if (dropped > 0 && now - counters.last_dropped < kLately) {
     judge(status, DiagnosticStatus::WARN, std::to_string(dropped) + " poses dropped");
   } else {
     judge(status, DiagnosticStatus::OK, "receiving");
@@ -117,6 +123,10 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
   add(status, "dropped: unknown frame", counters.unknown_frame.load());
   add(status, "dropped: out of order", counters.out_of_order.load());
   add(status, "dropped: late", counters.late.load());
+  add(status, "dropped: other sender", counters.other_sender.load());
+  add(status, "dropped: too far", counters.too_far.load());
+  add(status, "force off: poses stopped", felt.pose_stops);
+  add(status, "force off: solver stalled", felt.snapshot_stops);
   add(status, "units", std::string(doubt == UnitDoubt::None ? "plausible" : toText(doubt)));
   add(status, "taken: bad quaternion", counters.bad_quaternion.load());
   return status;

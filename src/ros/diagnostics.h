@@ -15,9 +15,9 @@ namespace haptic_cloth {
 /// @param now steady clock [s]; statistics older than 2 s mean that the thread hangs
 diagnostic_msgs::DiagnosticStatus solverStatus(const SolverStats& stats, bool paused, double now);
 
-/// One probe: what its device sends, what it feels, what it holds.
+/// One probe: what its device sends, what it feels, what it holds. A dropped pose is a warning for 5 s.
 diagnostic_msgs::DiagnosticStatus probeStatus(const std::string& name, const InputCounters& counters,
-                                              const FeltForce& felt, GraspState grasp);
+                                              const FeltForce& felt, GraspState grasp, double now);
 
 /// One obstacle that can be moved.
 diagnostic_msgs::DiagnosticStatus obstacleStatus(const std::string& name, const ObstacleCounters& counters);

@@ -101,7 +101,7 @@ void DisplayThread::publishDiagnostics(double now) {
     const ProbeTopics& probe = sources_.probes[k];
     SharedProbe& shared = shared_.probes[k];
     array.status.push_back(
-        probeStatus(probe.name(), probe.input().counters(), shared.felt.read(), shared.grasp));
+        probeStatus(probe.name(), probe.input().counters(), shared.felt.read(), shared.grasp, now));
   }
   for (const ObstacleTopics& obstacle : sources_.obstacles) {
     array.status.push_back(obstacleStatus(obstacle.name(), obstacle.counters()));

@@ -16,14 +16,18 @@ HapticProbe::HapticProbe(const std::string& frame_id, const ProbeSettings& setti
 
 void HapticProbe::tick(double now, bool paused) {
   const StampedSample& device = shared_.device_for_haptics.read();
-  force_ = loop_.tick(device.sample, shared_.snapshot.read(), paused, now);
+  felt_.force = loop_.tick(device.sample, shared_.snapshot.read(), paused, now);
   // Stated in the frame, axes and scale of the pose it answers. With the pose's stamp the receiver can tell
   // how old the force is; without a pose, the clock's.
   const bool answers = device.sample.received >= 0.0;
-  reaction_.publish(toWrench(forceForDriver(device_, device.frame_rotation, force_),
+  reaction_.publish(toWrench(forceForDriver(device_, device.frame_rotation, felt_.force),
                              answers ? device.stamp : ros::Time::now(),
                              answers ? device.frame_id : frame_id_));
-  shared_.felt.write({loop_.status(), force_});
+  const HapticStatus status = loop_.status();
+  felt_.pose_stops += status == HapticStatus::PoseStale && felt_.status != status;
+  felt_.snapshot_stops += status == HapticStatus::SnapshotStale && felt_.status != status;
+  felt_.status = status;
+  shared_.felt.write(felt_);
 }
 
 void HapticProbe::sendZero() { reaction_.publish(toWrench(Vec3::Zero(), ros::Time::now(), frame_id_)); }

@@ -21,7 +21,7 @@ class HapticProbe {
   void sendZero();
 
   /// Whether the last force sent was zero.
-  bool isQuiet() const { return force_.isZero(0.0); }
+  bool isQuiet() const { return felt_.force.isZero(0.0); }
 
  private:
   std::string frame_id_;
@@ -29,7 +29,7 @@ class HapticProbe {
   ros::Publisher reaction_;
   SharedProbe& shared_;
   HapticLoop loop_;
-  Vec3 force_ = Vec3::Zero();  ///< last sent, on the probe in the cloth's frame [N]
+  FeltForce felt_;  ///< of the last tick
 };
 
 }  // namespace haptic_cloth

@@ -58,7 +58,10 @@ void HapticThread::run() {
     tick(now, shared_.paused);
     record(now, now - due);
     due += period_;
-    if (now - due > kMaxBacklog) due = now + period_;
+    if (now - due > kMaxBacklog) {
+      window_.given_up += static_cast<std::uint64_t>((now - due) / period_);
+      due = now + period_;
+    }
   }
   endWithZeros();
 }

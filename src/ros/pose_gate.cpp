@@ -10,14 +10,22 @@ constexpr double kClockJump = 1.0;
 
 }  // namespace
 
-PoseVerdict PoseGate::judge(const geometry_msgs::PoseStamped& pose, const ros::Time& now) {
+PoseVerdict PoseGate::judge(const geometry_msgs::PoseStamped& pose, const std::string& sender,
+                            const ros::Time& now, double received) const {
   if (!isFinite(pose.pose)) return PoseVerdict::NotFinite;
+  const bool silent = received - received_ > silence_;
+  if (!silent && sender != sender_) return PoseVerdict::OtherSender;
   const ros::Time stamp = pose.header.stamp;
   if (stamp.isZero()) return PoseVerdict::Accepted;
   if (max_age_ > 0.0 && (now - stamp).toSec() > max_age_) return PoseVerdict::Late;
-  if (stamp < last_ && (last_ - stamp).toSec() <= kClockJump) return PoseVerdict::OutOfOrder;
-  last_ = stamp;
+  if (!silent && stamp < last_ && (last_ - stamp).toSec() <= kClockJump) return PoseVerdict::OutOfOrder;
   return PoseVerdict::Accepted;
+}
+
+void PoseGate::take(const geometry_msgs::PoseStamped& pose, const std::string& sender, double received) {
+  if (!pose.header.stamp.isZero()) last_ = pose.header.stamp;
+  received_ = received;
+  if (sender != sender_) sender_ = sender;
 }
 
 }  // namespace haptic_cloth

@@ -3,10 +3,17 @@
 #include <geometry_msgs/WrenchStamped.h>
 #include <ros/callback_queue.h>
 #include <ros/console.h>
+#include <ros/message_event.h>
 
 #include "ros/topics.h"
 
 namespace haptic_cloth {
+namespace {
+
+/// A message and who sent it.
+using PoseEvent = ros::MessageEvent<const geometry_msgs::PoseStamped>;
+
+}  // namespace
 
 ProbeTopics::ProbeTopics(const NodeOptions& options, std::size_t number, const tf2_ros::Buffer& transforms,
                          ros::NodeHandle node, const Queues& queues, SharedState& shared)
@@ -17,10 +24,11 @@ ProbeTopics::ProbeTopics(const NodeOptions& options, std::size_t number, const t
   const auto named = [this](const char* topic) { return topics::ofProbe(name_, topic); };
   reaction_ = node.advertise<geometry_msgs::WrenchStamped>(named(topics::kReaction), topics::kReactionQueue);
   proxy_ = node.advertise<geometry_msgs::PoseStamped>(named(topics::kProxy), topics::kProxyQueue);
-  ros::SubscribeOptions pose = ros::SubscribeOptions::create<geometry_msgs::PoseStamped>(
+  ros::SubscribeOptions pose;
+  pose.initByFullCallbackType<const PoseEvent&>(
       named(topics::kPose), topics::kPoseQueue,
-      [this](const geometry_msgs::PoseStamped::ConstPtr& message) { input_.accept(*message); },
-      ros::VoidConstPtr(), &queues.poses);
+      [this](const PoseEvent& event) { input_.accept(*event.getMessage(), event.getPublisherName()); });
+  pose.callback_queue = &queues.poses;
   pose.transport_hints = ros::TransportHints().tcpNoDelay();
   pose_subscriber_ = node.subscribe(pose);
   // Beside the services, so that a pause and what follows it come in order.

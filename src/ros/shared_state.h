@@ -63,6 +63,7 @@ struct HapticStats {
   double taken = -1.0;  ///< steady clock at the end of the window [s]; < 0: none yet
   double wall = 0.0;    ///< [s]
   int ticks = 0;
+  std::uint64_t given_up = 0;  ///< ticks since start that were too late to be made up for
   LatenessHistogram lateness;
 };
 
@@ -70,6 +71,7 @@ struct HapticStats {
 struct FeltForce {
   HapticStatus status = HapticStatus::NoPose;
   Vec3 force = Vec3::Zero();  ///< on the probe [N]
+  std::uint64_t pose_stops = 0, snapshot_stops = 0;  ///< how often either was stale, since start
 };
 
 /// Of one probe.
