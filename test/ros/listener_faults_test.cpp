@@ -1,6 +1,6 @@
 /// Others at the node's outputs: a hundred subscribers, subscribers that hang, thousands of service calls.
 /// Criterion: as in pose_faults_test; nobody who listens is left out by those who do not; memory and open
-/// files of the node do not grow. HAPTIC_CLOTH_SERVICE_CALLS=100000 is the long form (3000 otherwise).
+/// files of the node do not grow. HAPTIC_CLOTH_SERVICE_CALLS=100000 is the long form (2000 otherwise).
 #include <std_srvs/Empty.h>
 #include <std_srvs/SetBool.h>
 
@@ -31,7 +31,7 @@ TEST_F(ListenerFaultTest, AHundredSubscribers) {
   reaction_.clear();
   {
     const RawListeners listeners(kNode, "/probe/reaction", 100);
-    ASSERT_TRUE(waitFor([&] { return listeners.fewest() > 1000; }));
+    ASSERT_TRUE(waitFor([&] { return listeners.fewest() > 300; }));
     EXPECT_GT(reaction_.force().z(), 0.1);
     freshDiagnostics();
     EXPECT_EQ(listeners.closed(), 0);
@@ -69,7 +69,7 @@ TEST_F(ListenerFaultTest, ListenersThatHang) {
 
 TEST_F(ListenerFaultTest, ThousandsOfServiceCalls) {
   const char* wanted = std::getenv("HAPTIC_CLOTH_SERVICE_CALLS");
-  const int calls = wanted != nullptr ? std::atoi(wanted) : 3000;
+  const int calls = wanted != nullptr ? std::atoi(wanted) : 2000;
   press();
   const pid_t pid = pidOf(kNode);
   const int files = openFiles(pid);

@@ -18,6 +18,9 @@ namespace {
 
 const std::string kScene = std::string(HAPTIC_CLOTH_SOURCE_DIR) + "/test/ros/scene.yaml";
 
+/// A ramp of which more ticks than this were not heard is no measurement.
+constexpr int kMissed = 5;
+
 /// The master of this test.
 OwnMaster& master() {
   static OwnMaster instance;
@@ -55,21 +58,24 @@ class ProcessFaultTest : public FaultTest {
 struct RampDown {
   int watched = 0;  ///< ticks from the first that answers the last pose to the last before the force falls
   int ramp = 0;     ///< further ticks until it is zero
+  int missed = 0;   ///< ticks at either end whose wrenches were not heard, by which the above may be too long
   double seconds = 0.0;    ///< of both together, as they were received
   double strongest = 0.0;  ///< [N]
 };
 
 RampDown rampDown(const std::vector<HeardWrench>& wrenches) {
   const ros::Time stamp = wrenches.back().stamp;
-  const auto first = std::find_if(wrenches.begin(), wrenches.end(),
-                                  [&](const HeardWrench& wrench) { return wrench.stamp == stamp; });
-  const auto zero =
-      std::find_if(first, wrenches.end(), [](const HeardWrench& wrench) { return wrench.force.isZero(0.0); });
+  const auto answers = [&](const HeardWrench& wrench) { return wrench.stamp == stamp; };
+  const auto none = [](const HeardWrench& wrench) { return wrench.force.isZero(0.0); };
+  const auto first = std::find_if(wrenches.begin() + 1, wrenches.end(), answers);
+  const auto zero = std::find_if(first, wrenches.end(), none);
   // The ramp: what falls without pause until zero.
   auto falls = zero;
   while (falls != first && (falls - 1)->force.norm() > falls->force.norm()) --falls;
   RampDown found;
-  found.watched = static_cast<int>(falls->number - first->number);
+  found.missed =
+      static_cast<int>((zero->number - (zero - 1)->number - 1) + (first->number - (first - 1)->number - 1));
+  found.watched = static_cast<int>(falls->number - (first - 1)->number) - 1;
   found.ramp = static_cast<int>(zero->number - falls->number);
   found.seconds = zero->received - first->received;
   for (auto wrench = first; wrench != zero; ++wrench) {
@@ -78,15 +84,14 @@ RampDown rampDown(const std::vector<HeardWrench>& wrenches) {
   return found;
 }
 
-TEST_F(ProcessFaultTest, AKilledDeviceLeavesNoForce) {
-  startNode();
-  press();
-  hand_.reset();  // its poses are followed by those of another process
-  ros::Publisher target = node_.advertise<geometry_msgs::Point>("hand/target", 1, true);
-  for (int k = 0; k < 3; ++k) {
-    const auto device = startHand("device_" + std::to_string(k), kAbove);
+class DeviceKilledTest : public ProcessFaultTest {
+ protected:
+  /// A device presses and is killed.
+  void killDevice(int number, ros::Publisher& target, RampDown& found) {
+    target.publish(toPoint(kAbove));
+    const auto device = startHand("device_" + std::to_string(number), kAbove);
     ASSERT_TRUE(waitFor([this] { return diagnostics_.value("probe", "status") == "free"; }));
-    target.publish(toPoint(Vec3(0.0, 0.0, 0.07)));
+    target.publish(toPoint(kPressed));
     ASSERT_TRUE(waitFor([this] { return reaction_.force().z() > 1.0; }));
     sleepUntil(steadyNow() + 0.3);
     reaction_.clear();
@@ -94,16 +99,32 @@ TEST_F(ProcessFaultTest, AKilledDeviceLeavesNoForce) {
     device->signal(SIGKILL);
     device->wait();
     ASSERT_TRUE(waitFor([this] { return reaction_.force().isZero(0.0); }));
-    const RampDown found = rampDown(reaction_.all());
+    found = rampDown(reaction_.all());
+    EXPECT_TRUE(waitFor([this] { return diagnostics_.value("probe", "status") == "pose stale"; }));
+  }
+};
+
+TEST_F(DeviceKilledTest, LeavesNoForce) {
+  startNode();
+  press();
+  hand_.reset();  // its poses are followed by those of another process
+  ros::Publisher target = node_.advertise<geometry_msgs::Point>("hand/target", 1, true);
+  int measured = 0;
+  for (int k = 0; k < 10 && measured < 3; ++k) {
+    RampDown found;
+    killDevice(k, target, found);
+    if (HasFatalFailure()) return;
+    if (found.missed > kMissed) continue;  // a busy machine; it says nothing
     EXPECT_GT(found.strongest, 0.5);
     EXPECT_LE(found.watched + found.ramp, 50 + 50);
-    RecordProperty("watched_ticks_" + std::to_string(k), found.watched);
-    RecordProperty("ramp_ticks_" + std::to_string(k), found.ramp);
-    RecordProperty("ms_" + std::to_string(k), std::to_string(1e3 * found.seconds));
-    RecordProperty("N_" + std::to_string(k), std::to_string(found.strongest));
-    EXPECT_TRUE(waitFor([this] { return diagnostics_.value("probe", "status") == "pose stale"; }));
-    target.publish(toPoint(kAbove));  // for the next device
+    const std::string name = "_" + std::to_string(measured++);
+    RecordProperty("watched_ticks" + name, found.watched);
+    RecordProperty("ramp_ticks" + name, found.ramp);
+    RecordProperty("missed_ticks" + name, found.missed);
+    RecordProperty("ms" + name, std::to_string(1e3 * found.seconds));
+    RecordProperty("N" + name, std::to_string(found.strongest));
   }
+  EXPECT_EQ(measured, 3) << "too many wrenches were lost to measure anything";
   EXPECT_GE(count("force off: poses stopped"), 3.0);
   target.shutdown();
   press();
@@ -113,6 +134,7 @@ TEST_F(ProcessFaultTest, AKilledNodeComesBackByItself) {
   cloth_ =
       std::make_unique<Process>(std::vector<std::string>{"roslaunch", "haptic_cloth", "haptic_cloth.launch",
                                                          "respawn:=true", "output:=log", "scene:=" + kScene});
+  ASSERT_TRUE(waitFor([] { return pidOf("/haptic_cloth") > 0; }, 2.0 * kPatience)) << cloth_->output();
   press();
   for (const int signal : {SIGTERM, SIGKILL}) {
     SCOPED_TRACE(signal);
