@@ -16,6 +16,14 @@ endforeach()
 add_test(NAME bench_latency_smoke COMMAND "${PROJECT_SOURCE_DIR}/bench/latency" --smoke
   --build "${PROJECT_BINARY_DIR}" --out "${PROJECT_BINARY_DIR}/bench_latency")
 
+# What a node has to endure.
+foreach(name pose clock listener process)
+  add_rostest_gtest(ros_${name}_faults_test test/ros/${name}_faults.test test/ros/${name}_faults_test.cpp
+    test/ros/fault_support.cpp test/ros/raw_listeners.cpp test/ros/ros_test_support.cpp)
+  haptic_cloth_test_settings(ros_${name}_faults_test)
+  list(APPEND ros_test_programs ros_${name}_faults_test)
+endforeach()
+
 foreach(name ${ros_test_programs})
   target_include_directories(${name} SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
   target_link_libraries(${name} haptic_cloth_ros)

@@ -31,7 +31,8 @@ void AdmittanceProbe::tick(double now, bool paused) {
   tool.sample = loop_.device();
   tool.orientation = known ? device.orientation : orientation_;
   shared_.device_for_solver.write(tool);
-  shared_.felt.write({loop_.status(), loop_.reaction()});
+  felt_.note(loop_.status(), loop_.reaction());
+  shared_.felt.write(felt_);
 }
 
 /// In the frame in which the device says where it is; in the cloth's where it does not.

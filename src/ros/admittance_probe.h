@@ -36,6 +36,7 @@ class AdmittanceProbe : public ProbeTick {
   SharedProbe& shared_;
   AdmittanceLoop loop_;
   double heard_ = -1.0;  ///< see ProbeTick
+  FeltForce felt_;       ///< of the last tick
 };
 
 }  // namespace haptic_cloth

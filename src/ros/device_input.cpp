@@ -6,6 +6,29 @@
 #include "ros/steady_clock.h"
 
 namespace haptic_cloth {
+namespace {
+
+/// From the origin of the cloth's frame [m]: the earth's circumference. Numbers beyond are no places, and
+/// their squares and quotients would leave what a double holds.
+constexpr double kFarthest = 4e7;
+
+}  // namespace
+
+std::atomic<std::uint64_t>* InputCounters::of(PoseVerdict verdict) {
+  switch (verdict) {
+    case PoseVerdict::NotFinite:
+      return &not_finite;
+    case PoseVerdict::OtherSender:
+      return &other_sender;
+    case PoseVerdict::OutOfOrder:
+      return &out_of_order;
+    case PoseVerdict::Late:
+      return &late;
+    case PoseVerdict::Accepted:
+      break;
+  }
+  return nullptr;
+}
 
 DeviceInput::DeviceInput(const NodeOptions& options, std::size_t number, const tf2_ros::Buffer& transforms,
                          SharedState& shared)
@@ -13,46 +36,42 @@ DeviceInput::DeviceInput(const NodeOptions& options, std::size_t number, const t
       frames_(options.frame_id, transforms),
       shared_(shared.probes[number]),
       live_(shared.live_for_poses),
-      gate_(options.max_pose_age),
-      filter_(options.velocity_time_constant, options.haptics.pose_timeout),
+      gate_(options.max_pose_age, options.probes[number].haptics.pose_timeout),
+      filter_(options.velocity_time_constant, options.probes[number].haptics.pose_timeout),
       units_(device_.workspace_radius) {}
 
-void DeviceInput::accept(const geometry_msgs::PoseStamped& pose) {
+void DeviceInput::accept(const geometry_msgs::PoseStamped& pose, const std::string& sender) {
   StampedSample sample;
-  sample.sample.received = steadyNow();
+  const double received = steadyNow();
   ++counters_.received;
   takeOptions();
-  switch (gate_.judge(pose, ros::Time::now())) {
-    case PoseVerdict::NotFinite:
-      ++counters_.not_finite;
-      return;
-    case PoseVerdict::OutOfOrder:
-      ++counters_.out_of_order;
-      return;
-    case PoseVerdict::Late:
-      ++counters_.late;
-      return;
-    case PoseVerdict::Accepted:
-      break;
+  if (std::atomic<std::uint64_t>* counter = refused(pose, sender, received)) {
+    counters_.drop(*counter, received);
+    return;
   }
   takeOrientation(pose.pose.orientation);
   const Vec3 position = toVec3(pose.pose.position);
-  checkUnits(position, sample.sample.received);
+  checkUnits(position, received);
   sample.frame_id = pose.header.frame_id.empty() ? frames_.clothFrame() : pose.header.frame_id;
   const std::optional<Pose> frame = device_.use_tf ? frames_.find(sample.frame_id) : Pose();
-  const Pose placed_pose{placed(device_, position), placed(device_, orientation_)};
-  const Pose there = composed(frame.value_or(Pose()), placed_pose);
-  if (!frame || !there.position.allFinite()) {
-    ++counters_.unknown_frame;
+  if (!frame) {
+    counters_.drop(counters_.unknown_frame, received);
     return;
   }
+  const Pose there = composed(*frame, {placed(device_, position), placed(device_, orientation_)});
+  if (!(there.position.norm() < kFarthest)) {
+    counters_.drop(counters_.too_far, received);
+    return;
+  }
+  gate_.take(pose.header, sender, received);
   sample.frame_position = frame->position;
   sample.frame_rotation = frame->orientation;
   sample.orientation = there.orientation.normalized();
   sample.stamp = pose.header.stamp;
+  sample.sample.received = received;
   sample.sample.stamp = pose.header.stamp.toSec();
   sample.sample.position = there.position;
-  sample.sample.velocity = filter_.update(sample.sample.position, sample.sample.received);
+  sample.sample.velocity = filter_.update(sample.sample.position, received);
   shared_.device_for_haptics.write(sample);
   if (device_.kind == DeviceKind::Impedance) shared_.device_for_solver.write(sample);
 }
@@ -61,8 +80,20 @@ void DeviceInput::takeOptions() {
   const LiveOptions& live = live_.read();
   if (live.number == options_seen_) return;
   options_seen_ = live.number;
-  gate_.setMaxAge(live.options->max_pose_age);
+  gate_.setTimes(live.options->max_pose_age, live.options->haptics.pose_timeout);
   filter_.setTimes(live.options->velocity_time_constant, live.options->haptics.pose_timeout);
+}
+
+std::atomic<std::uint64_t>* DeviceInput::refused(const geometry_msgs::PoseStamped& pose,
+                                                 const std::string& sender, double received) {
+  const PoseVerdict verdict = gate_.judge(pose, sender, ros::Time::now(), received);
+  if (verdict == PoseVerdict::OtherSender) warnOf(sender);
+  return counters_.of(verdict);
+}
+
+void DeviceInput::warnOf(const std::string& sender) const {
+  if (counters_.other_sender > 0) return;  // once; the diagnostics go on counting
+  ROS_WARN_STREAM("poses of " << sender << " are dropped as long as " << gate_.sender() << " sends, too");
 }
 
 void DeviceInput::takeOrientation(const geometry_msgs::Quaternion& orientation) {

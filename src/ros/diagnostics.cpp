@@ -10,6 +10,7 @@ using diagnostic_msgs::DiagnosticStatus;
 constexpr double kHanging = 2.0;        ///< without news [s]
 constexpr double kRateShare = 0.9;      ///< of the wanted rate that is good enough [-]
 constexpr double kLatenessGood = 1e-3;  ///< 99 % of ticks are less late [s]
+constexpr double kLately = 5.0;         ///< a fault that is over is a warning no longer than this [s]
 
 void add(DiagnosticStatus& status, const std::string& key, const std::string& value) {
   diagnostic_msgs::KeyValue entry;
@@ -88,6 +89,7 @@ DiagnosticStatus hapticStatus(const HapticStats& stats, const std::string& sched
   add(status, "late p50 [us]", 1e6 * stats.lateness.quantile(0.5));
   add(status, "late p99 [us]", 1e6 * stats.lateness.quantile(0.99));
   add(status, "late max [us]", 1e6 * stats.lateness.max());
+  add(status, "ticks given up", stats.given_up);
   add(status, "scheduling", scheduling);
   return status;
 }
@@ -106,7 +108,7 @@ DiagnosticStatus optionsStatus(const LiveReport& report) {
 }
 
 DiagnosticStatus probeStatus(const std::string& name, const InputCounters& counters, const FeltForce& felt,
-                             GraspState grasp, const std::string& message) {
+                             GraspState grasp, double now, const std::string& message) {
   DiagnosticStatus status;
   status.name = "haptic_cloth: " + name;
   const std::uint64_t dropped = counters.dropped();
@@ -115,7 +117,11 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
     judge(status, DiagnosticStatus::OK, "no " + message + " yet");
   } else if (doubt != UnitDoubt::None) {
     judge(status, DiagnosticStatus::WARN, toText(doubt));
-  } else if (dropped > 0) {
+  } else if (felt.status == HapticStatus::PoseStale || felt.status == HapticStatus::ForceStale) {
+    judge(status, DiagnosticStatus::WARN, "the " + message + "s stopped; no force");
+  } else if (felt.status == HapticStatus::SnapshotStale) {
+    judge(status, DiagnosticStatus::WARN, "the solver stalls; no force");
+  } else if (dropped > 0 && now - counters.last_dropped < kLately) {
     judge(status, DiagnosticStatus::WARN, std::to_string(dropped) + " " + message + "s dropped");
   } else {
     judge(status, DiagnosticStatus::OK, "receiving");
@@ -129,6 +135,10 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
   add(status, "dropped: unknown frame", counters.unknown_frame.load());
   add(status, "dropped: out of order", counters.out_of_order.load());
   add(status, "dropped: late", counters.late.load());
+  add(status, "dropped: other sender", counters.other_sender.load());
+  add(status, "dropped: too far", counters.too_far.load());
+  add(status, "force off: " + message + "s stopped", felt.input_stops);
+  add(status, "force off: solver stalled", felt.snapshot_stops);
   add(status, "units", std::string(doubt == UnitDoubt::None ? "plausible" : toText(doubt)));
   add(status, "taken: bad quaternion", counters.bad_quaternion.load());
   return status;

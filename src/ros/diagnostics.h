@@ -15,10 +15,10 @@ namespace haptic_cloth {
 /// @param now steady clock [s]; statistics older than 2 s mean that the thread hangs
 diagnostic_msgs::DiagnosticStatus solverStatus(const SolverStats& stats, bool paused, double now);
 
-/// One probe: what its device sends, what it feels, what it holds.
+/// One probe: what its device sends, what it feels, what it holds. A dropped message is a warning for 5 s.
 /// @param message what the device sends: "pose" or "force"
 diagnostic_msgs::DiagnosticStatus probeStatus(const std::string& name, const InputCounters& counters,
-                                              const FeltForce& felt, GraspState grasp,
+                                              const FeltForce& felt, GraspState grasp, double now,
                                               const std::string& message = "pose");
 
 /// One obstacle that can be moved.

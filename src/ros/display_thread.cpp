@@ -114,7 +114,7 @@ void DisplayThread::publishDiagnostics(double now) {
     const ProbeTopics& probe = sources_.probes[k];
     SharedProbe& shared = shared_.probes[k];
     array.status.push_back(
-        probeStatus(probe.name(), probe.counters(), shared.felt.read(), shared.grasp, probe.message()));
+        probeStatus(probe.name(), probe.counters(), shared.felt.read(), shared.grasp, now, probe.message()));
   }
   for (const ObstacleTopics& obstacle : sources_.obstacles) {
     array.status.push_back(obstacleStatus(obstacle.name(), obstacle.counters()));

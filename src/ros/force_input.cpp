@@ -9,33 +9,28 @@ ForceInput::ForceInput(const NodeOptions& options, const ProbeSettings& settings
     : device_(settings.device),
       frames_(options.frame_id, transforms),
       shared_(shared),
-      gate_(options.max_pose_age) {}
+      gate_(options.max_pose_age, settings.haptics.admittance.force_timeout) {}
 
-void ForceInput::accept(const geometry_msgs::WrenchStamped& wrench) {
+void ForceInput::accept(const geometry_msgs::WrenchStamped& wrench, const std::string& sender) {
   StampedForce force;
   force.sample.received = steadyNow();
   ++counters_.received;
   const auto& measured = wrench.wrench.force;
   const Vec3 given(measured.x, measured.y, measured.z);
-  switch (gate_.judge(wrench.header, given.allFinite(), ros::Time::now())) {
-    case PoseVerdict::NotFinite:
-      ++counters_.not_finite;
-      return;
-    case PoseVerdict::OutOfOrder:
-      ++counters_.out_of_order;
-      return;
-    case PoseVerdict::Late:
-      ++counters_.late;
-      return;
-    case PoseVerdict::Accepted:
-      break;
+  const double received = force.sample.received;
+  const PoseVerdict verdict =
+      gate_.judge(wrench.header, given.allFinite(), sender, ros::Time::now(), received);
+  if (std::atomic<std::uint64_t>* counter = counters_.of(verdict)) {
+    counters_.drop(*counter, received);
+    return;
   }
   force.frame_id = wrench.header.frame_id.empty() ? frames_.clothFrame() : wrench.header.frame_id;
   const std::optional<Pose> frame = device_.use_tf ? frames_.find(force.frame_id) : Pose();
   if (!frame) {
-    ++counters_.unknown_frame;
+    counters_.drop(counters_.unknown_frame, received);
     return;
   }
+  gate_.take(wrench.header, sender, received);
   force.frame_rotation = frame->orientation;
   force.stamp = wrench.header.stamp;
   force.sample.force = forceAtProbe(device_, force.frame_rotation, given);

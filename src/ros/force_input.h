@@ -15,7 +15,8 @@ class ForceInput {
              SharedProbe& shared);
 
   /// @param wrench whose force the hand exerts on the device; its torque is not used
-  void accept(const geometry_msgs::WrenchStamped& wrench);
+  /// @param sender name of the node that sent it
+  void accept(const geometry_msgs::WrenchStamped& wrench, const std::string& sender);
 
   const InputCounters& counters() const { return counters_; }
 

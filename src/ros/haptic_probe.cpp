@@ -18,14 +18,15 @@ void HapticProbe::tick(double now, bool paused) {
   gains_.move(now, [this](const HapticOptions& options, double unit) { loop_.setOptions(options, unit); });
   const StampedSample& device = shared_.device_for_haptics.read();
   heard_ = device.sample.received;
-  force_ = loop_.tick(device.sample, shared_.snapshot.read(), paused, now);
+  const Vec3 force = loop_.tick(device.sample, shared_.snapshot.read(), paused, now);
   // Stated in the frame, axes and scale of the pose it answers. With the pose's stamp the receiver can tell
   // how old the force is; without a pose, the clock's.
   const bool answers = device.sample.received >= 0.0;
-  reaction_.publish(toWrench(forceForDriver(gains_.device(), device.frame_rotation, force_),
+  reaction_.publish(toWrench(forceForDriver(gains_.device(), device.frame_rotation, force),
                              answers ? device.stamp : ros::Time::now(),
                              answers ? device.frame_id : frame_id_));
-  shared_.felt.write({loop_.status(), force_});
+  felt_.note(loop_.status(), force);
+  shared_.felt.write(felt_);
 }
 
 void HapticProbe::sendLast() { reaction_.publish(toWrench(Vec3::Zero(), ros::Time::now(), frame_id_)); }

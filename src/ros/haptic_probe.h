@@ -22,7 +22,7 @@ class HapticProbe : public ProbeTick {
   void tick(double now, bool paused) override;
   void sendLast() override;
   double heard() const override { return heard_; }
-  bool isQuiet() const override { return force_.isZero(0.0); }
+  bool isQuiet() const override { return felt_.force.isZero(0.0); }
 
  private:
   std::string frame_id_;
@@ -30,8 +30,8 @@ class HapticProbe : public ProbeTick {
   ros::Publisher reaction_;
   SharedProbe& shared_;
   HapticLoop loop_;
-  double heard_ = -1.0;        ///< see ProbeTick
-  Vec3 force_ = Vec3::Zero();  ///< last sent, on the probe in the cloth's frame [N]
+  double heard_ = -1.0;  ///< see ProbeTick
+  FeltForce felt_;       ///< of the last tick
 };
 
 }  // namespace haptic_cloth

@@ -1,24 +1,16 @@
 #include "ros/haptic_thread.h"
 
-#include <pthread.h>
-#include <sched.h>
-#include <sys/mman.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 
 #include "ros/admittance_probe.h"
 #include "ros/haptic_probe.h"
+#include "ros/real_time.h"
 #include "ros/steady_clock.h"
 
 namespace haptic_cloth {
 namespace {
 
-constexpr int kPriority = 80;         ///< above user threads, below the kernel's interrupt threads (90+)
 constexpr double kWindow = 1.0;       ///< of the statistics [s]
 constexpr double kMaxBacklog = 0.02;  ///< ticks older than this are given up [s]
 constexpr double kAnswer = 2e-4;      ///< from a message to the tick: what messages are late by at times [s]
@@ -30,22 +22,6 @@ constexpr int kZeros = 20;            ///< sent at the end: drivers hold the las
 constexpr double kZeroPeriod = 2e-3;  ///< between them [s]
 
 }  // namespace
-
-std::string requestRealTime() {
-  prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);
-  sched_param parameter{};
-  parameter.sched_priority = kPriority;
-  const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter);
-  std::string got = refused ? std::string("SCHED_OTHER (SCHED_FIFO: ") + std::strerror(refused) + ")"
-                            : "SCHED_FIFO " + std::to_string(kPriority);
-  // With a limit, locking all future memory would make later allocations fail: worse than a page fault.
-  rlimit limit{};
-  getrlimit(RLIMIT_MEMLOCK, &limit);
-  if (limit.rlim_cur != RLIM_INFINITY) return got + ", memory not locked (memlock limit)";
-  const bool locked = mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
-  return got +
-         (locked ? ", memory locked" : std::string(", memory not locked (") + std::strerror(errno) + ")");
-}
 
 HapticThread::HapticThread(const NodeOptions& options, const std::vector<ProbePublishers>& publishers,
                            SharedState& shared)
@@ -73,7 +49,10 @@ void HapticThread::run() {
     tick(now, shared_.paused);
     record(now, now - due);
     due = inPhase(due + period_);
-    if (now - due > kMaxBacklog) due = now + period_;
+    if (now - due > kMaxBacklog) {
+      window_.given_up += static_cast<std::uint64_t>((now - due) / period_);
+      due = now + period_;
+    }
   }
   endAtRest();
 }

@@ -13,10 +13,6 @@
 
 namespace haptic_cloth {
 
-/// Asks for real-time scheduling and locked memory for the calling thread and process.
-/// @return what was got, in words for people: "SCHED_FIFO 80, memory locked", or why not
-std::string requestRealTime();
-
 /// What goes out for one probe.
 struct ProbePublishers {
   ros::Publisher reaction;

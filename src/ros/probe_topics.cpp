@@ -3,6 +3,7 @@
 #include <geometry_msgs/WrenchStamped.h>
 #include <ros/callback_queue.h>
 #include <ros/console.h>
+#include <ros/message_event.h>
 
 #include "ros/topics.h"
 
@@ -33,19 +34,19 @@ ProbeTopics::ProbeTopics(const NodeOptions& options, std::size_t number, const t
 }
 
 void ProbeTopics::subscribe(ros::NodeHandle& node, ros::CallbackQueue& poses) {
-  ros::SubscribeOptions pose = ros::SubscribeOptions::create<geometry_msgs::PoseStamped>(
-      topics::ofProbe(name_, topics::kPose), topics::kPoseQueue,
-      [this](const geometry_msgs::PoseStamped::ConstPtr& message) { input_.accept(*message); },
-      ros::VoidConstPtr(), &poses);
-  pose.transport_hints = ros::TransportHints().tcpNoDelay();
-  pose_subscriber_ = node.subscribe(pose);
+  const auto to = [&](const char* topic, int queue, auto& input, auto example) {
+    using Event = ros::MessageEvent<const decltype(example)>;
+    ros::SubscribeOptions options;
+    options.initByFullCallbackType<const Event&>(
+        topics::ofProbe(name_, topic), queue,
+        [&input](const Event& event) { input.accept(*event.getMessage(), event.getPublisherName()); });
+    options.callback_queue = &poses;
+    options.transport_hints = ros::TransportHints().tcpNoDelay();
+    return node.subscribe(options);
+  };
+  pose_subscriber_ = to(topics::kPose, topics::kPoseQueue, input_, geometry_msgs::PoseStamped());
   if (!admittance_) return;
-  ros::SubscribeOptions force = ros::SubscribeOptions::create<geometry_msgs::WrenchStamped>(
-      topics::ofProbe(name_, topics::kForce), topics::kForceQueue,
-      [this](const geometry_msgs::WrenchStamped::ConstPtr& message) { force_.accept(*message); },
-      ros::VoidConstPtr(), &poses);
-  force.transport_hints = ros::TransportHints().tcpNoDelay();
-  force_subscriber_ = node.subscribe(force);
+  force_subscriber_ = to(topics::kForce, topics::kForceQueue, force_, geometry_msgs::WrenchStamped());
 }
 
 std::string ProbeTopics::grasp(bool closed) {

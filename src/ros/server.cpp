@@ -23,6 +23,7 @@
 #include "ros/node_options.h"
 #include "ros/obstacle_topics.h"
 #include "ros/probe_topics.h"
+#include "ros/real_time.h"
 #include "ros/reconfigure_server.h"
 #include "ros/solver_loop.h"
 #include "ros/state_services.h"
@@ -71,6 +72,7 @@ class HapticClothServer::Implementation {
     start([this] { haptics_.run(); });
     start([this] { display_.run(); });
     start([this] { master_.run(shared_.stop); });
+    prioritiseMessages(pose_queue_);
     pose_spinner_.start();
     service_spinner_.start();
   }

@@ -75,13 +75,26 @@ struct HapticStats {
   double wall = 0.0;    ///< [s]
   double rate = 0.0;    ///< that was wanted [Hz]
   int ticks = 0;
+  std::uint64_t given_up = 0;  ///< ticks since start that were too late to be made up for
   LatenessHistogram lateness;
 };
 
 /// What a hand feels.
 struct FeltForce {
   HapticStatus status = HapticStatus::NoPose;
-  Vec3 force = Vec3::Zero();  ///< on the probe [N]
+  Vec3 force = Vec3::Zero();                          ///< on the probe [N]
+  std::uint64_t input_stops = 0, snapshot_stops = 0;  ///< how often either was stale, since start
+
+  /// What a tick found and sent.
+  void note(HapticStatus now, const Vec3& sent) {
+    const auto stale = [](HapticStatus s) {
+      return s == HapticStatus::PoseStale || s == HapticStatus::ForceStale;
+    };
+    input_stops += stale(now) && !stale(status);
+    snapshot_stops += now == HapticStatus::SnapshotStale && status != now;
+    status = now;
+    force = sent;
+  }
 };
 
 /// Of one probe.

@@ -27,7 +27,12 @@ void writeFile(const fs::path& file, const std::function<void(std::ostream&)>& w
     stream << std::setprecision(kDigits);
     write(stream);
     stream.close();
-    if (!stream) throw std::runtime_error(file.string() + ": cannot be written: " + std::strerror(errno));
+    if (!stream) {
+      const int why = errno;
+      std::error_code ignored;
+      fs::remove(partial, ignored);  // a full disk needs the room
+      throw std::runtime_error(file.string() + ": cannot be written: " + std::strerror(why));
+    }
   }
   fs::rename(partial, file);
 }

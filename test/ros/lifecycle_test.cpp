@@ -3,7 +3,6 @@
 #include <ros/ros.h>
 #include <signal.h>
 #include <std_srvs/Empty.h>
-#include <xmlrpcpp/XmlRpcClient.h>
 
 #include <cstdlib>
 #include <memory>
@@ -87,37 +86,6 @@ TEST_F(LifecycleTest, BadParametersAreNamed) {
   expectRefused({"_scene_file:=/nowhere/scene.yaml"}, "/nowhere/scene.yaml");
 }
 
-/// A master on a port of its own, which can be killed without harm to the test's.
-class OwnMaster {
- public:
-  OwnMaster() : port_(20000 + getpid() % 10000) { start(); }
-  void start() {
-    process_ = std::make_unique<Process>(
-        std::vector<std::string>{"rosmaster", "--core", "-p", std::to_string(port_)});
-  }
-  void kill() {
-    process_->signal(SIGKILL);
-    process_->wait();
-  }
-  std::string uri() const { return "ROS_MASTER_URI=http://localhost:" + std::to_string(port_) + "/"; }
-  /// @return whether the master knows a node, and answers at all
-  bool knows(const std::string& node) const { return ask("lookupNode", node); }
-  bool knowsService(const std::string& service) const { return ask("lookupService", service); }
-
- private:
-  bool ask(const std::string& method, const std::string& name) const {
-    XmlRpc::XmlRpcClient client("localhost", port_, "/");
-    XmlRpc::XmlRpcValue request, response;
-    request[0] = "/test";
-    request[1] = name;
-    return client.execute(method.c_str(), request, response) && !client.isFault() &&
-           response.getType() == XmlRpc::XmlRpcValue::TypeArray && static_cast<int>(response[0]) == 1;
-  }
-
-  int port_;
-  std::unique_ptr<Process> process_;
-};
-
 TEST_F(LifecycleTest, WaitsForTheMasterAndCanBeStoppedMeanwhile) {
   Process process(nodeCommand({}), {"ROS_MASTER_URI=http://localhost:9/"});
   ASSERT_TRUE(waitFor([&] { return process.output().find("waiting") != std::string::npos; }));
@@ -129,7 +97,7 @@ TEST_F(LifecycleTest, ANewMasterFindsTheNodeAgain) {
   OwnMaster master;
   std::vector<std::string> command = nodeCommand({"_scene_file:=" + kScene});
   command.insert(command.begin(), {"stdbuf", "-oL"});  // what it says must be read while it runs
-  Process process(command, {master.uri()});
+  Process process(command, {"ROS_MASTER_URI=" + master.uri()});
   ASSERT_TRUE(waitFor([&] { return process.output().find("ready") != std::string::npos; }))
       << process.output();
   ASSERT_TRUE(master.knowsService("/cloth/reset"));
@@ -141,7 +109,7 @@ TEST_F(LifecycleTest, ANewMasterFindsTheNodeAgain) {
   EXPECT_TRUE(master.knows("/cloth"));
 
   // Someone new finds the topic and gets the force: rostopic echo ends after one message.
-  Process echo({"rostopic", "echo", "-n1", "/probe/reaction"}, {master.uri()});
+  Process echo({"rostopic", "echo", "-n1", "/probe/reaction"}, {"ROS_MASTER_URI=" + master.uri()});
   EXPECT_EQ(echo.wait(), 0) << echo.output();
   process.signal(SIGTERM);
   EXPECT_EQ(process.wait(), 0);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <xmlrpcpp/XmlRpcClient.h>
 
 #include <chrono>
 #include <fstream>
@@ -162,6 +163,29 @@ std::string Process::output() const {
   std::ostringstream text;
   text << std::ifstream(output_file_).rdbuf();
   return text.str();
+}
+
+OwnMaster::OwnMaster() : port_(20000 + getpid() % 10000) { start(); }
+
+void OwnMaster::start() {
+  process_ =
+      std::make_unique<Process>(std::vector<std::string>{"rosmaster", "--core", "-p", std::to_string(port_)});
+}
+
+void OwnMaster::kill() {
+  process_->signal(SIGKILL);
+  process_->wait();
+}
+
+std::string OwnMaster::uri() const { return "http://localhost:" + std::to_string(port_) + "/"; }
+
+bool OwnMaster::ask(const std::string& method, const std::string& name) const {
+  XmlRpc::XmlRpcClient client("localhost", port_, "/");
+  XmlRpc::XmlRpcValue request, response;
+  request[0] = "/test";
+  request[1] = name;
+  return client.execute(method.c_str(), request, response) && !client.isFault() &&
+         response.getType() == XmlRpc::XmlRpcValue::TypeArray && static_cast<int>(response[0]) == 1;
 }
 
 }  // namespace haptic_cloth

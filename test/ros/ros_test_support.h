@@ -10,6 +10,7 @@
 #include <atomic>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -97,6 +98,25 @@ class Process {
   pid_t pid_ = -1;
   int code_ = -1;
   std::string output_file_;
+};
+
+/// A master on a port of its own, which can be killed without harm to the test's.
+class OwnMaster {
+ public:
+  OwnMaster();
+  void start();
+  void kill();
+  /// "http://…" of it.
+  std::string uri() const;
+  /// @return whether the master knows a node, and answers at all
+  bool knows(const std::string& node) const { return ask("lookupNode", node); }
+  bool knowsService(const std::string& service) const { return ask("lookupService", service); }
+
+ private:
+  bool ask(const std::string& method, const std::string& name) const;
+
+  int port_;
+  std::unique_ptr<Process> process_;
 };
 
 }  // namespace haptic_cloth

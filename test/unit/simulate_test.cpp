@@ -230,6 +230,17 @@ TEST_F(Simulate, RefusesDirectoryItCannotWrite) {
   EXPECT_EQ(readText(folder_ / "file"), "occupied");
 }
 
+TEST_F(Simulate, AFullDiskIsNamedAndLeavesNoHalfFile) {
+  fs::create_directories(folder_ / "out");
+  // Every byte that is written there finds no room.
+  fs::create_symlink("/dev/full", folder_ / "out" / "steps.csv.partial");
+  const Outcome outcome = run("scene.yaml --out out");
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_NE(outcome.error.find("steps.csv: cannot be written: No space left on device"), std::string::npos)
+      << outcome.error;
+  EXPECT_TRUE(fs::is_empty(folder_ / "out"));
+}
+
 TEST_F(Simulate, BadInputLeavesOldResultsAlone) {
   fs::create_directories(folder_ / "old");
   write("old/summary.json", "{}");

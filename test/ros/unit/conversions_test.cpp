@@ -260,30 +260,57 @@ geometry_msgs::PoseStamped poseAt(double stamp) {
   return pose;
 }
 
-TEST(PoseGate, Stamps) {
-  PoseGate gate(0.2);
-  const ros::Time now(100.0);
-  EXPECT_EQ(gate.judge(poseAt(99.9), now), PoseVerdict::Accepted);
-  EXPECT_EQ(gate.judge(poseAt(99.9), now), PoseVerdict::Accepted);
-  EXPECT_EQ(gate.judge(poseAt(99.85), now), PoseVerdict::OutOfOrder);
-  EXPECT_EQ(gate.judge(poseAt(99.7), now), PoseVerdict::Late);
-  EXPECT_EQ(gate.judge(poseAt(0.0), now), PoseVerdict::Accepted);
-  EXPECT_EQ(gate.judge(poseAt(99.95), now), PoseVerdict::Accepted);
+/// What the gate says of a pose, and of the next ones after it.
+class PoseGateTest : public testing::Test {
+ protected:
+  PoseVerdict take(double stamp, double now, double received, const std::string& sender = "/device") {
+    const PoseVerdict verdict = gate_.judge(poseAt(stamp), sender, ros::Time(now), received);
+    if (verdict == PoseVerdict::Accepted) gate_.take(poseAt(stamp).header, sender, received);
+    return verdict;
+  }
+  PoseGate gate_{0.2, 0.05};
+};
+
+TEST_F(PoseGateTest, Stamps) {
+  EXPECT_EQ(take(99.9, 100.0, 1.00), PoseVerdict::Accepted);
+  EXPECT_EQ(take(99.9, 100.0, 1.01), PoseVerdict::Accepted);
+  EXPECT_EQ(take(99.85, 100.0, 1.02), PoseVerdict::OutOfOrder);
+  EXPECT_EQ(take(99.7, 100.0, 1.03), PoseVerdict::Late);
+  EXPECT_EQ(take(0.0, 100.0, 1.04), PoseVerdict::Accepted);
+  EXPECT_EQ(take(99.95, 100.0, 1.05), PoseVerdict::Accepted);
   // The clock was set back by 50 s.
-  EXPECT_EQ(gate.judge(poseAt(50.0), ros::Time(50.0)), PoseVerdict::Accepted);
-  EXPECT_EQ(gate.judge(poseAt(49.9), ros::Time(50.0)), PoseVerdict::OutOfOrder);
+  EXPECT_EQ(take(50.0, 50.0, 1.06), PoseVerdict::Accepted);
+  EXPECT_EQ(take(49.9, 50.0, 1.07), PoseVerdict::OutOfOrder);
+}
+
+TEST_F(PoseGateTest, AfterSilenceAnyStampIsANewStart) {
+  // One stamp half a second ahead must not silence the device for half a second.
+  EXPECT_EQ(take(100.5, 100.0, 1.00), PoseVerdict::Accepted);
+  EXPECT_EQ(take(100.01, 100.01, 1.01), PoseVerdict::OutOfOrder);
+  EXPECT_EQ(take(100.06, 100.06, 1.06), PoseVerdict::Accepted);
+  EXPECT_EQ(take(100.07, 100.07, 1.07), PoseVerdict::Accepted);
+}
+
+TEST_F(PoseGateTest, TheFirstSenderKeepsTheProbeWhileItSends) {
+  EXPECT_EQ(take(0.0, 100.0, 1.00, "/one"), PoseVerdict::Accepted);
+  EXPECT_EQ(take(0.0, 100.0, 1.01, "/two"), PoseVerdict::OtherSender);
+  EXPECT_EQ(take(0.0, 100.0, 1.02, "/one"), PoseVerdict::Accepted);
+  // /one falls silent, or sends only what cannot be taken.
+  EXPECT_EQ(take(99.0, 100.0, 1.06, "/one"), PoseVerdict::Late);
+  EXPECT_EQ(take(0.0, 100.0, 1.08, "/two"), PoseVerdict::Accepted);
+  EXPECT_EQ(take(0.0, 100.0, 1.09, "/one"), PoseVerdict::OtherSender);
 }
 
 TEST(PoseGate, NoAgeLimit) {
-  PoseGate gate(0.0);
-  EXPECT_EQ(gate.judge(poseAt(10.0), ros::Time(1e9)), PoseVerdict::Accepted);
+  const PoseGate gate(0.0, 0.05);
+  EXPECT_EQ(gate.judge(poseAt(10.0), "", ros::Time(1e9), 0.0), PoseVerdict::Accepted);
 }
 
 TEST(PoseGate, NotFinite) {
-  PoseGate gate(0.2);
+  const PoseGate gate(0.2, 0.05);
   geometry_msgs::PoseStamped pose = poseAt(0.0);
   pose.pose.position.y = kNaN;
-  EXPECT_EQ(gate.judge(pose, ros::Time(1.0)), PoseVerdict::NotFinite);
+  EXPECT_EQ(gate.judge(pose, "", ros::Time(1.0), 0.0), PoseVerdict::NotFinite);
 }
 
 class MarkersTest : public testing::Test {
@@ -405,12 +432,21 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
   EXPECT_EQ(hapticStatus(haptic, "SCHED_FIFO", 20.0).level, DiagnosticStatus::ERROR);
 
   InputCounters counters;
-  const auto probe = [&] { return probeStatus("thumb", counters, FeltForce(), GraspState::Closed); };
+  FeltForce felt;
+  const auto probe = [&] { return probeStatus("thumb", counters, felt, GraspState::Closed, 10.0); };
   EXPECT_EQ(probe().level, DiagnosticStatus::OK);
   EXPECT_EQ(probe().name, "haptic_cloth: thumb");
   counters.received = 5;
+  EXPECT_EQ(probe().level, DiagnosticStatus::OK);
   counters.late = 2;
+  counters.last_dropped = 9.0;
   EXPECT_EQ(probe().level, DiagnosticStatus::WARN);
+  counters.last_dropped = 1.0;
+  EXPECT_EQ(probe().level, DiagnosticStatus::OK) << "long ago";
+  for (const HapticStatus stopped : {HapticStatus::PoseStale, HapticStatus::SnapshotStale}) {
+    felt.status = stopped;
+    EXPECT_EQ(probe().level, DiagnosticStatus::WARN);
+  }
   ObstacleCounters moved;
   moved.received = 3;
   EXPECT_EQ(obstacleStatus("table", moved).level, DiagnosticStatus::OK);

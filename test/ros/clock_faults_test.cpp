@@ -1,0 +1,123 @@
+/// A simulated clock that jumps to and fro, stands still or never begins. The watchdog and the haptic thread
+/// live by another clock, so a jump must not cost more than the poses that were stamped before it. Criterion:
+/// as in pose_faults_test; the force is felt again without a hand on the node or on the device.
+#include <geometry_msgs/TransformStamped.h>
+#include <rosgraph_msgs/Clock.h>
+#include <tf2_ros/static_transform_broadcaster.h>
+
+#include "fault_support.h"
+#include "ros/conversions.h"
+#include "ros/steady_clock.h"
+
+namespace haptic_cloth {
+namespace {
+
+/// Publishes /clock at 500 Hz.
+class TestClock {
+ public:
+  TestClock(ros::NodeHandle& node, double start)
+      : publisher_(node.advertise<rosgraph_msgs::Clock>("/clock", 10)),
+        time_(start),
+        thread_([this] { run(); }) {}
+  ~TestClock() {
+    stop_ = true;
+    thread_.join();
+  }
+  void jump(double seconds) { jump_ = seconds; }
+  void setRate(double rate) { rate_ = rate; }
+
+ private:
+  void run() {
+    constexpr double kPeriod = 2e-3;
+    while (!stop_) {
+      sleepUntil(steadyNow() + kPeriod);
+      time_ += rate_ * kPeriod + jump_.exchange(0.0);
+      rosgraph_msgs::Clock message;
+      message.clock = ros::Time(time_);
+      publisher_.publish(message);
+    }
+  }
+  ros::Publisher publisher_;
+  double time_;  ///< [s]
+  std::atomic<double> jump_{0.0}, rate_{1.0};
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+class ClockFaultTest : public FaultTest {
+ protected:
+  /// @return whether the pressed hand, which does nothing of its own, is felt again
+  bool comesBack() {
+    sleepUntil(steadyNow() + 0.3);  // the fault is felt at once if at all
+    return waitFor([this] { return reaction_.force().z() > 0.1; });
+  }
+};
+
+// Before there is any clock; must be the first.
+TEST_F(ClockFaultTest, WithoutAnyClockThereIsForceAllTheSame) { press(); }
+
+TEST_F(ClockFaultTest, JumpsToAndFro) {
+  TestClock clock(node_, 1000.0);
+  ASSERT_TRUE(waitFor([] { return ros::Time::now().toSec() > 999.0; }));
+  press();
+  for (const double jump : {0.1, -0.1, 0.9, -0.9, 100.0, -100.0, 1e6, -1e6, -900.0}) {
+    SCOPED_TRACE(jump);
+    clock.jump(jump);
+    EXPECT_TRUE(comesBack());
+    EXPECT_TRUE(waitFor([&] {  // the stamps go on by the new clock
+      return std::abs((reaction_.last().stamp - ros::Time::now()).toSec()) < 0.05;
+    }));
+  }
+  // Each of the jumps back by less than a second costs 50 ms of poses at 500 Hz.
+  EXPECT_TRUE(reaches("dropped: out of order", 10));
+  RecordProperty("dropped", static_cast<int>(count("dropped")));
+  RecordProperty("stops", static_cast<int>(count("force off: poses stopped")));
+  EXPECT_TRUE(recovers());
+}
+
+TEST_F(ClockFaultTest, AClockThatStandsStillChangesNothing) {
+  TestClock clock(node_, 2000.0);
+  press();
+  freshDiagnostics();
+  const double dropped = count("dropped");
+  clock.setRate(0.0);
+  sleepUntil(steadyNow() + 1.0);
+  EXPECT_GT(reaction_.force().z(), 0.1);
+  clock.setRate(1.0);
+  freshDiagnostics();
+  EXPECT_EQ(count("dropped"), dropped);
+  EXPECT_TRUE(recovers());
+}
+
+TEST_F(ClockFaultTest, AFixedFrameOutlivesAJumpBack) {
+  TestClock clock(node_, 3000.0);
+  tf2_ros::StaticTransformBroadcaster broadcaster;
+  geometry_msgs::TransformStamped transform;
+  transform.header.frame_id = "world";
+  transform.child_frame_id = "device_base";
+  transform.transform.rotation.w = 1.0;
+  broadcaster.sendTransform(transform);
+  ros::Publisher publisher = node_.advertise<geometry_msgs::PoseStamped>("probe/pose", 1);
+  geometry_msgs::PoseStamped pose;
+  pose.header.frame_id = "device_base";
+  pose.pose = toPose(kAbove);
+  const auto taken = [&] {
+    pose.header.stamp = ros::Time::now();
+    publisher.publish(pose);
+    sleepUntil(steadyNow() + 0.01);
+    return reaction_.last().stamp == pose.header.stamp;
+  };
+  EXPECT_TRUE(waitFor(taken));
+  clock.jump(-500.0);
+  ASSERT_TRUE(waitFor([] { return ros::Time::now().toSec() < 2600.0; }));
+  EXPECT_TRUE(waitFor(taken)) << "the jump took the frame away";
+}
+
+}  // namespace
+}  // namespace haptic_cloth
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "ros_clock_faults_test");
+  return RUN_ALL_TESTS();
+}

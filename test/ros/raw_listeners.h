@@ -1,0 +1,46 @@
+/// Many subscribers of one topic, each with a connection of its own, as so many processes would have; and
+/// subscribers that stop reading, as a program does that hangs.
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace haptic_cloth {
+
+/// Speaks TCPROS itself: subscribers within one roscpp process would share one connection.
+class RawListeners {
+ public:
+  /// @param node full name of the publisher  @param topic full name
+  /// @throws std::runtime_error if the node refuses
+  RawListeners(const std::string& node, const std::string& topic, int count);
+  ~RawListeners();
+
+  /// Hangs: bytes stay where they are until resume().
+  void stall() { stalled_ = true; }
+  void resume() { stalled_ = false; }
+
+  /// Messages that came to the one that got fewest.
+  long fewest() const;
+  /// How many connections the node has closed.
+  int closed() const { return closed_; }
+
+ private:
+  struct Connection {
+    int socket = -1;
+    std::vector<char> bytes;  ///< not yet a whole message
+    long messages = -1;       ///< the publisher's header comes first
+  };
+  void open(const std::string& host, int port, const std::string& topic, int number);
+  void run();
+  void read(Connection& connection);
+
+  std::vector<Connection> connections_;
+  std::atomic<long> fewest_{0};
+  std::atomic<int> closed_{0};
+  std::atomic<bool> stalled_{false}, stop_{false};
+  std::thread thread_;
+};
+
+}  // namespace haptic_cloth
