@@ -138,7 +138,7 @@ void addAlong(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
   passes.push_back({"contact, curvature", "along", -1.0,
                     n.samples * static_cast<double>(sizeof(SamplePack)) / kLanes, [&world, &d] {
                       const Proxies still(world.scene.probes.size(), Vec3::Zero());
-                      return world.contacts.curvature(0, world.contacts.size(), d, still);
+                      return world.contacts.curvature(0, world.contacts.size(), d, still, false);
                     }});
   passes.push_back(
       {"motion, curvature", "along", n.nodes * 7.0, n.nodes * (sizeof(double) + kVector), [&cloth] {
