@@ -60,6 +60,7 @@ class ClothWorld {
 
   double time() const { return steps * scene.solver.time_step; }
   double mass() const;
+  double created() const { return created_; }  ///< energy that the last step's change of the mesh made [J]
   EnergyReport energy() const;
   double maxSpeed() const;
   const Field& nodes() const { return nodes_; }

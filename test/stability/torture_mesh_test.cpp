@@ -21,9 +21,9 @@ std::string lightFabric() {
 }
 
 Torture heldSheet(const std::string& name, const std::string& fabric, int levels) {
-  Torture sheet = tortureSheet(name, fabric, 33, 33, 0.2, 0.2);
+  Torture sheet = tortureSheet(name, fabric, 17, 17, 0.1, 0.1);
   setStrategy(sheet.scene, Strategy::Amrc, levels);
-  sheet.scene.cloth.pins = {{0, 0, 0, 0}, {32, 32, 0, 0}};
+  sheet.scene.cloth.pins = {{0, 0, 0, 0}, {16, 16, 0, 0}};
   sheet.scene.adapt.interval = 1;
   sheet.scene.adapt.minimum_age = 0;
   return sheet;
@@ -65,8 +65,7 @@ TEST(Torture, PinsWhereCoarseCellsHaveNoParticle) {
   for (const Strategy strategy : {Strategy::Coarsest, Strategy::Amrc}) {
     Torture sheet = heldSheet("pins_on_ghosts_" + name(strategy), lightFabric(), 3);
     sheet.scene.adapt.strategy = strategy;
-    sheet.scene.cloth.pins = {
-        {4, 4, 8, 8}, {26, 26, 16, 16}, {9, 9, 24, 24}, {13, 13, 11, 11}, {27, 29, 5, 5}};
+    sheet.scene.cloth.pins = {{4, 4, 8, 8}, {12, 12, 6, 6}, {9, 9, 15, 15}, {13, 13, 11, 11}, {3, 5, 1, 1}};
     sheet.scene.stop.time = 0.3;
     sheet.limits.strain = 0.5;
     torture(sheet);

@@ -13,7 +13,7 @@ namespace haptic_cloth {
 namespace {
 
 constexpr double kSize = 0.2;
-constexpr int kParticles = 33;
+constexpr int kParticles = 25;
 constexpr double kCell = kSize / (kParticles - 1);
 
 std::string lightFabric() {
@@ -79,15 +79,17 @@ TEST(Torture, ProbeAtTenMetresASecond) {
 }
 
 TEST(Torture, ProbeTeleportsByAMetre) {
-  // In one step, across the cloth, along it and back.
+  // In one step, along the cloth, back, across it and back. What the coupling's spring then holds may all
+  // become motion: ½ k s² = ½ m v².
   Torture sheet = heldSheet("probe_teleport", lightFabric());
   ProbeOptions& probe = sheet.scene.probes[0];
   const Vec3 home(0.0, 0.0, 0.02), across(0.05, 0.05, -0.98), along(1.0, 0.0, 0.02);
   const double h = sheet.scene.solver.time_step;
-  probe.path = {{0.0, home},  {0.02, home},       {0.02 + h, along}, {0.05, along},    {0.05 + h, home},
-                {0.08, home}, {0.08 + h, across}, {0.15, across},    {0.15 + h, home}, {0.25, home}};
-  sheet.scene.stop.time = 0.3;
+  probe.path = {{0.0, home},  {0.02, home},       {0.02 + h, along}, {0.04, along},    {0.04 + h, home},
+                {0.06, home}, {0.06 + h, across}, {0.09, across},    {0.09 + h, home}, {0.25, home}};
+  sheet.scene.stop.time = 0.25;
   sheet.limits.strain = mostStrain(probe, 1.0, 1000.0);
+  sheet.limits.speed = 1.0 * std::sqrt(probe.coupling_stiffness / (0.15 * kSize * kSize));
   EXPECT_LT(torture(sheet).left, 1e-3);
 }
 

@@ -17,11 +17,10 @@ namespace haptic_cloth {
 /// since then: with Newton's law met up to R, a step of backward Euler gains R · Δx at most, and by Cauchy
 /// and Schwarz that is residual · |g| · mass · rms_m(Δx); residual: what the step reports, or its tolerance.
 struct TortureLimits {
-  double strain = 1.0;   ///< largest |strain| of an edge in the whole run [-]
-  double speed = 100.0;  ///< of the fastest particle [m/s]
-  double gain =
-      0.0;         ///< rise of energy less work over what was turned over, beyond what is allowed to all [-]
-  int failed = 0;  ///< steps whose state had to be restored
+  double strain = 1.0;    ///< largest |strain| of an edge in the whole run [-]
+  double speed = 100.0;   ///< of the fastest particle [m/s]
+  double created = 1e-3;  ///< energy that one change of the mesh makes, over what was turned over [-]
+  int failed = 0;         ///< steps whose state had to be restored
 };
 
 /// A case: a scene that `simulate` could run, and what a scene file cannot say.
@@ -44,7 +43,8 @@ struct TortureResult {
   double penetration = 0.0;  ///< [m]
   double energy = 0.0;       ///< turned over: cloth lifted by its size, work of probes and obstacles [J]
   double gain = 0.0;         ///< largest rise of energy less work, from its lowest so far [J]
-  double allowed = 0.0;      ///< what the residuals left over could have worked on the way of that rise [J]
+  double allowed = 0.0;      ///< what residuals could have worked, and mesh changes made, in that rise [J]
+  double created = 0.0;      ///< most that one change of the mesh made [J]
   double left = 0.0;         ///< distance of the proxies from their devices at the end [m]
   std::uint64_t hash = 0;
 };
