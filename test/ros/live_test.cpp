@@ -167,12 +167,25 @@ TEST_F(LiveTest, GainsActAndComeWithoutSteps) {
 
 TEST_F(LiveTest, TheSolverWorksHarderOrLess) {
   const double press = steps_.force().norm();
-  accept({{"solver/tolerance", 1e-9}, {"solver/max_iterations", 60}, {"solver/sleep_speed", 0.0}});
-  ASSERT_TRUE(becomes("solver", "iterations per step", [](double n) { return n > 30.0; }));
-  accept({{"solver/max_iterations", 4}});
-  // Four a solve; a step may be solved three times over.
-  ASSERT_TRUE(becomes("solver", "iterations per step", [](double n) { return n > 0.0 && n <= 12.0; }));
+  bool up = false;
+  // A hand that moves: every step is another problem.
+  const auto iterationsBecome = [&](const std::function<bool(double)>& good) {
+    return waitFor([&] {
+      if (device_->arrived()) {
+        device_->moveTo(up ? kPressed : Vec3(kPressed + Vec3(0.0, 0.0, 0.005)));
+        up = !up;
+      }
+      return good(diagnostics_.number("solver", "iterations per step"));
+    });
+  };
+  accept({{"solver/tolerance", 1e-9}, {"solver/max_iterations", 100}, {"solver/sleep_speed", 0.0}});
+  EXPECT_TRUE(iterationsBecome([](double n) { return n > 15.0; }));
+  accept({{"solver/max_iterations", 1}});
+  // A step is solved three times over at most, each with four looks at what sleeps.
+  EXPECT_TRUE(iterationsBecome([](double n) { return n > 0.0 && n <= 12.0; }));
   accept({{"solver/tolerance", 0.01}, {"solver/max_iterations", 200}, {"air_damping", 5.0}});
+  device_->moveTo(kPressed);
+  ASSERT_TRUE(waitFor([&] { return device_->arrived(); }));
   settle();
   EXPECT_NEAR(steps_.force().norm(), press, 0.1 * press) << "the same cloth, solved better";
 }
@@ -191,7 +204,7 @@ TEST_F(LiveTest, TheMeshFollowsOtherThresholds) {
           {"adapt/refine_above_strain", 0.5},
           {"adapt/coarsen_below_strain", 0.4},
           {"adapt/minimum_age", 0}});
-  EXPECT_TRUE(becomes("solver", "active particles", [&](double n) { return n < 0.8 * fine; }));
+  EXPECT_TRUE(becomes("solver", "active particles", [&](double n) { return n < 0.9 * fine; }));
 }
 
 TEST_F(LiveTest, TheHapticThreadTicksAtAnotherRate) {
