@@ -58,7 +58,7 @@ def remarks(parts):
     for strategy in ("finest", "amrc"):
         even = [row for row in parts["shares"] if row["strategy"] == strategy and row["shared"] == "active lists"]
         grid = {row["threads"]: row["imbalance_percent"] for row in parts["shares"]
-                if row["strategy"] == strategy and row["shared"] != "active lists"}
+                if row["strategy"] == strategy and row["shared"] == "finest grid"}
         off = [row["threads"] for row in even if row["imbalance_percent"] > LIMIT_PERCENT]
         worst = {threads: next(row["imbalance_percent"] for row in even if row["threads"] == threads) for threads in (2, 4, 8)}
         text.append("%s, %d particles: the busiest thread has %s %% more than the mean on 2, 4, 8 threads; by parts of the "

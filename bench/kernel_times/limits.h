@@ -26,7 +26,8 @@ double multiplyAdd3(int rounds);
 double multiplyAdd6(int rounds);
 double multiplyAdd12(int rounds);
 
-/// A square root and a division for each of `count` numbers, none waiting for another. @pre whole packs of eight
+/// A square root and a division for each of `count` numbers, none waiting for another. @pre whole packs of
+/// eight
 double rootAndDivide(const double* values, int count);
 
 /// Floating point operations of a round.

@@ -60,20 +60,25 @@ WorkLoop nodeLoop(ClothCase& cloth, double weight) {
   return loop;
 }
 
-/// Most work of a thread and of all: blocks of fixed size shared out in order, the first threads one more
-/// where they do not come out even, as OpenMP's static schedule is.
-double mostOfBlocks(const WorkLoop& loop, int threads) {
+/// How work falls to threads.
+enum class Sharing {
+  Blocks,  ///< as the library has it: blocks of fixed size in order, each thread a row of them (OpenMP's
+           ///< static)
+  Turns,   ///< the same blocks in turns (static, 1): what that would give
+  Grid     ///< each thread as many particles of the finest grid, active or not
+};
+
+double mostOfBlocks(const WorkLoop& loop, int threads, bool in_turns) {
   const int count = static_cast<int>(loop.weights.size()), blocks = (count + Team::kBlock - 1) / Team::kBlock;
-  double most = 0.0;
-  int block = 0;
-  for (int thread = 0; thread < threads; ++thread) {
-    const int end = block + blocks / threads + (thread < blocks % threads ? 1 : 0);
-    double work = 0.0;
-    for (int k = block * Team::kBlock; k < std::min(count, end * Team::kBlock); ++k) work += loop.weights[k];
-    most = std::max(most, work);
-    block = end;
+  std::vector<double> work(threads, 0.0);
+  // The first threads have one block more where they do not come out even.
+  const int each = blocks / threads, more = blocks % threads, larger = more * (each + 1);
+  for (int k = 0; k < count; ++k) {
+    const int block = k / Team::kBlock;
+    const int in_row = block < larger ? block / (each + 1) : more + (block - larger) / std::max(1, each);
+    work[in_turns ? block % threads : in_row] += loop.weights[k];
   }
-  return most;
+  return *std::max_element(work.begin(), work.end());
 }
 
 /// The same where each thread has as many particles of the finest grid.
@@ -105,20 +110,22 @@ struct Shares {
 /// Evaluating, looking along, and both, as an iteration needs them.
 using Passes = std::array<std::vector<WorkLoop>, 2>;
 
-nlohmann::json rowOf(ClothCase& cloth, const Passes& passes, int threads, bool balanced) {
+nlohmann::json rowOf(ClothCase& cloth, const Passes& passes, int threads, Sharing sharing) {
   const int particles = cloth.world().mesh.grid.particles();
   std::array<Shares, 3> shares;
   for (int pass = 0; pass < 2; ++pass) {
     for (const WorkLoop& loop : passes[pass]) {
-      const double most = balanced ? mostOfBlocks(loop, threads) : mostOfGrid(loop, threads, particles);
+      const double most = sharing == Sharing::Grid ? mostOfGrid(loop, threads, particles)
+                                                   : mostOfBlocks(loop, threads, sharing == Sharing::Turns);
       shares[pass].add(most, sumOf(loop));
       shares[2].add(most, sumOf(loop));
     }
   }
+  constexpr const char* names[] = {"active lists", "active lists, in turns", "finest grid"};
   nlohmann::json row;
   row["strategy"] = cloth.options().strategy;
   row["fabric"] = cloth.options().fabric;
-  row["shared"] = balanced ? "active lists" : "finest grid";
+  row["shared"] = names[static_cast<int>(sharing)];
   row["threads"] = threads;
   row["particles"] = cloth.particles();
   row["gradient_percent"] = shares[0].percent(threads);
@@ -134,9 +141,9 @@ std::string workSharesJson(const std::vector<std::unique_ptr<ClothCase>>& cases)
   for (const auto& cloth : cases) {
     const Passes passes{{{elementLoop(*cloth, kGradient), nodeLoop(*cloth, kGradient.node)},
                          {elementLoop(*cloth, kEnergy), nodeLoop(*cloth, kEnergy.node)}}};
-    for (const bool balanced : {true, false}) {
+    for (const Sharing sharing : {Sharing::Blocks, Sharing::Turns, Sharing::Grid}) {
       for (int threads = 1; threads <= kMostThreads; ++threads) {
-        rows.push_back(rowOf(*cloth, passes, threads, balanced));
+        rows.push_back(rowOf(*cloth, passes, threads, sharing));
       }
     }
   }
