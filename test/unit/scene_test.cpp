@@ -222,7 +222,7 @@ TEST(Scene, MessagesAreOneLineWhateverTheFileHolds) {
   // message() looks for line ends.
   EXPECT_EQ(message(std::string(kCloth) + "probes: {\"a\\nb\": {radius: 0}}"),
             "scene: probes = a b: a name must be a letter, then letters, digits and underscores");
-  EXPECT_EQ(message("cloth: {fabric: \"a\\nb\"}").substr(0, 26), "scene: cloth.fabric = a b: ");
+  EXPECT_EQ(message("cloth: {fabric: \"a\\nb\"}").substr(0, 29), "scene: cloth.fabric = \"a b\": ");
 }
 
 TEST(Scene, WrongTypesAreNamed) {
