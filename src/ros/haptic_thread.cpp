@@ -1,8 +1,8 @@
 #include "ros/haptic_thread.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "haptics/tick_phase.h"
 #include "ros/admittance_probe.h"
 #include "ros/haptic_probe.h"
 #include "ros/real_time.h"
@@ -13,10 +13,6 @@ namespace {
 
 constexpr double kWindow = 1.0;       ///< of the statistics [s]
 constexpr double kMaxBacklog = 0.02;  ///< ticks older than this are given up [s]
-constexpr double kAnswer = 2e-4;      ///< from a message to the tick: what messages are late by at times [s]
-constexpr double kCatchUp = 0.1;      ///< of what is missing, in one tick [-]
-constexpr double kMostShift = 0.02;   ///< of a tick, in periods [-]
-constexpr double kSilent = 0.02;      ///< a device that has not been heard for this long gives no time [s]
 constexpr int kMaxRampTicks = 200;    ///< before the zeros at the end
 constexpr int kZeros = 20;            ///< sent at the end: drivers hold the last force for ever
 constexpr double kZeroPeriod = 2e-3;  ///< between them [s]
@@ -48,7 +44,7 @@ void HapticThread::run() {
     const double now = steadyNow();
     tick(now, shared_.paused);
     record(now, now - due);
-    due = inPhase(due + period_);
+    due = inPhase(due + period_, heard(), period_);
     if (now - due > kMaxBacklog) {
       window_.given_up += static_cast<std::uint64_t>((now - due) / period_);
       due = now + period_;
@@ -57,16 +53,10 @@ void HapticThread::run() {
   endAtRest();
 }
 
-/// `due` moved a little, so that in the end the ticks come shortly after the first device's messages: else
-/// one waits for its answer by anything up to a period. Half a period is caught up within 25 ticks.
-double HapticThread::inPhase(double due) const {
-  for (const auto& probe : probes_) {
-    const double heard = probe->heard();
-    if (heard < 0.0 || due - heard > kSilent) continue;
-    const double late = std::remainder(due - heard - kAnswer, period_);
-    return due - std::clamp(kCatchUp * late, -kMostShift * period_, kMostShift * period_);
-  }
-  return due;
+double HapticThread::heard() const {
+  double newest = -1.0;
+  for (const auto& probe : probes_) newest = newest < 0.0 ? probe->heard() : newest;
+  return newest;
 }
 
 /// Between two ticks, for all probes at once. Nothing here waits or allocates.

@@ -34,7 +34,7 @@ class HapticThread {
  private:
   void takeOptions();
   void tick(double now, bool paused);
-  double inPhase(double due) const;
+  double heard() const;  ///< see ProbeTick; of the first device that is heard
   bool isQuiet() const;
   void record(double now, double lateness);
   void endAtRest();
