@@ -148,7 +148,7 @@ TEST_F(FabricFile, LinearLaws) {
 TEST_F(FabricFile, TablesKeepEquallySpacedRowsAndAreOddForBending) {
   const Fabric fabric = load(std::string(kHead) +
                              "tensile: {loading: [[0, 0], [0.01, 5], [0.02, 20], [0.03, 60]], "
-                             "unloading: [[0.005, 0], [0.03, 60]]}\n"
+                             "unloading: [[0.02, 0], [0.03, 60]]}\n"
                              "bending: {loading: [[0, 0], [100, 2.0e-3], [250, 3.0e-3]]}\n");
   EXPECT_NEAR(fabric.tensile[kWarp].upper()(0.01).force, 5.0, 1e-9);
   EXPECT_NEAR(fabric.tensile[kWarp].upper()(0.025).force, 40.0, 1e-9);
