@@ -29,7 +29,7 @@ class AdmittanceLoop {
   const DeviceSample& device() const { return device_; }
 
   const Vec3& position() const { return tool_.position(); }  ///< where the tool is to go now [m]
-  const Vec3& reaction() const { return reaction_; }  ///< of the cloth on the tool [N]
+  const Vec3& reaction() const { return reaction_; }         ///< of the cloth on the tool [N]
   HapticStatus status() const { return status_; }
   bool atRest() const { return tool_.velocity().isZero(0.0); }
 
