@@ -24,14 +24,13 @@ foreach(target haptic_cloth_ros haptic_cloth_nodelet haptic_cloth_node hand mous
   add_dependencies(${target} ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
 endforeach()
 
-# For bench/latency; not installed.
+# For bench/latency.
 add_executable(latency_probe src/ros/latency_probe_main.cpp)
 target_include_directories(latency_probe SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
 target_link_libraries(latency_probe haptic_cloth_ros nlohmann_json::nlohmann_json)
 add_dependencies(latency_probe ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
-set_target_properties(latency_probe PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${HAPTIC_CLOTH_PROGRAM_DIR}")
 
-list(APPEND programs haptic_cloth_node hand mouse_hand path_hand monitor device_adapter)
+list(APPEND programs haptic_cloth_node hand mouse_hand path_hand monitor device_adapter latency_probe)
 install(TARGETS haptic_cloth_ros haptic_cloth_nodelet LIBRARY DESTINATION lib ARCHIVE DESTINATION lib)
 install(FILES nodelet_plugins.xml DESTINATION share/haptic_cloth)
 install(DIRECTORY launch DESTINATION share/haptic_cloth)
