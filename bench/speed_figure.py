@@ -34,7 +34,7 @@ def draw_threads(path, rows, shares, size):
     right.set_ylabel("wall time of a step [ms]", fontsize=9)
     right.set_ylim(bottom=0.0)
     for strategy, colour in COLOURS.items():
-        for shared, style in (("active lists", "-"), ("active lists, in turns", "--"), ("finest grid", ":")):
+        for shared, style in (("active lists", "-"), ("active lists, in rows", "--"), ("finest grid", ":")):
             points = [(row["threads"], row["imbalance_percent"]) for row in shares
                       if row["strategy"] == strategy and row["shared"] == shared]
             if points:

@@ -62,10 +62,9 @@ WorkLoop nodeLoop(ClothCase& cloth, double weight) {
 
 /// How work falls to threads.
 enum class Sharing {
-  Blocks,  ///< as the library has it: blocks of fixed size in order, each thread a row of them (OpenMP's
-           ///< static)
-  Turns,   ///< the same blocks in turns (static, 1): what that would give
-  Grid     ///< each thread as many particles of the finest grid, active or not
+  Turns,  ///< as the library has it: blocks of fixed size in turns (OpenMP's static, 1)
+  Rows,   ///< each thread a row of the same blocks (static): what that would give
+  Grid    ///< each thread as many particles of the finest grid, active or not
 };
 
 double mostOfBlocks(const WorkLoop& loop, int threads, bool in_turns) {
@@ -121,7 +120,7 @@ nlohmann::json rowOf(ClothCase& cloth, const Passes& passes, int threads, Sharin
       shares[2].add(most, sumOf(loop));
     }
   }
-  constexpr const char* names[] = {"active lists", "active lists, in turns", "finest grid"};
+  constexpr const char* names[] = {"active lists", "active lists, in rows", "finest grid"};
   nlohmann::json row;
   row["strategy"] = cloth.options().strategy;
   row["fabric"] = cloth.options().fabric;
@@ -141,7 +140,7 @@ std::string workSharesJson(const std::vector<std::unique_ptr<ClothCase>>& cases)
   for (const auto& cloth : cases) {
     const Passes passes{{{elementLoop(*cloth, kGradient), nodeLoop(*cloth, kGradient.node)},
                          {elementLoop(*cloth, kEnergy), nodeLoop(*cloth, kEnergy.node)}}};
-    for (const Sharing sharing : {Sharing::Blocks, Sharing::Turns, Sharing::Grid}) {
+    for (const Sharing sharing : {Sharing::Turns, Sharing::Rows, Sharing::Grid}) {
       for (int threads = 1; threads <= kMostThreads; ++threads) {
         rows.push_back(rowOf(*cloth, passes, threads, sharing));
       }
