@@ -28,8 +28,9 @@ fuzz() {  # reader, folders with seeds
   local reader="$1"
   shift
   mkdir -p "$build/corpus/$reader"
-  # A file that a reader takes is read in milliseconds; 256 MB is ten times what the largest input here needs.
-  "$build/fuzz_$reader" -max_total_time="$seconds" -timeout=5 -rss_limit_mb=512 -malloc_limit_mb=256 -max_len=4096 \
+  # A file that a reader takes is read in milliseconds; one block of
+  # 256 MB is ten times what the largest input here needs; of 1 GB the sanitizer itself keeps up to 500 MB.
+  "$build/fuzz_$reader" -max_total_time="$seconds" -timeout=5 -rss_limit_mb=1024 -malloc_limit_mb=256 -max_len=4096 \
     -dict="$root/test/fuzz/yaml.dict" -artifact_prefix="$build/findings/$reader-" -print_final_stats=1 \
     "$build/corpus/$reader" "$@" >"$build/$reader.log" 2>&1
 }

@@ -17,7 +17,11 @@ class Counter : public YAML::EventHandler {
  public:
   Counter(const std::string& origin, bool has_lines) : origin_(origin), has_lines_(has_lines) {}
 
-  void OnDocumentStart(const YAML::Mark&) override { sizes_.clear(); }
+  /// For some malformed texts, a comma in front among them, the parser finds empty documents without end.
+  void OnDocumentStart(const YAML::Mark&) override {
+    if (begun_) throw InputError(origin_, "", "", "must hold one YAML document, not several");
+    begun_ = true;
+  }
   void OnDocumentEnd() override {}
 
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { leaf(mark, anchor); }
@@ -83,6 +87,7 @@ class Counter : public YAML::EventHandler {
 
   const std::string& origin_;
   bool has_lines_;
+  bool begun_ = false;  ///< a document has
   std::size_t values_ = 0;
   std::vector<Open> open_;
   std::unordered_map<YAML::anchor_t, std::size_t> sizes_;  ///< of what an anchor names, once it is complete

@@ -150,6 +150,11 @@ TEST_F(TooLarge, AListThatHoldsItselfIsRefused) {
             "scene: must not hold an alias of what it stands in");
 }
 
+TEST_F(TooLarge, DocumentsWithoutEndAreRefused) {
+  // yaml-cpp 0.7 gives one empty document after the other.
+  EXPECT_EQ(refusal(", s{ti}"), "scene: must hold one YAML document, not several");
+}
+
 TEST_F(TooLarge, DeepNestsAreRefused) {
   const std::string rule = "scene: must not nest lists and mappings deeper than 32";
   for (const char* word : {"[", "{a: ", "- ", "? ", "{[", "[{", "{? "}) {
