@@ -7,10 +7,10 @@
 namespace haptic_cloth {
 
 /// Passivity: what moves may not hold more kinetic energy than is left [J] of what the step began with, the
-/// work of its inputs included. Where a mesh change created more than there is motion to take it from, later
-/// steps give it back. @return scale of the velocities, 1 where nothing was to do
+/// work of its inputs included. What a mesh change created beyond what there is motion to take it from stays:
+/// owed by later steps it would freeze cloth that is about to buckle. @return scale of the velocities, 1 where
+/// nothing was to do
 double ClothWorld::guardEnergy(double left) {
-  debt_ = std::max(0.0, -left);
   const double kinetic = kineticEnergy();
   const double allowed = std::max(0.0, left);
   if (kinetic <= allowed || kinetic == 0.0) return 1.0;

@@ -116,7 +116,7 @@ void ClothWorld::lookAtRest() {
   at_rest_ = objective.evaluate(start_, gradient_);
   Sums parts;
   energy_before_ = objective.internalEnergy(parts) + objective.couplingEnergy() + objective.lossPotential() -
-                   std::max(0.0, created_) - debt_;
+                   std::max(0.0, created_);
   x_.head(size) = start_.head(size);
 }
 
