@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace haptic_cloth {
 
@@ -33,8 +34,10 @@ ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
 }
 
 void ContactSet::serialize(Archive& archive) {
-  archive("now", solids_);
-  archive("before", before_);
+  for (int k = 0; k < obstacles_; ++k) {  // probes are placed anew in each step
+    archive("now[" + std::to_string(k) + "]", solids_[k]);
+    archive("before[" + std::to_string(k) + "]", before_[k]);
+  }
   archive.each("target_positions", targets_, &Pose::position);
   archive.each("target_orientations", targets_, &Pose::orientation);
 }

@@ -95,7 +95,8 @@ void ProbeStep::serialize(Archive& archive) {
 }
 
 void ClothObjective::serialize(Archive& archive) {
-  archive("probes", probes_);
+  archive.each("present", probes_, &ProbeStep::present);
+  archive.each("devices", probes_, &ProbeStep::device);
   archive("proxies", proxies_);
   archive("energies", energies_);
 }

@@ -71,7 +71,8 @@ void ClothWorld::serializeIdle(Archive& archive) {
   archive.within("idle.quiet", quiet_, 0, INT_MAX / 2);
   archive("idle.idle", idle_);
   archive.length("idle.count", idle_probes_, probe_steps_.size());
-  archive("idle.probe", idle_probes_);
+  archive.each("idle.present", idle_probes_, &ProbeStep::present);
+  archive.each("idle.devices", idle_probes_, &ProbeStep::device);
   archive("idle.residual", idle_residual_);
 }
 
