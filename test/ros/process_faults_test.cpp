@@ -138,6 +138,9 @@ TEST_F(ProcessFaultTest, AKilledNodeComesBackByItself) {
   press();
   for (const int signal : {SIGTERM, SIGKILL}) {
     SCOPED_TRACE(signal);
+    // Not deeper than its middle: below the new, flat cloth the hand would come up from the wrong side.
+    hand_->moveTo(Vec3(0.0, 0.0, 0.102));
+    ASSERT_TRUE(waitFor([this] { return hand_->arrived() && reaction_.force().z() > 0.05; }));
     const pid_t pid = pidOf("/haptic_cloth");
     ASSERT_GT(pid, 0);
     reaction_.clear();
