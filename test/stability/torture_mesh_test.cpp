@@ -125,7 +125,7 @@ TEST(Torture, EverythingChangesInEveryStep) {
   sheet.scene.obstacles = {ball};
   sheet.scene.probes.resize(2);
   sheet.scene.probes[1].name = "second";
-  sheet.scene.stop.time = 0.3;
+  sheet.scene.stop.time = 0.15;
   sheet.limits.strain = 1.0;
   sheet.before = [](ClothWorld& world, long step) {
     const auto at = [step](int first, double reach) {
