@@ -13,7 +13,7 @@ namespace haptic_cloth {
 namespace {
 
 constexpr double kSize = 0.2;
-constexpr int kParticles = 25;
+constexpr int kParticles = 17;
 constexpr double kCell = kSize / (kParticles - 1);
 
 std::string lightFabric() {
