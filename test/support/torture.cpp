@@ -87,6 +87,8 @@ class Run {
     const double g = scene.gravity.norm() > 0.0 ? scene.gravity.norm() : kStandardGravity;
     weight_ = world_.mass() * g;
     result_.energy = weight_ * size;
+    const double coarsest = (1 << scene.adapt.levels) * std::max(world_.grid.dx, world_.grid.dy);
+    sagged_ = weight_ * scene.adapt.coarsen_below / 8.0 * coarsest;
     ways_.resize(scene.probes.size());
     show();
   }
@@ -132,7 +134,9 @@ class Run {
     result_.energy += std::abs(work);
     const double residual = std::max(report.minimizer.residual, world_.scene.solver.minimizer.tolerance);
     allowed_ += residual * weight_ * way() + std::max(0.0, world_.created());
-    result_.created = std::max(result_.created, world_.created());
+    if (result_.steps > wanted_.set_up)
+      result_.created = std::max(result_.created, world_.created() / stored_);
+    stored_ = energy.stretch + energy.bend + energy.shear + sagged_;
     if (energy.dissipated >= most_dissipated_ || result_.steps <= wanted_.set_up) {
       most_dissipated_ = energy.dissipated;
       allowed_ = 0.0;
@@ -185,6 +189,7 @@ class Run {
   const Torture& wanted_;
   ClothWorld world_;
   TortureResult result_;
+  double stored_ = 1e300, sagged_ = 0.0;  // energy of the fabric before a step, what a merge may lift [J]
   double weight_ = 0.0, work_before_ = 0.0, most_dissipated_ = 0.0, allowed_ = 0.0;
   std::vector<Vec3> shown_, shown_before_;
   std::vector<std::vector<PathPoint>> ways_;
@@ -200,7 +205,7 @@ void judge(const Torture& wanted, const TortureResult& result) {
   EXPECT_TRUE(result.finite) << wanted.name << ", step " << result.steps;
   keep("energy gained / turned over", result.gain / result.energy, kRoundOff + result.allowed / result.energy,
        "-");
-  keep("made by a mesh change / turned over", result.created / result.energy, limits.created, "-");
+  keep("made by a mesh change / stored", result.created, limits.created, "-");
   keep("largest strain", result.strain, limits.strain, "-");
   keep("fastest particle", result.speed, limits.speed, "m/s");
   keep("failed steps", static_cast<double>(result.failed), limits.failed, "");
