@@ -73,7 +73,8 @@ double ContactSet::curvature(int begin, int end, const Field& d, const std::vect
   double sum = 0.0;
   forGroups(begin, end, [&](const Group& group, int first, int last) {
     const Vec3 moved = motionOf(group.solid, d_proxies);
-    sum += sampleCurvature(packs_.data(), first, last, d.arrays(), moved.data(), whole_way && isProbe(group.solid));
+    sum += sampleCurvature(packs_.data(), first, last, d.arrays(), moved.data(),
+                           whole_way && isProbe(group.solid));
   });
   return sum;
 }
@@ -159,14 +160,15 @@ double ContactSet::obstacleWork() const {
   return work;
 }
 
-double ContactSet::insideEnergy() const {
-  double energy = 0.0;
+double ContactSet::letOutWork() const {
+  double work = 0.0;
   for (int k = 0; k < size(); ++k) {
+    const ContactSample& sample = samples_[k];
     const double gap = packs_[k / kLanes].gap[k % kLanes];
-    if (gap < 0.0 && !isProbe(samples_[k].solid))
-      energy += samples_[k].area * law_(gap + samples_[k].raised).energy;
+    if (isProbe(sample.solid) || (sample.raised == 0.0 && !(gap < 0.0))) continue;
+    work += sample.area * (law_(gap + raise(sample.solid, gap)).energy - law_(gap + sample.raised).energy);
   }
-  return energy;
+  return work;
 }
 
 double ContactSet::deepest() const {

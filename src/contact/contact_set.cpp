@@ -59,7 +59,6 @@ void ContactSet::collect(const ActiveMesh& mesh, const Field& nodes, const std::
   samples_.clear();
   groups_.clear();
   packs_.clear();
-  raised_energy_ = 0.0;
   sampleObstacles(mesh, nodes, reach);
   for (const Reach& probe : touching) {
     beginGroup(obstacles_ + probe.probe);
@@ -294,12 +293,10 @@ void ContactSet::siftSamples(int first, int solid) {
 /// What moving solids press on only at the end of the step does not rub yet.
 /// @param now, then from the solid at the end of the step and at its start
 ContactSample ContactSet::started(ContactSample sample, const Vec3& point, const Distance& now,
-                                  const Distance& then, bool still) {
+                                  const Distance& then, bool still) const {
   const Solid &solid = solids_[sample.solid], &before = before_[sample.solid];
   sample.raised = raise(sample.solid, then.value);
-  const ContactLaw::Point law = law_(then.value + sample.raised);
-  if (sample.raised > 0.0 && !isProbe(sample.solid)) raised_energy_ += sample.area * law.energy;
-  sample.friction_force = solid.friction() * sample.area * law.pressure;
+  sample.friction_force = solid.friction() * sample.area * law_(then.value + sample.raised).pressure;
   Vec3 carried = point;
   sample.start_normal = then.normal;
   if (!still) {

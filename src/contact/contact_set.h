@@ -115,11 +115,9 @@ class ContactSet {
   /// What moving obstacles have worked on the cloth in the step, by the forces of the last evaluation [J].
   double obstacleWork() const;
 
-  /// Obstacles let cloth out by pushing it anew in every step, which is work. Contact energy of what begins
-  /// the step inside one, and of what is inside at the last evaluation [J]: the first less the second of the
-  /// step before.
-  double raisedEnergy() const { return raised_energy_; }
-  double insideEnergy() const;
+  /// Obstacles let cloth out by pushing it anew in every step, which is work: what the contact energy of the
+  /// last evaluation will change by when the next step begins with it [J].
+  double letOutWork() const;
 
   /// Largest factor of the step d from the last evaluated point that lets no probe sample come nearer than a
   /// tenth of its gap.
@@ -163,7 +161,7 @@ class ContactSet {
   void addSample(const ContactSample& sample, const Field& nodes, double margin);
   void siftSamples(int first, int solid);
   ContactSample started(ContactSample sample, const Vec3& point, const Distance& now, const Distance& then,
-                        bool still);
+                        bool still) const;
   void beginGroup(int solid);
   void endGroup();
   void packGroup(const Group& group);
@@ -184,9 +182,8 @@ class ContactSet {
   std::vector<ContactSample> samples_;
   std::vector<Group> groups_;
   std::vector<SamplePack> packs_;
-  double raised_energy_ = 0.0;  ///< see raisedEnergy() [J]
-  Field gradient_;              ///< of the energy by the samples' positions [N]
-  Field change_;                ///< of that along a direction [N]
+  Field gradient_;  ///< of the energy by the samples' positions [N]
+  Field change_;    ///< of that along a direction [N]
   std::vector<int> rows_;
   std::vector<double> node_area_;  ///< scratch of sampleObstacles() [m²]
   std::vector<double> node_gaps_;  ///< scratch of sampleObstacles(): of the nodes to one obstacle [m]

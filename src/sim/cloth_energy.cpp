@@ -35,8 +35,8 @@ void ClothWorld::account() {
                      (made.device_velocity - probes[k].velocity).dot(made.device_velocity);
     coupling = objective.couplingEnergy(k);
   }
-  supplied_ += contacts.obstacleWork() + contacts.raisedEnergy() - inside_;
-  inside_ = contacts.insideEnergy();
+  supplied_ += contacts.obstacleWork() + let_out_;
+  let_out_ = contacts.letOutWork();
 }
 
 double ClothWorld::kineticEnergy() const {

@@ -16,6 +16,7 @@ void ClothWorld::serialize(Archive& archive) {
   serializeIdle(archive);
   archive("objective", objective);
   archive("supplied", supplied_);
+  archive("let_out", let_out_);
   archive("cost.motion", cost.motion);
   archive("cost.stretch", cost.stretch);
   archive("cost.bend", cost.bend);

@@ -80,7 +80,6 @@ ClothWorld::ClothWorld(const Scene& s)
   objective.pack(nodes_, start_);
   objective.evaluate(start_, gradient_);
   initial_ = supplied_ = energy().total();
-  inside_ = contacts.insideEnergy();
 }
 
 void ClothWorld::setDevice(int k, const DeviceState& device) {

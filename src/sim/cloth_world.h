@@ -134,7 +134,7 @@ class ClothWorld {
   double initial_ = 0.0;        ///< energy at the start [J]
   double supplied_ = 0.0;       ///< that and what devices and obstacles have worked since [J]
   double created_ = 0.0;        ///< by the mesh change of the step in hand [J]
-  double inside_ = 0.0;         ///< contact energy inside obstacles at the end of the last step [J]
+  double let_out_ = 0.0;        ///< work of obstacles at the start of the next step, see ContactSet [J]
   double at_rest_ = 0.0;        ///< Φ of the step in hand with all at rest [J]
   double energy_before_ = 0.0;  ///< Φ's energies at the start of the step in hand, with its inputs [J]
   Field nodes_, velocities_;
