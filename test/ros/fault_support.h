@@ -76,7 +76,8 @@ double residentMemory(pid_t pid);
 int openFiles(pid_t pid);
 
 const Vec3 kAbove(0.0, 0.0, 0.125);  ///< free: the probe's radius is 10 mm, the cloth of scene.yaml at 0.10 m
-const Vec3 kPressed(0.0, 0.0, 0.080);  ///< its lowest point 30 mm below the flat cloth: most of 3.3 N
+const Vec3 kPressed(0.0, 0.0, 0.100);  ///< its lowest point 10 mm below the flat cloth, its middle not: a
+                                       ///< hand that finds a new cloth there is on the side it came from
 
 /// A node that runs, watched. At the end of each case every wrench must have been sound and the node must
 /// work without anybody having touched it.
