@@ -127,13 +127,16 @@ StateCase sleepingSheet() {
   far.pose.position = Vec3(0.0, 0.0, 1.0);
   scene.obstacles = {far};
   const auto drive = [](Simulation& simulation, int step) {
+    const Quat turn(Eigen::AngleAxisd(0.1, Vec3::UnitX()));
+    if (step == 395) simulation.removeDevice(0);
     if (step == 0) simulation.setDevice(0, {Vec3(-0.06, -0.06, 0.008), Vec3::Zero()});
-    if (step == 240) simulation.moveObstacle(0, {Vec3(0.0, 0.0, 1.01), Quat::Identity()});
-    if (step == 241) simulation.moveObstacle(0, {Vec3(0.0, 0.0, 1.0), Quat::Identity()});
-    const double down = std::max(0, step - 250) * 1e-4;
+    if (step == 310) simulation.moveObstacle(0, {Vec3(0.0, 0.0, 1.005), Quat::Identity()});
+    if (step == 330) simulation.moveObstacle(0, {Vec3(0.0, 0.0, 1.0), turn});
+    if (step == 311 || step == 331) simulation.moveObstacle(0, {Vec3(0.0, 0.0, 1.0), Quat::Identity()});
+    const double down = std::max(0, step - 460) * 1e-4;
     if (down > 0.0) simulation.setDevice(0, {Vec3(-0.06, -0.06, 0.008 - down), Vec3(0.0, 0.0, -0.1)});
   };
-  return {"sleep", scene, drive, 310, {60, 200, 242, 295}, [](const Exercised& did) {
+  return {"sleep", scene, drive, 520, {60, 200, 300, 312, 332, 455, 505}, [](const Exercised& did) {
             return did.idle > 10 && did.asleep > 10 && did.touched > 10;
           }};
 }
