@@ -49,8 +49,10 @@ TEST(Torture, ClothInsideAnObstacle) {
     solid.pose.position = k == 0 ? Vec3(0.005, 0.01, -0.05) : k == 1 ? Vec3(0, 0, -0.02) : Vec3(0, 0, 0.02);
     sheet.scene.obstacles = {solid};
     sheet.scene.stop.time = 0.5;
-    sheet.limits.speed = 1.0;
-    torture(sheet);
+    const TortureResult result = torture(sheet);
+    // The range of contact in a step, and what the cloth was stretched by on its way out: given back as speed
+    // c ε of its waves, c² = E/ρ.
+    EXPECT_LT(result.speed, 0.5 + std::sqrt(1000.0 / 0.15) * result.strain);
   }
 }
 
