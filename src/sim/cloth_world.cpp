@@ -255,10 +255,10 @@ void ClothWorld::accept(StepReport& report) {
   }
   for (int n = 0; n < mesh.nodes(); ++n) velocities_.set(n, (after[n] - nodes_[n]) / h);
   nodes_ = after;
-  contacts.calm(velocities_);
   rest_.update(
       mesh, velocities_, [this](int n) { return objective.isAwake(n); },
       [this](int n) { return objective.isDisturbed(n); });
+  contacts.calm(velocities_);  // what is being let out of a solid moves: it must not fall asleep
 
   Sums parts;
   const double spent =
