@@ -22,6 +22,7 @@ namespace haptic_cloth {
 struct TortureLimits {
   double strain = 1.0;   ///< largest |strain| of an edge in the whole run [-]
   double speed = 100.0;  ///< of the fastest particle [m/s]
+  double gain = 0.0;     ///< what is known to be gained beyond that, over what was turned over [-]
   double created = 1.0;  ///< energy that one change of the mesh makes, over what the fabric stored before [-]
   int failed = 0;        ///< steps whose state had to be restored
 };
