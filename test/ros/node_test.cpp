@@ -222,11 +222,13 @@ TEST_F(NodeTest, GoesOnFromASavedStateWithoutAHandInIt) {
   std::mutex mutex;
   ClothState newest;
   std::atomic<double> time{-1.0};
+  std::atomic<int> count{0};
   ros::Subscriber subscriber =
       node_.subscribe<ClothState>("cloth/state", 1, [&](const ClothState::ConstPtr& message) {
         const std::lock_guard<std::mutex> lock(mutex);
         newest = *message;
         time = message->time;
+        ++count;
       });
   TestDevice device(node_, kAbove);
   ASSERT_TRUE(waitFor([&] { return diagnostics_.value("probe", "status") == "free"; }));
@@ -241,12 +243,8 @@ TEST_F(NodeTest, GoesOnFromASavedStateWithoutAHandInIt) {
   ASSERT_TRUE(waitFor([&] { return reaction_.force().isZero(0.0); }));
   ASSERT_EQ(call<LoadState>("load_state", folder.file("pressed")).find("loaded "), 0u);
   ASSERT_EQ(call<SaveState>("save_state", folder.file("paused")).find("saved "), 0u);
-  double at = -1.0;
-  ASSERT_TRUE(waitFor([&] {
-    const double before = at;
-    at = time;
-    return before == at && at > 0.0;
-  }));
+  const int seen = count;
+  ASSERT_TRUE(waitFor([&] { return count > seen + 5; })) << "older ones may still have been on their way";
   mutex.lock();
   const ClothState then = newest;
   mutex.unlock();
@@ -281,7 +279,7 @@ TEST_F(NodeTest, RefusesStatesThatDoNotFitAndGoesOn) {
   };
   expect(call<LoadState>("load_state", folder.file("absent")), "No such file");
   expect(call<LoadState>("load_state", folder.file("notes")), "does not begin");
-  expect(call<LoadState>("load_state", ""), "cannot be read");
+  expect(call<LoadState>("load_state", ""), "name");
   expect(call<SaveState>("save_state", folder.file("notes")), "would be lost");
   expect(call<SaveState>("save_state", folder.file("none/here")), "No such file");
   expect(call<SaveState>("save_state", "/dev/full"), "regular file");
