@@ -26,6 +26,10 @@ fs::path target(const std::string& file) {
   return error ? fs::absolute(file) : real;
 }
 
+void requireName(const std::string& file) {
+  if (file.empty()) throw InputError("state file", "", "", "must have a name");
+}
+
 /// A file of which other processes see nothing until it has its name.
 class PartialFile {
  public:
@@ -75,7 +79,7 @@ class PartialFile {
 }  // namespace
 
 void checkStateFile(const std::string& file) {
-  if (file.empty()) throw InputError("state file", "", "", "must have a name");
+  requireName(file);
   const fs::path path = target(file);
   const auto refuse = [&](const std::string& rule) { throw InputError(path.string(), "", "", rule); };
   std::error_code error;
@@ -102,6 +106,7 @@ void writeStateFile(const std::string& file, const std::string& state) {
 }
 
 std::string readStateFile(const std::string& file) {
+  requireName(file);
   std::error_code error;
   if (fs::is_directory(file, error)) throw InputError(file, "", "", "must be a file, not a directory");
   std::ifstream stream(file, std::ios::binary);
