@@ -31,7 +31,9 @@ class Adaptation {
   void setOptions(const AdaptOptions& options) { options_ = options; }
 
   /// The age of the leaves. @param steps made so far
-  void serialize(Archive& archive, long steps) { archive.within("born", born_, -options_.minimum_age, steps); }
+  void serialize(Archive& archive, long steps) {
+    archive.within("born", born_, -options_.minimum_age, steps);
+  }
 
   /// What the last apply() changed: parents merged, then cells split, in order.
   const std::vector<Cell>& merged() const { return merged_; }

@@ -8,8 +8,8 @@ namespace haptic_cloth {
 
 /// Passivity: what moves may not hold more kinetic energy than is left [J] of what the step began with, the
 /// work of its inputs included. What a mesh change created beyond what there is motion to take it from stays:
-/// owed by later steps it would freeze cloth that is about to buckle. @return scale of the velocities, 1 where
-/// nothing was to do
+/// owed by later steps it would freeze cloth that is about to buckle. @return scale of the velocities, 1
+/// where nothing was to do
 double ClothWorld::guardEnergy(double left) {
   const double kinetic = kineticEnergy();
   const double allowed = std::max(0.0, left);

@@ -174,8 +174,10 @@ TEST_F(State, ImpossibleValuesAreRefusedByName) {
   expectRefused(changed("probe[0].present", [](StateEntry& e) { e.bytes[0] = 7; }),
                 {"probe[0].present", "from 0 to 1"});
   expectRefused(changed("probe_memory[0].after", [](StateEntry& e) { set(e, 3, 5.0); }), {"norm 1"});
-  expectRefused(changed("touched[0].count", [](StateEntry& e) { set(e, 0, 1L << 60); }), {"touched[0].count", "from 0"});
-  expectRefused(changed("held_count", [](StateEntry& e) { set(e, 0, 3L); }), {"held_particles", "0 values, not 3"});
+  expectRefused(changed("touched[0].count", [](StateEntry& e) { set(e, 0, 1L << 60); }),
+                {"touched[0].count", "from 0"});
+  expectRefused(changed("held_count", [](StateEntry& e) { set(e, 0, 3L); }),
+                {"held_particles", "0 values, not 3"});
   expectRefused(changed("velocities.y", [](StateEntry& e) { e.bytes.resize(8); }),
                 {"velocities.y", "1 values"});
   expectRefused(changed("velocities.y", [](StateEntry& e) { e.type = 'l'; }), {"velocities.y", "type"});
