@@ -14,7 +14,7 @@ noetic=(ros-noetic-ros-base ros-noetic-rostest ros-noetic-nodelet ros-noetic-tf2
         ros-noetic-diagnostic-msgs ros-noetic-rviz)
 # libFuzzer for the readers of files and, with libomp, the thread sanitizer: about 50 MB.
 fuzz=(clang libclang-rt-dev libomp-dev)
-show=(xvfb imagemagick x11-utils python3-matplotlib python3-numpy)
+show=(xvfb xauth imagemagick x11-utils python3-matplotlib python3-numpy)
 lint=(catkin-lint clang-format clang-tidy)
 
 packages=("${common[@]}")
