@@ -279,11 +279,11 @@ TEST_F(NodeTest, RefusesStatesThatDoNotFitAndGoesOn) {
   };
   expect(call<LoadState>("load_state", folder.file("absent")), "No such file");
   expect(call<LoadState>("load_state", folder.file("notes")), "does not begin");
-  expect(call<LoadState>("load_state", ""), "cannot be read");
+  expect(call<LoadState>("load_state", ""), "must have a name");
   expect(call<SaveState>("save_state", folder.file("notes")), "would be lost");
   expect(call<SaveState>("save_state", folder.file("none/here")), "No such file");
   expect(call<SaveState>("save_state", "/dev/full"), "regular file");
-  expect(call<SaveState>("save_state", ""), "name");
+  expect(call<SaveState>("save_state", ""), "must have a name");
   std::atomic<double> time{-1.0};
   ros::Subscriber subscriber = node_.subscribe<ClothState>(
       "cloth/state", 1, [&](const ClothState::ConstPtr& message) { time = message->time; });
