@@ -135,7 +135,9 @@ TEST(HapticLoop, AnotherClothStartsSoftlyHoweverFastItCame) {
     const double force = tick(), soft = std::min(1.0, i * kTick / options.soft_start) * options.max_force;
     EXPECT_LE(std::abs(force - last), options.max_force_rate * kTick + kRoundOff);
     // The way down from 2 N at 200 N/s takes 10 ticks.
-    if (i > 10) EXPECT_LE(force, soft + kRoundOff);
+    if (i > 10) {
+      EXPECT_LE(force, soft + kRoundOff);
+    }
     last = force;
   }
   EXPECT_NEAR(last, 2.0, 1e-6);
