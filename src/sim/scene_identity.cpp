@@ -1,20 +1,9 @@
 #include "sim/scene_identity.h"
 
-#include <array>
+#include "sim/scene_names.h"
 
 namespace haptic_cloth {
 namespace {
-
-// In the order of the enumerations.
-constexpr std::array<const char*, 2> kCosts{"condensed", "joint"};
-constexpr std::array<const char*, 2> kPreconditioners{"none", "jacobi"};
-constexpr std::array<const char*, 5> kStrategies{"finest", "coarsest", "refine", "coarsen", "amrc"};
-constexpr std::array<const char*, 5> kShapes{"box", "sphere", "cylinder", "capsule", "plane"};
-
-template <std::size_t count, class Choice>
-std::string choice(const std::array<const char*, count>& names, Choice value) {
-  return names.at(static_cast<std::size_t>(value));
-}
 
 void same(Archive& archive, const std::string& name, const Vec3& value) {
   archive.same(name, value.data(), 3);
@@ -68,7 +57,7 @@ void serializeCloth(Archive& archive, const ClothOptions& cloth) {
 
 void serializeObstacle(Archive& archive, const std::string& prefix, const Obstacle& obstacle) {
   archive.same(prefix + "name", obstacle.name);
-  archive.same(prefix + "shape", choice(kShapes, obstacle.shape));
+  archive.same(prefix + "shape", nameOf(shapeNames(), obstacle.shape));
   same(archive, prefix + "size", obstacle.size);
   archive.same(prefix + "radius", obstacle.radius);
   archive.same(prefix + "length", obstacle.length);
@@ -100,15 +89,15 @@ void serializeWorld(Archive& archive, const Scene& scene) {
 
 void serializeSolver(Archive& archive, const SolverOptions& solver) {
   archive.same("solver.time_step", solver.time_step);
-  archive.same("solver.cost", choice(kCosts, solver.cost));
-  archive.same("solver.preconditioner", choice(kPreconditioners, solver.minimizer.preconditioner));
+  archive.same("solver.cost", nameOf(costNames(), solver.cost));
+  archive.same("solver.preconditioner", nameOf(preconditionerNames(), solver.minimizer.preconditioner));
   archive.same("solver.tolerance", solver.minimizer.tolerance);
   archive.same("solver.max_iterations", solver.minimizer.max_iterations);
   archive.same("solver.sleep_speed", solver.sleep_speed);
 }
 
 void serializeAdapt(Archive& archive, const AdaptOptions& adapt) {
-  archive.same("adapt.strategy", choice(kStrategies, adapt.strategy));
+  archive.same("adapt.strategy", nameOf(strategyNames(), adapt.strategy));
   archive.same("adapt.levels", adapt.levels);
   archive.same("adapt.interval", adapt.interval);
   archive.same("adapt.refine_above", adapt.refine_above);

@@ -5,6 +5,7 @@
 #include "fabric/fabric_search.h"
 #include "fabric/yaml_reader.h"
 #include "haptic_cloth/scene.h"
+#include "sim/scene_names.h"
 #include "sim/scene_validation.h"
 
 namespace haptic_cloth {
@@ -97,15 +98,10 @@ std::vector<PathPoint> readPath(const YamlValue& value) {
 }
 
 Obstacle readObstacle(const YamlValue& value) {
-  const std::vector<std::pair<std::string, Shape>> shapes{{"box", Shape::Box},
-                                                          {"sphere", Shape::Sphere},
-                                                          {"cylinder", Shape::Cylinder},
-                                                          {"capsule", Shape::Capsule},
-                                                          {"plane", Shape::Plane}};
   Obstacle obstacle;
   const YamlMap any(
       value, {"name", "shape", "size", "radius", "length", "position", "orientation", "friction", "path"});
-  obstacle.shape = any.require("shape").choice(shapes);
+  obstacle.shape = any.require("shape").choice(shapeNames());
 
   const std::vector<std::string> own = shapeKeys(obstacle.shape);
   std::vector<std::string> known{"name", "shape", "position", "orientation", "friction", "path"};
@@ -165,9 +161,8 @@ void readSolver(const YamlValue& value, SolverOptions& solver) {
   const YamlMap map(value, {"time_step", "cost", "preconditioner", "tolerance", "max_iterations",
                             "time_budget", "sleep_speed", "threads"});
   map.read("time_step", solver.time_step);
-  map.readChoice<Cost>("cost", solver.cost, {{"condensed", Cost::Condensed}, {"joint", Cost::Joint}});
-  map.readChoice<Preconditioner>("preconditioner", solver.minimizer.preconditioner,
-                                 {{"jacobi", Preconditioner::Jacobi}, {"none", Preconditioner::None}});
+  map.readChoice("cost", solver.cost, costNames());
+  map.readChoice("preconditioner", solver.minimizer.preconditioner, preconditionerNames());
   map.read("tolerance", solver.minimizer.tolerance);
   map.read("max_iterations", solver.minimizer.max_iterations);
   map.read("time_budget", solver.minimizer.time_budget);
@@ -178,12 +173,7 @@ void readSolver(const YamlValue& value, SolverOptions& solver) {
 void readAdapt(const YamlValue& value, AdaptOptions& adapt) {
   const YamlMap map(value, {"strategy", "levels", "interval", "refine_above", "coarsen_below",
                             "refine_above_strain", "coarsen_below_strain", "minimum_age"});
-  map.readChoice<Strategy>("strategy", adapt.strategy,
-                           {{"finest", Strategy::Finest},
-                            {"coarsest", Strategy::Coarsest},
-                            {"refine", Strategy::Refine},
-                            {"coarsen", Strategy::Coarsen},
-                            {"amrc", Strategy::Amrc}});
+  map.readChoice("strategy", adapt.strategy, strategyNames());
   map.read("levels", adapt.levels);
   map.read("interval", adapt.interval);
   map.read("refine_above", adapt.refine_above);

@@ -2,6 +2,7 @@
 
 #include <sstream>
 
+#include "sim/scene_names.h"
 #include "support/scenes.h"
 
 namespace haptic_cloth {
@@ -37,9 +38,8 @@ void writeCloth(std::ostream& out, const ClothOptions& cloth, const std::string&
 }
 
 void writeObstacle(std::ostream& out, const Obstacle& obstacle) {
-  static const char* const names[] = {"box", "sphere", "cylinder", "capsule", "plane"};
   const Shape shape = obstacle.shape;
-  out << "  - {shape: " << names[static_cast<int>(shape)];
+  out << "  - {shape: " << nameOf(shapeNames(), shape);
   if (!obstacle.name.empty()) out << ", name: " << obstacle.name;
   if (shape == Shape::Box) out << ", size: " << obstacle.size;
   if (shape != Shape::Box && shape != Shape::Plane) out << ", radius: " << obstacle.radius;
@@ -69,9 +69,8 @@ void writeProbe(std::ostream& out, const ProbeOptions& probe) {
 
 void writeOptions(std::ostream& out, const Scene& scene) {
   const SolverOptions& solver = scene.solver;
-  out << "solver: {time_step: " << solver.time_step
-      << ", cost: " << (solver.cost == Cost::Joint ? "joint" : "condensed")
-      << ", preconditioner: " << (solver.minimizer.preconditioner == Preconditioner::None ? "none" : "jacobi")
+  out << "solver: {time_step: " << solver.time_step << ", cost: " << nameOf(costNames(), solver.cost)
+      << ", preconditioner: " << nameOf(preconditionerNames(), solver.minimizer.preconditioner)
       << ", tolerance: " << solver.minimizer.tolerance
       << ", max_iterations: " << solver.minimizer.max_iterations
       << ", time_budget: " << solver.minimizer.time_budget << ", sleep_speed: " << solver.sleep_speed
