@@ -2,13 +2,12 @@
 /// always last.
 #include <ros/ros.h>
 
-#include <cstdio>
-#include <exception>
 #include <string>
 #include <utility>
 
 #include "haptic_cloth/error.h"
 #include "ros/device_adapter.h"
+#include "ros/program.h"
 #include "ros/shutdown.h"
 #include "ros/topics.h"
 
@@ -48,14 +47,4 @@ int run(int argc, char** argv) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const haptic_cloth::InputError& error) {
-    std::fprintf(stderr, "device_adapter: %s\n", error.what());
-    return 2;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "device_adapter: %s\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return haptic_cloth::runProgram("device_adapter", run, argc, argv); }

@@ -3,13 +3,10 @@
 #include <geometry_msgs/WrenchStamped.h>
 #include <ros/ros.h>
 
-#include <cstdio>
-#include <exception>
-
-#include "haptic_cloth/error.h"
 #include "haptic_cloth/haptics.h"
 #include "ros/conversions.h"
 #include "ros/hand_model.h"
+#include "ros/program.h"
 #include "ros/steady_clock.h"
 #include "ros/topics.h"
 
@@ -65,14 +62,4 @@ int run(int argc, char** argv) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const haptic_cloth::InputError& error) {
-    std::fprintf(stderr, "hand: %s\n", error.what());
-    return 2;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "hand: %s\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return haptic_cloth::runProgram("hand", run, argc, argv); }

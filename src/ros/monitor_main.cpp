@@ -4,7 +4,6 @@
 #include <ros/ros.h>
 
 #include <cstdio>
-#include <exception>
 #include <string>
 #include <vector>
 
@@ -12,6 +11,7 @@
 #include "ros/flow_meter.h"
 #include "ros/node_options.h"
 #include "ros/parameter_group.h"
+#include "ros/program.h"
 #include "ros/steady_clock.h"
 
 namespace {
@@ -107,14 +107,4 @@ int run(int argc, char** argv) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const haptic_cloth::InputError& error) {
-    std::fprintf(stderr, "monitor: %s\n", error.what());
-    return 2;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "monitor: %s\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return haptic_cloth::runProgram("monitor", run, argc, argv); }

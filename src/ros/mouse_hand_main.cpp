@@ -6,15 +6,13 @@
 #include <ros/ros.h>
 #include <std_msgs/Bool.h>
 
-#include <cstdio>
 #include <deque>
-#include <exception>
 
-#include "haptic_cloth/error.h"
 #include "haptic_cloth/haptics.h"
 #include "ros/conversions.h"
 #include "ros/mouse_hand.h"
 #include "ros/node_options.h"
+#include "ros/program.h"
 #include "ros/steady_clock.h"
 #include "ros/topics.h"
 
@@ -128,14 +126,4 @@ int run(int argc, char** argv) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const haptic_cloth::InputError& error) {
-    std::fprintf(stderr, "mouse_hand: %s\n", error.what());
-    return 2;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "mouse_hand: %s\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return haptic_cloth::runProgram("mouse_hand", run, argc, argv); }

@@ -2,10 +2,8 @@
 #include <ros/ros.h>
 
 #include <atomic>
-#include <cstdio>
-#include <exception>
 
-#include "haptic_cloth/error.h"
+#include "ros/program.h"
 #include "ros/server.h"
 #include "ros/shutdown.h"
 
@@ -28,14 +26,4 @@ int run(int argc, char** argv) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const haptic_cloth::InputError& error) {
-    std::fprintf(stderr, "haptic_cloth: %s\n", error.what());
-    return 2;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "haptic_cloth: %s\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return haptic_cloth::runProgram("haptic_cloth", run, argc, argv); }

@@ -8,13 +8,11 @@
 #include <std_srvs/Empty.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <deque>
-#include <exception>
 
-#include "haptic_cloth/error.h"
 #include "ros/conversions.h"
 #include "ros/node_options.h"
+#include "ros/program.h"
 #include "ros/steady_clock.h"
 #include "ros/topics.h"
 
@@ -140,14 +138,4 @@ int run(int argc, char** argv) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const haptic_cloth::InputError& error) {
-    std::fprintf(stderr, "path_hand: %s\n", error.what());
-    return 2;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "path_hand: %s\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return haptic_cloth::runProgram("path_hand", run, argc, argv); }
