@@ -4,17 +4,27 @@
 
 namespace haptic_cloth {
 
-ForceInput::ForceInput(const NodeOptions& options, const ProbeSettings& settings,
-                       const tf2_ros::Buffer& transforms, SharedProbe& shared)
-    : device_(settings.device),
+ForceInput::ForceInput(const NodeOptions& options, std::size_t number, const tf2_ros::Buffer& transforms,
+                       SharedState& shared)
+    : device_(options.probes[number].device),
       frames_(options.frame_id, transforms),
-      shared_(shared),
-      gate_(options.max_pose_age, settings.haptics.admittance.force_timeout) {}
+      shared_(shared.probes[number]),
+      live_(shared.live_for_poses),
+      silence_(options.probes[number].haptics.admittance.force_timeout),
+      gate_(options.max_pose_age, silence_) {}
+
+void ForceInput::takeOptions() {
+  const LiveOptions& live = live_.read();
+  if (live.number == options_seen_) return;
+  options_seen_ = live.number;
+  gate_.setTimes(live.options->max_pose_age, silence_);
+}
 
 void ForceInput::accept(const geometry_msgs::WrenchStamped& wrench, const std::string& sender) {
   StampedForce force;
   force.sample.received = steadyNow();
   ++counters_.received;
+  takeOptions();
   const auto& measured = wrench.wrench.force;
   const Vec3 given(measured.x, measured.y, measured.z);
   const double received = force.sample.received;

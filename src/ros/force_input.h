@@ -10,9 +10,9 @@ namespace haptic_cloth {
 /// Of one probe whose device is of the admittance kind. One thread calls accept().
 class ForceInput {
  public:
-  /// @param settings of the probe
-  ForceInput(const NodeOptions& options, const ProbeSettings& settings, const tf2_ros::Buffer& transforms,
-             SharedProbe& shared);
+  /// @param number of the probe in the scene
+  ForceInput(const NodeOptions& options, std::size_t number, const tf2_ros::Buffer& transforms,
+             SharedState& shared);
 
   /// @param wrench whose force the hand exerts on the device; its torque is not used
   /// @param sender name of the node that sent it
@@ -21,9 +21,14 @@ class ForceInput {
   const InputCounters& counters() const { return counters_; }
 
  private:
+  void takeOptions();
+
   DeviceOptions device_;
   FrameLookup frames_;
   SharedProbe& shared_;
+  Mailbox<LiveOptions>& live_;
+  std::uint64_t options_seen_ = 0;
+  double silence_;  ///< see PoseGate [s]
   PoseGate gate_;
   InputCounters counters_;
 };

@@ -16,7 +16,7 @@ ProbeTopics::ProbeTopics(const NodeOptions& options, std::size_t number, const t
       shared_(shared.probes[number]),
       admittance_(options.probes[number].device.kind == DeviceKind::Admittance),
       input_(options, number, transforms, shared),
-      force_(options, options.probes[number], transforms, shared_) {
+      force_(options, number, transforms, shared) {
   const auto named = [this](const char* topic) { return topics::ofProbe(name_, topic); };
   reaction_ = node.advertise<geometry_msgs::WrenchStamped>(named(topics::kReaction), topics::kReactionQueue);
   proxy_ = node.advertise<geometry_msgs::PoseStamped>(named(topics::kProxy), topics::kProxyQueue);

@@ -12,6 +12,7 @@
 
 #include "haptic_cloth/error.h"
 #include "ros/diagnostics.h"
+#include "ros/force_input.h"
 #include "ros/markers.h"
 #include "ros/reconfigure_messages.h"
 #include "yaml_parameters.h"
@@ -250,6 +251,26 @@ TEST(LiveDiagnostics, ARefusalIsSeen) {
   report.refusal = "why not";
   EXPECT_EQ(optionsStatus(report).level, DiagnosticStatus::WARN);
   EXPECT_NE(optionsStatus(report).message.find("why not"), std::string::npos);
+}
+
+TEST(LiveOptions, ForcesAreHeldToTheAgeThatPosesAre) {
+  ros::Time::init();
+  XmlRpcValue parameters = sceneParameters();
+  parameters["device"]["kind"] = "admittance";
+  parameters["max_pose_age"] = 0.0;  // none is too old
+  const NodeOptions options = parseNodeOptions(parameters, "test");
+  SharedState shared(options.scene);
+  const tf2_ros::Buffer transforms;
+  ForceInput input(options, 0, transforms, shared);
+  geometry_msgs::WrenchStamped wrench;
+  wrench.header.stamp = ros::Time::now() - ros::Duration(5.0);
+  input.accept(wrench, "/device");
+  EXPECT_EQ(input.counters().dropped(), 0u);
+  NodeOptions strict = options;
+  strict.max_pose_age = 0.2;
+  shared.live_for_poses.write(nextOptions(firstOptions(options), strict, 0.0));
+  input.accept(wrench, "/device");
+  EXPECT_EQ(input.counters().late, 1u);
 }
 
 }  // namespace
