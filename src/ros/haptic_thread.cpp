@@ -54,9 +54,10 @@ void HapticThread::run() {
 }
 
 double HapticThread::heard() const {
-  double newest = -1.0;
-  for (const auto& probe : probes_) newest = newest < 0.0 ? probe->heard() : newest;
-  return newest;
+  for (const auto& probe : probes_) {
+    if (probe->heard() >= 0.0) return probe->heard();
+  }
+  return -1.0;
 }
 
 /// Between two ticks, for all probes at once. Nothing here waits or allocates.

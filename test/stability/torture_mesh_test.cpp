@@ -14,13 +14,6 @@
 namespace haptic_cloth {
 namespace {
 
-std::string lightFabric() {
-  LinearFabric linear;
-  linear.rigidity = 1e-5;
-  linear.compression = 0.1;
-  return writeFabric(linear);
-}
-
 Torture heldSheet(const std::string& name, const std::string& fabric, int levels) {
   Torture sheet = tortureSheet(name, fabric, 17, 17, 0.1, 0.1);
   setStrategy(sheet.scene, Strategy::Amrc, levels);

@@ -16,13 +16,6 @@ constexpr double kSize = 0.2;
 constexpr int kParticles = 17;
 constexpr double kCell = kSize / (kParticles - 1);
 
-std::string lightFabric() {
-  LinearFabric linear;
-  linear.rigidity = 1e-5;
-  linear.compression = 0.1;
-  return writeFabric(linear);
-}
-
 /// A sheet on an AMRC mesh, held along all sides.
 Torture heldSheet(const std::string& name, const std::string& fabric) {
   Torture sheet = tortureSheet(name, fabric, kParticles, kParticles, kSize, kSize);

@@ -291,6 +291,13 @@ double tortureLength(const char* variable, double short_form) {
   return length == nullptr ? short_form : std::strtod(length, nullptr);
 }
 
+std::string lightFabric() {
+  LinearFabric linear;
+  linear.rigidity = 1e-5;
+  linear.compression = 0.1;
+  return writeFabric(linear);
+}
+
 ProbeOptions gripper(double length, double coupling_stiffness) {
   ProbeOptions probe;
   probe.radius = 0.004;

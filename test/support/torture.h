@@ -54,6 +54,10 @@ struct TortureResult {
 
 /// A fabric with linear laws as a file that outlives the program's scenes. @return its path
 std::string writeFabric(const LinearFabric& linear);
+
+/// writeFabric() of a fabric that hardly resists compression and bends, 10 μN·m.
+std::string lightFabric();
+
 std::string shippedFabric(const std::string& name);
 
 /// A sheet as sheetScene() has it, with its fabric's file.
