@@ -41,7 +41,7 @@ class VectorsOnly : public Objective {
   }
   Along along(const Vector&) override { return {1.0, 1e300}; }
   void fitPreconditioner() override {}
-  void precondition(const Vector&, Vector& z) const override {
+  void precondition(const Vector&, Vector& z) override {
     if (calls_ == 1) z.head(size()).setConstant(kAway);
   }
   double residual(const Vector& gradient) const override { return cloth_.residual(gradient); }

@@ -4,12 +4,12 @@
 namespace haptic_cloth {
 
 enum class Cost { Condensed, Joint };
-enum class Preconditioner { None, Jacobi };
+enum class Preconditioner { None, Jacobi, Multilevel };
 enum class Strategy { Finest, Coarsest, Refine, Coarsen, Amrc };
 
 /// When the minimizer stops, and what it may cost.
 struct MinimizerOptions {
-  Preconditioner preconditioner = Preconditioner::Jacobi;
+  Preconditioner preconditioner = Preconditioner::Multilevel;
   double tolerance =
       0.1;  ///< stop when rms_m(|∇Φ|/m) <= tolerance · |gravity| (9.80665 m/s² where there is none)  [-]
   int max_iterations = 200;  ///< [-]

@@ -121,6 +121,25 @@ void ContactSet::addDiagonal(Field& diagonal) const {
   }
 }
 
+void ContactSet::addSprings(int probe, Blocks& blocks) const {
+  for (const Group& group : groups_) {
+    const bool wanted = probe == kObstacles ? !isProbe(group.solid) : group.solid == obstacles_ + probe;
+    if (!wanted) continue;
+    for (int k = kLanes * group.begin; k < kLanes * group.end; ++k) {
+      const SamplePack& pack = packs_[k / kLanes];
+      const double normal_stiffness = pack.normal_stiffness[k % kLanes],
+                   tangent_stiffness = pack.tangent_stiffness[k % kLanes];
+      if (normal_stiffness == 0.0 && tangent_stiffness == 0.0) continue;
+      const ContactSample& sample = samples_[k];
+      const Block own = normal_stiffness * square(normal(k)) + isotropic(tangent_stiffness) -
+                        tangent_stiffness * square(sample.start_normal);
+      for (int c = 0; c < 4; ++c) {
+        if (sample.weights[c] > 0.0) blocks[sample.nodes[c]] += sample.weights[c] * own;
+      }
+    }
+  }
+}
+
 /// Over a probe's samples.
 template <class Value>
 Vec3 ContactSet::sumOf(int probe, const Value& value) const {

@@ -8,6 +8,7 @@
 #include "contact/sample_packs.h"
 #include "contact/shape.h"
 #include "mesh/active_mesh.h"
+#include "mesh/block.h"
 #include "mesh/field.h"
 #include "parallel/runs.h"
 
@@ -98,6 +99,11 @@ class ContactSet {
   /// Adds the energy gradient [N] at nodes begin..end, and the diagonal of H⁺ [N/m] at all nodes.
   void addGradient(int begin, int end, Field& gradient) const;
   void addDiagonal(Field& diagonal) const;
+
+  /// Adds the stiffness of all samples of a probe, or of the obstacles, to their nodes, to each its share
+  /// [N/m].
+  void addSprings(int probe, Blocks& blocks) const;
+  static constexpr int kObstacles = -1;
 
   /// Leaves in the slots how the gradient changes along d from `nodes`, the last evaluated point, exactly:
   /// the solids' curvature included. addChange() and proxyChange() then give it.

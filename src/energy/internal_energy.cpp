@@ -211,35 +211,45 @@ double InternalEnergy::curvature(int begin, int end, const Field& d) const {
   return sum;
 }
 
-void InternalEnergy::addDiagonal(Field& diagonal) const {
+template <class Visit>
+void InternalEnergy::forBlocks(const Visit& visit) const {
   for (int e = 0; e < edge_count_; ++e) {
     const int place = gather_.edges().place(e), l = place % kLanes;
     const EdgePack& pack = edge_packs_[place / kLanes];
-    const Vec3 axis = Vec3(pack.axis_x[l], pack.axis_y[l], pack.axis_z[l]).cwiseAbs2();
-    const Vec3 value = pack.along[l] * axis + pack.across[l] * (Vec3::Ones() - axis);
-    diagonal.add(mesh_.edges[e].a, value);
-    diagonal.add(mesh_.edges[e].b, value);
+    const Block axis = square({pack.axis_x[l], pack.axis_y[l], pack.axis_z[l]});
+    const Block value = isotropic(pack.across[l]) + (pack.along[l] - pack.across[l]) * axis;
+    visit(mesh_.edges[e].a, value);
+    visit(mesh_.edges[e].b, value);
   }
   for (int k = 0; k < triple_count_; ++k) {
     const Triple& t = mesh_.triples[k];
     const int place = gather_.triples().place(k);
-    const Vec3 value = triple_packs_[place / kLanes].stiffness[place % kLanes] * normal(t.c).cwiseAbs2();
-    diagonal.add(t.l, t.left * t.left * value);
-    diagonal.add(t.r, t.right * t.right * value);
-    diagonal.add(t.c, (t.left + t.right) * (t.left + t.right) * value);
+    const Block value = triple_packs_[place / kLanes].stiffness[place % kLanes] * square(normal(t.c));
+    visit(t.l, t.left * t.left * value);
+    visit(t.r, t.right * t.right * value);
+    visit(t.c, (t.left + t.right) * (t.left + t.right) * value);
   }
   for (int k = 0; k < patch_count_; ++k) {
     const PatchPack& pack = patch_packs_[k / kLanes];
     const int l = k % kLanes;
     const auto& n = mesh_.patches[k].nodes;
-    const Vec3 rising = Vec3(pack.rising_x[l], pack.rising_y[l], pack.rising_z[l]).cwiseAbs2();
-    const Vec3 falling = Vec3(pack.falling_x[l], pack.falling_y[l], pack.falling_z[l]).cwiseAbs2();
-    for (const int node : {n[0], n[3]}) diagonal.add(node, pack.stiffness[l] * rising);
-    for (const int node : {n[1], n[2]}) diagonal.add(node, pack.stiffness[l] * falling);
+    const Block rising = pack.stiffness[l] * square({pack.rising_x[l], pack.rising_y[l], pack.rising_z[l]}),
+                falling =
+                    pack.stiffness[l] * square({pack.falling_x[l], pack.falling_y[l], pack.falling_z[l]});
+    for (const int node : {n[0], n[3]}) visit(node, rising);
+    for (const int node : {n[1], n[2]}) visit(node, falling);
     if (!(twist_rigidity_ > 0.0)) continue;
-    const double twist = twistStiffness(twist_rigidity_, mesh_.patches[k].area);
-    for (const int node : n) diagonal.add(node, twist * patchNormal(k).cwiseAbs2());
+    const Block twist = twistStiffness(twist_rigidity_, mesh_.patches[k].area) * square(patchNormal(k));
+    for (const int node : n) visit(node, twist);
   }
+}
+
+void InternalEnergy::addDiagonal(Field& diagonal) const {
+  forBlocks([&](int node, const Block& block) { diagonal.add(node, block.head<3>()); });
+}
+
+void InternalEnergy::addBlocks(Blocks& blocks) const {
+  forBlocks([&](int node, const Block& block) { blocks[node] += block; });
 }
 
 }  // namespace haptic_cloth

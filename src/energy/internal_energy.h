@@ -8,6 +8,7 @@
 #include "energy/packs.h"
 #include "haptic_cloth/fabric.h"
 #include "mesh/active_mesh.h"
+#include "mesh/block.h"
 #include "mesh/node_gather.h"
 #include "parallel/runs.h"
 
@@ -90,6 +91,9 @@ class InternalEnergy {
   /// Diagonal of H⁺ [N/m] at all nodes, added to `diagonal`, from the last evaluation.
   void addDiagonal(Field& diagonal) const;
 
+  /// The same with what couples a node's coordinates.
+  void addBlocks(Blocks& blocks) const;
+
   /// For display, at positions `x`: largest |ε| of the edges, and values of one element.
   double maxStrain(const Field& x) const;
   double tension(int edge, const Field& x) const;           ///< [N/m]
@@ -139,6 +143,10 @@ class InternalEnergy {
   /// Calls edge(e), triple(t), patch(k) for elements begin..end.
   template <class OnEdge, class OnTriple, class OnPatch>
   void forEach(int begin, int end, OnEdge edge, OnTriple triple, OnPatch patch) const;
+
+  /// Calls visit(node, block) for each block of H⁺ that an element has at one of its nodes [N/m].
+  template <class Visit>
+  void forBlocks(const Visit& visit) const;
 
   const ActiveMesh& mesh_;
   std::array<Loop, 2> stretch_, bend_;

@@ -40,6 +40,9 @@ ClothObjective::ClothObjective(const Scene& scene, const ActiveMesh& mesh, Inter
   awake_nodes_.reserve(mesh.grid.particles() / kLanes + 1);
   for (auto* list : {&mass_, &moving_mass_}) list->reserve(padded(mesh.grid.particles()));
   inverse_diagonal_.setZero(capacity());
+  proxy_unknowns_.reserve(probes_.size());
+  if (preconditioner_ == Preconditioner::Multilevel)
+    multilevel_.emplace(mesh_, static_cast<int>(probes_.size()), team_);
   residual_weight_.setZero(capacity());
 }
 
@@ -332,7 +335,14 @@ double ClothObjective::curvature(bool whole_way) {
   return value;
 }
 
+void ClothObjective::fitMultilevel() {
+  proxy_unknowns_.clear();
+  forPresent([this](int k) { proxy_unknowns_.push_back({k, proxyAt(probes_[k]), couplingStiffness(k)}); });
+  multilevel_->fit(internal_, contacts_, inertia(), awake_, held_, proxy_unknowns_);
+}
+
 void ClothObjective::fitPreconditioner() {
+  if (multilevel_) return fitMultilevel();
   diagonal_.fill(0.0);
   if (preconditioner_ == Preconditioner::Jacobi) {
     internal_.addDiagonal(diagonal_);
@@ -358,7 +368,8 @@ void ClothObjective::fitPreconditioner() {
   packFree(diagonal_, inverse_diagonal_);
 }
 
-void ClothObjective::precondition(const Vector& gradient, Vector& z) const {
+void ClothObjective::precondition(const Vector& gradient, Vector& z) {
+  if (multilevel_) return multilevel_->apply(gradient, z);
   z.head(size()) = inverse_diagonal_.head(size()).cwiseProduct(gradient.head(size()));
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "contact/contact_set.h"
@@ -11,7 +12,9 @@
 #include "mesh/active_mesh.h"
 #include "parallel/parallel_for.h"
 #include "parallel/runs.h"
+#include "sim/held_node.h"
 #include "sim/motion.h"
+#include "sim/multilevel_preconditioner.h"
 #include "sim/rest.h"
 #include "solver/objective.h"
 
@@ -26,12 +29,6 @@ struct ProbeStep {
   Vec3 proxy = Vec3::Zero();            ///< where the proxy is at the start of the step [m]
 
   void serialize(Archive& archive);
-};
-
-/// A node that moves with a probe's proxy.
-struct HeldNode {
-  int node, probe;
-  Vec3 offset;  ///< from the proxy [m]
 };
 
 using Proxies = std::vector<Vec3>;  ///< a position or way for each probe of the scene [m]
@@ -83,7 +80,12 @@ class ClothObjective : public Objective {
   /// d · H⁺ d at the last evaluated point, friction as it is over all of d.
   double curvatureOfWay(const Vector& d);
   void fitPreconditioner() override;
-  void precondition(const Vector& gradient, Vector& z) const override;
+
+  /// After a change of the mesh.
+  void resize() {
+    if (multilevel_) multilevel_->resize();
+  }
+  void precondition(const Vector& gradient, Vector& z) override;
   double residual(const Vector& gradient) const override;
 
   /// Unknowns from node values and proxies as begin() has them, for its mesh.
@@ -145,6 +147,7 @@ class ClothObjective : public Objective {
   void forPresent(const Visit& visit) const;
   Vec3 slip(int probe) const;
   void placeProbes();
+  void fitMultilevel();
   double evaluateProbes(Vector& gradient);
   void spread();
   void listAwake();
@@ -176,6 +179,8 @@ class ClothObjective : public Objective {
   Proxies proxies_, proxy_motions_, hold_forces_;
   Sums energies_ = Sums::Zero();
   Vector inverse_diagonal_, residual_weight_;
+  std::optional<MultilevelPreconditioner> multilevel_;
+  std::vector<ProxyUnknown> proxy_unknowns_;
 };
 
 }  // namespace haptic_cloth

@@ -30,6 +30,7 @@ void ClothWorld::serializeCloth(Archive& archive) {
   if (archive.loads()) {
     mesh.rebuild(leaves);
     internal.resize();
+    objective.resize();
     gatherNodes();
     internal.setNormals(nodes_);
   }

@@ -235,6 +235,7 @@ void ClothWorld::adapt(StepReport& report) {
   for (const Cell& cell : adaptation_.merged()) rest_.disturb(grid, cell);
   for (const Cell& cell : adaptation_.split()) rest_.disturb(grid, cell);
   internal.resize();
+  objective.resize();
   gatherNodes();
   internal.setNormals(nodes_);
   if (history_) {

@@ -169,7 +169,7 @@ void JointObjective::fitPreconditioner() {
   stiffness_.fill(0.0);
   elements_.diagonal(weight_, diagonal_, stiffness_, by_force.data());
   by_force = by_force.cwiseInverse();
-  if (step_.preconditioner() == Preconditioner::Jacobi) {
+  if (step_.preconditioner() != Preconditioner::None) {
     contacts_.addDiagonal(stiffness_);
   } else {  // forces keep theirs: they have a unit of their own
     diagonal_.fill(0.0);
@@ -195,7 +195,7 @@ void JointObjective::fitPreconditioner() {
   step_.packFree(diagonal_, inverse_diagonal_);
 }
 
-void JointObjective::precondition(const Vector& gradient, Vector& z) const {
+void JointObjective::precondition(const Vector& gradient, Vector& z) {
   z.head(size()) = inverse_diagonal_.head(size()).cwiseProduct(gradient.head(size()));
 }
 

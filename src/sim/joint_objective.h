@@ -30,7 +30,7 @@ class JointObjective : public Objective {
   double evaluate(const Vector& x, Vector& gradient) override;
   Along along(const Vector& d) override;
   void fitPreconditioner() override;
-  void precondition(const Vector& gradient, Vector& z) const override;
+  void precondition(const Vector& gradient, Vector& z) override;
 
   /// The condensed residual of a state with the same cost: tolerances mean the same for both.
   double residual(const Vector& gradient) const override;

@@ -15,7 +15,9 @@ using Names = std::vector<std::pair<std::string, Choice>>;
 inline Names<Cost> costNames() { return {{"condensed", Cost::Condensed}, {"joint", Cost::Joint}}; }
 
 inline Names<Preconditioner> preconditionerNames() {
-  return {{"jacobi", Preconditioner::Jacobi}, {"none", Preconditioner::None}};
+  return {{"multilevel", Preconditioner::Multilevel},
+          {"jacobi", Preconditioner::Jacobi},
+          {"none", Preconditioner::None}};
 }
 
 inline Names<Strategy> strategyNames() {

@@ -31,7 +31,7 @@ class Objective {
   virtual void fitPreconditioner() = 0;
 
   /// z = P g.
-  virtual void precondition(const Vector& gradient, Vector& z) const = 0;
+  virtual void precondition(const Vector& gradient, Vector& z) = 0;
 
   /// Norm of a gradient that the tolerance is compared with.
   virtual double residual(const Vector& gradient) const = 0;

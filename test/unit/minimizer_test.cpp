@@ -43,7 +43,7 @@ class Problem : public Objective {
     return {c, max_step};
   }
   void fitPreconditioner() override {}
-  void precondition(const Vector& g, Vector& z) const override { z.head(n_) = g.head(n_); }
+  void precondition(const Vector& g, Vector& z) override { z.head(n_) = g.head(n_); }
   double residual(const Vector& g) const override { return g.head(n_).norm(); }
   double stiffness(int k) const { return std::pow(10.0, 4.0 * k / (n_ - 1)); }
 

@@ -250,7 +250,7 @@ TEST(Scene, WrongTypesAreNamed) {
        {ok + "solver: {threads: \"2\"}", "scene: solver.threads = \"2\": must be an integer"},
        {ok + "solver: {cost: split}", "scene: solver.cost = split: must be one of condensed, joint"},
        {ok + "solver: {preconditioner: ilu}",
-        "scene: solver.preconditioner = ilu: must be one of jacobi, none"},
+        "scene: solver.preconditioner = ilu: must be one of multilevel, jacobi, none"},
        {ok + "adapt: {strategy: fine}",
         "scene: adapt.strategy = fine: must be one of finest, coarsest, refine, coarsen, amrc"},
        {ok + "probe: {path: [[0, 0, 0]]}", "scene: probe.path[0] = [0, 0, 0]: must be a list of 4 numbers"},

@@ -1,0 +1,55 @@
+/// Symmetric 3 x 3 matrices at nodes: what preconditioners are made of.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "haptic_cloth/types.h"
+
+namespace haptic_cloth {
+
+/// Entries xx, yy, zz, yz, xz, xy.
+using Block = Eigen::Matrix<double, 6, 1>;
+using Blocks = std::vector<Block>;
+
+/// a aᵀ
+inline Block square(const Vec3& a) {
+  Block block;
+  block << a.x() * a.x(), a.y() * a.y(), a.z() * a.z(), a.y() * a.z(), a.x() * a.z(), a.x() * a.y();
+  return block;
+}
+
+/// value times the unit matrix
+inline Block isotropic(double value) {
+  Block block;
+  block << value, value, value, 0.0, 0.0, 0.0;
+  return block;
+}
+
+inline Mat3 matrix(const Block& m) {
+  return (Mat3() << m[0], m[5], m[4], m[5], m[1], m[3], m[4], m[3], m[2]).finished();
+}
+
+/// @pre symmetric
+inline Block block(const Mat3& m) {
+  Block entries;
+  entries << m(0, 0), m(1, 1), m(2, 2), m(1, 2), m(0, 2), m(0, 1);
+  return entries;
+}
+
+inline Vec3 product(const Block& m, const Vec3& v) {
+  return {m[0] * v.x() + m[5] * v.y() + m[4] * v.z(), m[5] * v.x() + m[1] * v.y() + m[3] * v.z(),
+          m[4] * v.x() + m[3] * v.y() + m[2] * v.z()};
+}
+
+/// Zero where the matrix is not positive definite.
+inline Block inverse(const Block& m) {
+  Block cofactors;
+  cofactors << m[1] * m[2] - m[3] * m[3], m[0] * m[2] - m[4] * m[4], m[0] * m[1] - m[5] * m[5],
+      m[4] * m[5] - m[0] * m[3], m[3] * m[5] - m[1] * m[4], m[3] * m[4] - m[2] * m[5];
+  const double determinant = m[0] * cofactors[0] + m[5] * cofactors[5] + m[4] * cofactors[4];
+  const bool definite = m[0] > 0.0 && cofactors[2] > 0.0 && determinant > 0.0;
+  return definite ? Block(cofactors / determinant) : Block(Block::Zero());
+}
+
+}  // namespace haptic_cloth
