@@ -1,0 +1,163 @@
+// The multilevel preconditioner and the hats it is made of.
+// Criteria: that children lie at the mean of their parents and give all of their entries to them is the
+// definition; symmetry and the exact inverse of one free node's block hold to round-off; the condition number
+// grows at most as the square of the number of levels, so the iterations as that number [Bramble, Pasciak &
+// Xu, Parallel multilevel preconditioners, Math. Comp. 55 (1990)]; those of Jacobi's grow as the particles
+// along a side [Saad, Iterative Methods for Sparse Linear Systems, 2003].
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "haptic_cloth/simulation.h"
+#include "mesh/hat_levels.h"
+#include "support/pressed_sheet.h"
+#include "support/tolerance.h"
+
+namespace haptic_cloth {
+namespace {
+
+class Hats : public ObjectiveTest {};
+class MultilevelTest : public ObjectiveTest {};
+
+TEST_F(Hats, ChildrenLieBetweenTheirParents) {
+  const HatLevels hats(mesh_);
+  const auto place = [&](int node) {
+    return Vec3(grid_.column(mesh_.particle[node]), grid_.row(mesh_.particle[node]), 0.0);
+  };
+  std::vector<int> times(hats.points(), 0);
+  for (const HatLevels::Level& level : hats.levels()) {
+    for (int k = level.children; k < level.children_end; ++k) {
+      const HatLevels::Child& child = hats.children()[k];
+      ++times[child.point];
+      Vec3 mean = Vec3::Zero();
+      for (const int parent : child.parents) {
+        ASSERT_LT(parent, mesh_.nodes()) << "16 cells have no points past their end";
+        mean += 0.25 * place(parent);
+      }
+      EXPECT_EQ(mean, place(child.point));
+    }
+  }
+  const int span = 1 << hats.levels().size();
+  for (int n = 0; n < mesh_.nodes(); ++n) {
+    const bool on_last =
+        grid_.column(mesh_.particle[n]) % span == 0 && grid_.row(mesh_.particle[n]) % span == 0;
+    EXPECT_EQ(times[n], on_last ? 0 : 1) << n;
+  }
+}
+
+TEST(HatLevelsTest, ChildrenGiveAllToTheirParents) {
+  // 19 and 5 cells: lattices end past the cloth.
+  const Grid grid{20, 6, 0, 0.01, 0.01};
+  const LeafMesh leaves(grid, {}, 0);
+  const ActiveMesh mesh(leaves, 0.1);
+  const HatLevels hats(mesh);
+  EXPECT_GT(hats.points(), mesh.nodes());
+  std::vector<double> values(hats.points(), 0.0);
+  for (int n = 0; n < mesh.nodes(); ++n) values[n] = 1.0 + n;
+  const double total = 0.5 * mesh.nodes() * (mesh.nodes() + 1);
+  for (const HatLevels::Level& level : hats.levels()) {
+    double children = 0.0, given = 0.0, shares = 0.0;
+    for (int k = level.children; k < level.children_end; ++k) children += values[hats.children()[k].point];
+    for (int hat = level.hats; hat < level.hats_end; ++hat) {
+      const double part = hats.sumOfChildren(hat, values);
+      given += part;
+      shares += hats.shares(hat);
+      values[hats.hats()[hat]] += part;
+    }
+    for (int k = level.children; k < level.children_end; ++k) values[hats.children()[k].point] = 0.0;
+    EXPECT_NEAR(given, children, tolerance(1e-12) * total);
+    EXPECT_EQ(shares, level.children_end - level.children);
+  }
+  double left = 0.0;
+  for (const double value : values) left += value;
+  EXPECT_NEAR(left, total, tolerance(1e-12) * total);
+}
+
+TEST_F(MultilevelTest, IsSymmetricAndPositive) {
+  const int n = objective_.size();
+  Vector gradient = Vector::Zero(objective_.capacity()), a = gradient, b = gradient, pa = gradient,
+         pb = gradient;
+  objective_.evaluate(start_, gradient);
+  ASSERT_TRUE(contacts_.probeTouched(0));
+  objective_.fitPreconditioner();
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    a.head(n) = fixedRandom(n, seed);
+    b.head(n) = fixedRandom(n, 100 + seed);
+    objective_.precondition(a, pa);
+    objective_.precondition(b, pb);
+    const double scale = std::sqrt(a.head(n).dot(pa.head(n)) * b.head(n).dot(pb.head(n)));
+    EXPECT_GT(a.head(n).dot(pa.head(n)), 0.0);
+    EXPECT_NEAR(a.head(n).dot(pb.head(n)), b.head(n).dot(pa.head(n)), tolerance(1e-12) * scale);
+  }
+}
+
+TEST(Multilevel, InvertsTheBlockOfASingleFreeNode) {
+  // H P g = g, so P g · H P g = P g · g; the other nodes are pinned, so nothing else moves.
+  LinearFabric linear;
+  linear.rigidity = 1e-5;
+  Scene scene = sheetScene(makeFabric(linear), 3, 3, 0.02, 0.03);
+  pinAllSides(scene);
+  const Grid grid{3, 3, 0, 0.01, 0.015};
+  const LeafMesh leaves(grid, scene.cloth.pins, 0);
+  const ActiveMesh mesh(leaves, scene.cloth.fabric.areal_density);
+  ASSERT_EQ(mesh.free, 1);
+  InternalEnergy internal(scene.cloth.fabric, mesh);
+  ContactSet contacts(grid, {}, {}, {5e-4, 1e-3, 1e-3});
+  Team team(1);
+  scene.probes.clear();
+  ClothObjective objective(scene, mesh, internal, contacts, team);
+  Field nodes, velocities;
+  for (Field* field : {&nodes, &velocities}) field->clear(mesh.nodes());
+  for (int n = 0; n < mesh.nodes(); ++n) {
+    nodes.set(n, Vec3(0.01 * grid.column(mesh.particle[n]), 0.015 * grid.row(mesh.particle[n]), 0.0));
+  }
+  nodes.add(0, Vec3(1e-3, 5e-4, 2e-3));  // stretched, sheared and bent
+  internal.setNormals(nodes);
+  contacts.collect(mesh, nodes, std::vector<double>(mesh.nodes(), 1e-3), {});
+  objective.begin(nodes, velocities, {});
+  Vector x = Vector::Zero(objective.capacity()), gradient = x, z = x;
+  objective.pack(nodes, x);
+  objective.evaluate(x, gradient);
+  objective.fitPreconditioner();
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    gradient = fixedRandom(3, seed);
+    objective.precondition(gradient, z);
+    EXPECT_NEAR(objective.along(z).curvature, z.dot(gradient), tolerance(1e-12) * z.dot(gradient));
+  }
+}
+
+/// Iterations of one long step of a cloth that hangs from its upper edge: next to no inertia, so that all of
+/// it must find its place at once.
+int iterations(Preconditioner preconditioner, int particles) {
+  LinearFabric isotropic;  // coarsening both ways alike suits what is as stiff in shear as in tension
+  isotropic.shear_modulus = 0.5 * isotropic.stiffness;
+  Scene scene = sheetScene(makeFabric(isotropic), particles, particles, 0.2, 0.2);
+  hangDown(scene);
+  pin(scene, 0, 0, 0, particles - 1);
+  scene.gravity *= 1e-3;  // next to linear
+  scene.solver.time_step = 0.05;
+  scene.solver.minimizer.preconditioner = preconditioner;
+  scene.solver.minimizer.tolerance = 1e-4;
+  scene.solver.minimizer.max_iterations = 5000;
+  Simulation simulation(scene);
+  const StepReport report = simulation.step();
+  EXPECT_EQ(report.minimizer.why, Termination::Converged);
+  return report.minimizer.iterations;
+}
+
+TEST(Multilevel, IterationsDoNotGrowWithTheParticles) {
+  const int coarse = iterations(Preconditioner::Multilevel, 17),
+            fine = iterations(Preconditioner::Multilevel, 65);
+  const int jacobi_coarse = iterations(Preconditioner::Jacobi, 17),
+            jacobi_fine = iterations(Preconditioner::Jacobi, 65);
+  RecordProperty("iterations", std::to_string(coarse) + " " + std::to_string(fine) + " " +
+                                   std::to_string(jacobi_coarse) + " " + std::to_string(jacobi_fine));
+  std::printf("  iterations at 17 and 65 particles a side: multilevel %d, %d; Jacobi %d, %d\n", coarse, fine,
+              jacobi_coarse, jacobi_fine);
+  // Three levels and five; four times as many particles along a side.
+  EXPECT_LT(fine, tolerance(5.0 / 3.0) * coarse);
+  EXPECT_GT(jacobi_fine, 3.0 * jacobi_coarse);
+}
+
+}  // namespace
+}  // namespace haptic_cloth
