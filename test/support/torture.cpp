@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iomanip>
 #include <iostream>
+#include <optional>
 #include <sstream>
 
 #include "support/scene_text.h"
@@ -91,6 +92,8 @@ class Run {
     sagged_ = weight_ * scene.adapt.coarsen_below / 8.0 * coarsest;
     ways_.resize(scene.probes.size());
     show();
+    began_ = shown_;
+    inputs_ = inputs();
   }
 
   TortureResult run() {
@@ -101,6 +104,8 @@ class Run {
       if (probe.present) result_.left = std::max(result_.left, (probe.proxy - probe.device).norm());
     }
     result_.hash = hashOf(world_);
+    result_.given_back =
+        2.0 * std::sqrt(2.0 * storedAt(result_.strain) / world_.scene.cloth.fabric.areal_density);
     return result_;
   }
 
@@ -119,10 +124,48 @@ class Run {
     result_.finite = isFinite(world_);
     result_.strain = std::max(result_.strain, world_.internal.maxStrain(world_.nodes()));
     result_.speed = std::max(result_.speed, world_.maxSpeed());
+    noteMotion();
     result_.penetration = std::max(result_.penetration, report.max_penetration);
     balance(report);
     note();
     if (wanted_.after) wanted_.after(world_, result_.steps - 1);
+  }
+
+  /// Per area, at ± strain along warp and weft [J/m²].
+  double storedAt(double strain) const {
+    double sum = 0.0;
+    for (const Loop& law : world_.scene.cloth.fabric.tensile) {
+      const Curve& curve = law.upper();
+      const double none = curve(0.0).potential;
+      sum += std::max(curve(strain).potential, curve(-strain).potential) - none;
+    }
+    return sum;
+  }
+
+  /// Where devices and obstacles are; nothing for a device that is not there.
+  std::vector<std::optional<Vec3>> inputs() const {
+    std::vector<std::optional<Vec3>> places;
+    for (const ProbeReport& probe : world_.probes)
+      places.push_back(probe.present ? std::optional(probe.device) : std::nullopt);
+    for (std::size_t k = 0; k < world_.scene.obstacles.size(); ++k)
+      places.emplace_back(world_.contacts.obstacle(static_cast<int>(k)).position());
+    return places;
+  }
+
+  /// How fast the inputs were in the step, but for jumps, and how far the cloth has sunk.
+  void noteMotion() {
+    const double h = world_.scene.solver.time_step, g = world_.scene.gravity.norm();
+    const std::vector<std::optional<Vec3>> now = inputs();
+    for (std::size_t k = 0; k < now.size(); ++k) {
+      if (!now[k] || !inputs_[k]) continue;
+      const double way = (*now[k] - *inputs_[k]).norm();
+      if (!isJump(way, h)) result_.driven = std::max(result_.driven, way / h);
+    }
+    inputs_ = now;
+    for (const int p : world_.mesh.particle) {
+      const double sunk = (world_.state.position[p] - began_[p]).dot(world_.scene.gravity);
+      if (g > 0.0) result_.sunk = std::max(result_.sunk, sunk / g);
+    }
   }
 
   /// Energy less work is what the cloth began with less what was dissipated: it may only fall. The rise and
@@ -191,7 +234,8 @@ class Run {
   TortureResult result_;
   double stored_ = 1e300, sagged_ = 0.0;  // energy of the fabric before a step, what a merge may lift [J]
   double weight_ = 0.0, work_before_ = 0.0, most_dissipated_ = 0.0, allowed_ = 0.0;
-  std::vector<Vec3> shown_, shown_before_;
+  std::vector<Vec3> shown_, shown_before_, began_;
+  std::vector<std::optional<Vec3>> inputs_;  ///< at the end of the last step
   std::vector<std::vector<PathPoint>> ways_;
   std::string rows_;
 };
@@ -207,7 +251,7 @@ void judge(const Torture& wanted, const TortureResult& result) {
        "-");
   keep("made by a mesh change / stored", result.created, limits.created, "-");
   keep("largest strain", result.strain, limits.strain, "-");
-  keep("fastest particle", result.speed, limits.speed, "m/s");
+  keep("fastest particle", result.speed, speedLimit(result, wanted.scene) + limits.thrown, "m/s");
   keep("failed steps", static_cast<double>(result.failed), limits.failed, "");
   std::cout << "  " << wanted.name << ": " << result.steps << " steps, " << result.cut << " cut short, gain "
             << result.gain << " J of " << result.energy << " J (allowed " << result.allowed << " J), force "
@@ -229,6 +273,10 @@ std::string writeFabric(const LinearFabric& linear) {
   writeText(partial, text.str());
   fs::rename(partial, name.str());
   return name.str();
+}
+
+double speedLimit(const TortureResult& result, const Scene& scene) {
+  return 2.0 * result.driven + std::sqrt(2.0 * scene.gravity.norm() * result.sunk) + result.given_back;
 }
 
 std::string shippedFabric(const std::string& name) {

@@ -19,9 +19,13 @@ namespace haptic_cloth {
 /// A change of the mesh makes energy at once, and motion gives it back later: it is allowed, too, but no more
 /// than the fabric stored before, for a split leaves all curvature to half of the particles, twice as large,
 /// and the whole cloth lifted by the sagitta of a merge, coarsen_below/8 of the coarsest spacing.
+/// Speed: a particle is set in motion by what devices and obstacles do, twice their speed where something
+/// heavy hits something light without loss; by its fall, √(2 g · way it sank); and by what the fabric gives
+/// back, no more than it stores at the largest strain of the run: ρ v²/2 = w_warp + w_weft, twice that at a
+/// free edge, where a wave is thrown back, or where one quarter gets it all. speedLimit() is the sum.
 struct TortureLimits {
   double strain = 1.0;   ///< largest |strain| of an edge in the whole run [-]
-  double speed = 100.0;  ///< of the fastest particle [m/s]
+  double thrown = 0.0;   ///< speed by what is not named above [m/s]
   double created = 1.0;  ///< energy that one change of the mesh makes, over what the fabric stored before [-]
   int failed = 0;        ///< steps whose state had to be restored
 };
@@ -42,6 +46,9 @@ struct TortureResult {
   long steps = 0, failed = 0, cut = 0;  ///< cut: steps that ended short of their tolerance
   bool finite = true;
   double strain = 0.0, speed = 0.0;
+  double driven = 0.0;       ///< fastest device or obstacle [m/s]
+  double sunk = 0.0;         ///< farthest that a particle got along gravity from where it began [m]
+  double given_back = 0.0;   ///< speed by what the fabric stores at the largest strain [m/s]
   double force = 0.0;        ///< largest on a probe [N]
   double penetration = 0.0;  ///< [m]
   double energy = 0.0;       ///< turned over: cloth lifted by its size, work of probes and obstacles [J]
@@ -51,6 +58,9 @@ struct TortureResult {
   double left = 0.0;     ///< distance of the proxies from their devices at the end [m]
   std::uint64_t hash = 0;
 };
+
+/// Largest speed that the run's own inputs explain, see TortureLimits [m/s].
+double speedLimit(const TortureResult& result, const Scene& scene);
 
 /// A fabric with linear laws as a file that outlives the program's scenes. @return its path
 std::string writeFabric(const LinearFabric& linear);
