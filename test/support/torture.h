@@ -20,12 +20,13 @@ namespace haptic_cloth {
 /// than the fabric stored before, for a split leaves all curvature to half of the particles, twice as large,
 /// and the whole cloth lifted by the sagitta of a merge, coarsen_below/8 of the coarsest spacing.
 /// Speed: a particle is set in motion by what devices and obstacles do, twice their speed where something
-/// heavy hits something light without loss; by its fall, √(2 g · way it sank); and by what the fabric gives
-/// back, no more than it stores at the largest strain of the run: ρ v²/2 = w_warp + w_weft, twice that at a
-/// free edge, where a wave is thrown back, or where one quarter gets it all. speedLimit() is the sum.
-/// Strain: where a case says nothing nearer, that of the threads which carry all that pulls, forces of the
-/// probes and twice the weight, as it is sudden; and that of cloth which moves as fast as inputs and fall
-/// explain, twice that at a held edge, and is stopped at once along its softer, compressed way:
+/// heavy hits something light without loss; by its fall, √(2 g · 2 · way it sank), since half of a chain may
+/// get what the other half has fallen, and its tip outruns free fall [Tomaszewski et al. 2006]; and by what
+/// the fabric gives back, no more than it stores at the largest strain of the run: ρ v²/2 = w_warp + w_weft,
+/// twice that at a free edge, where a wave is thrown back, or where one quarter gets it all. speedLimit() is
+/// the sum. Strain: where a case says nothing nearer, that of the threads which carry all that pulls, forces
+/// of the probes and twice the weight, as it is sudden; and that of cloth which moves as fast as inputs and
+/// fall explain, twice that at a held edge, and is stopped at once along its softer, compressed way:
 /// strainLimit() is the sum.
 /// Force: that on a probe is what its coupling can pull with, k · distance + b · speeds of both ends; and
 /// what the residual leaves on the proxy, which counts with the mass h² k + h b.

@@ -26,7 +26,7 @@ double leastStrain(const Reached& reached) {
 
 /// Of inputs and fall.
 double motionOf(const TortureResult& result, const Scene& scene) {
-  return 2.0 * result.driven + std::sqrt(2.0 * scene.gravity.norm() * result.sunk);
+  return 2.0 * result.driven + std::sqrt(4.0 * scene.gravity.norm() * result.sunk);
 }
 
 /// Of the cloth that carries what pulls at it [m]: a corner's threads, of half a cell each, where it is held

@@ -236,7 +236,9 @@ TEST(HapticLoop, StartsSoftly) {
   Vec3 force = Vec3::Zero();
   for (int i = 1; i <= 600; ++i) {
     const double now = 1.0 + i * kTick;
-    force = loop.tick(deviceAt(Vec3(0, 0, -1.0), now), contactAt(Vec3::Zero(), now), false, now);
+    ProbeSnapshot snapshot = contactAt(Vec3::Zero(), now);
+    snapshot.device = Vec3(0, 0, -1.0);
+    force = loop.tick(deviceAt(snapshot.device, now), snapshot, false, now);
     const double limit = options.max_force * std::min(1.0, i * kTick / options.soft_start);
     EXPECT_LE(force.norm(), limit + 1e-9) << "tick " << i;
   }
