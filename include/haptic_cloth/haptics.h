@@ -99,7 +99,8 @@ class HapticLoop {
 
   /// Force on the probe [N] in the cloth's frame for the newest pose at `now` (steady clock [s]).
   /// Always finite, at most max_force, changes by at most max_force_rate; ramps to exactly zero when an input
-  /// is stale, paused or not finite, or the device has jumped away from the cloth it felt. No contact in the snapshot: no force.
+  /// is stale, paused or not finite, or the device has jumped away from the cloth it felt. No contact in the
+  /// snapshot: no force.
   Vec3 tick(const DeviceSample& device, const ProbeSnapshot& snapshot, bool paused, double now);
 
   /// Other options from the next tick on. The force goes on from where it is, within max_force_rate.
