@@ -15,7 +15,7 @@ namespace haptic_cloth {
 struct ObstacleCounters {
   std::atomic<std::uint64_t> received{0}, not_finite{0}, unknown_frame{0};
   std::atomic<std::uint64_t> bad_quaternion{0};  ///< taken all the same, with the last good orientation
-  std::atomic<double> last_dropped{-1e30};  ///< steady clock [s]
+  std::atomic<double> last_dropped{-1e30};       ///< steady clock [s]
   std::uint64_t dropped() const { return not_finite + unknown_frame; }
 
   /// @param when steady clock [s]
