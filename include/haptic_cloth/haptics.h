@@ -22,7 +22,7 @@ struct ProbeSnapshot {
   Mat3 follow = Mat3::Zero();     ///< dProxy/dDevice, symmetric, 0: a wall, 1: nothing resists [-]
   Vec3 force = Vec3::Zero();      ///< on the probe at that solve [N]
   bool contact = false;
-  int cloth = 0;  ///< counts up where another takes its place, by a reset or a loaded state
+  int cloth = 0;  ///< counts up where the probe begins anew: by a jump, a reset or a loaded state
 };
 
 /// A device pose as received.
@@ -99,7 +99,8 @@ class HapticLoop {
 
   /// Force on the probe [N] in the cloth's frame for the newest pose at `now` (steady clock [s]).
   /// Always finite, at most max_force, changes by at most max_force_rate; ramps to exactly zero when an input
-  /// is stale, paused or not finite. No contact in the snapshot: no force.
+  /// is stale, paused or not finite, or the device has jumped away from the cloth it felt. No contact in the
+  /// snapshot: no force.
   Vec3 tick(const DeviceSample& device, const ProbeSnapshot& snapshot, bool paused, double now);
 
   /// Other options from the next tick on. The force goes on from where it is, within max_force_rate.

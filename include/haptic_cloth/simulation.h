@@ -32,7 +32,9 @@ class Simulation {
   /// there.
   void setDevice(const Vec3& position, const Vec3& velocity) { setDevice(0, {position, velocity}); }
 
-  /// The same for a probe of the scene by its number. A state that is not finite is ignored.
+  /// The same for a probe of the scene by its number. A state that is not finite is ignored. One that is
+  /// farther from the last than a hand gets (isJump()) is that of a probe which was removed and appears
+  /// there: open, and without touch until it has been clear of the cloth once.
   void setDevice(int probe, const DeviceState& device);
 
   /// Takes a probe out of the scene until its next setDevice().

@@ -31,6 +31,12 @@ bool isFinite(const ProbeSnapshot& snapshot) {
          snapshot.follow.allFinite();
 }
 
+/// The device is not where it was when the snapshot was solved for, nor can it have moved there: what that
+/// says of the cloth is of another place.
+bool hasJumped(const DeviceSample& device, const ProbeSnapshot& snapshot) {
+  return isJump((device.position - snapshot.device).norm(), device.received - snapshot.device_received);
+}
+
 HapticStatus judge(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot,
                    bool paused, double now) {
   if (paused) return HapticStatus::Paused;
@@ -38,7 +44,8 @@ HapticStatus judge(const HapticOptions& options, const DeviceSample& device, con
   if (!(now - device.received <= options.pose_timeout)) return HapticStatus::PoseStale;
   if (!isFinite(snapshot) || snapshot.taken < 0.0) return HapticStatus::NoSnapshot;
   if (!(now - snapshot.taken <= options.snapshot_timeout)) return HapticStatus::SnapshotStale;
-  return snapshot.contact ? HapticStatus::Contact : HapticStatus::Free;
+  if (!snapshot.contact) return HapticStatus::Free;
+  return hasJumped(device, snapshot) ? HapticStatus::NoSnapshot : HapticStatus::Contact;
 }
 
 void validateWorkspace(const AdmittanceOptions& tool, const std::string& origin) {
@@ -175,7 +182,8 @@ Vec3 HapticLoop::handedOver(const DeviceSample& device, const ProbeSnapshot& sna
     return handover_time_ > 0.0 ? std::clamp(1.0 - passed / handover_time_, 0.0, 1.0) : 0.0;
   };
   if (snapshot.taken != snapshot_.taken) {
-    const bool both = snapshot_.taken >= 0.0 && snapshot_.contact && isFinite(snapshot_);
+    const bool both =
+        snapshot_.taken >= 0.0 && snapshot_.contact && isFinite(snapshot_) && !hasJumped(device, snapshot_);
     const Vec3 before =
         both ? Vec3(couplingForce(options_, device, snapshot_) + remaining() * handover_) : force;
     handover_ = limited(before - force, options_.max_force);

@@ -6,7 +6,7 @@ namespace haptic_cloth {
 
 Vec3 VelocityFilter::update(const Vec3& position, double time) {
   const double dt = time - last_time_;
-  if (last_time_ < 0.0 || !(dt >= 0.0) || dt > gap_) {
+  if (last_time_ < 0.0 || !(dt >= 0.0) || dt > gap_ || isJump((position - last_position_).norm(), dt)) {
     velocity_.setZero();
   } else {
     // Exact response of τ v' = u - v to u = Δx/dt held over dt; its limit for dt → 0 is v + Δx/τ.

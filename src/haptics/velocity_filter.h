@@ -10,7 +10,7 @@ namespace haptic_cloth {
 class VelocityFilter {
  public:
   /// @param time_constant τ [s], > 0
-  /// @param gap a longer pause between samples starts anew from rest [s]
+  /// @param gap a longer pause between samples starts anew from rest, as a jump does [s]
   VelocityFilter(double time_constant, double gap) : time_constant_(time_constant), gap_(gap) {}
 
   /// The same as the constructor's, from the next sample on.

@@ -144,11 +144,11 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
   return status;
 }
 
-DiagnosticStatus obstacleStatus(const std::string& name, const ObstacleCounters& counters) {
+DiagnosticStatus obstacleStatus(const std::string& name, const ObstacleCounters& counters, double now) {
   DiagnosticStatus status;
   status.name = "haptic_cloth: obstacle " + name;
   const std::uint64_t dropped = counters.dropped();
-  if (dropped > 0) {
+  if (dropped > 0 && now - counters.last_dropped < kLately) {
     judge(status, DiagnosticStatus::WARN, std::to_string(dropped) + " poses dropped");
   } else {
     judge(status, DiagnosticStatus::OK, counters.received == 0 ? "no pose yet" : "receiving");

@@ -21,8 +21,9 @@ diagnostic_msgs::DiagnosticStatus probeStatus(const std::string& name, const Inp
                                               const FeltForce& felt, GraspState grasp, double now,
                                               const std::string& message = "pose");
 
-/// One obstacle that can be moved.
-diagnostic_msgs::DiagnosticStatus obstacleStatus(const std::string& name, const ObstacleCounters& counters);
+/// One obstacle that can be moved. A dropped pose is a warning for 5 s.
+diagnostic_msgs::DiagnosticStatus obstacleStatus(const std::string& name, const ObstacleCounters& counters,
+                                                 double now);
 
 /// @param scheduling as given by requestRealTime()
 diagnostic_msgs::DiagnosticStatus hapticStatus(const HapticStats& stats, const std::string& scheduling,

@@ -117,7 +117,7 @@ void DisplayThread::publishDiagnostics(double now) {
         probeStatus(probe.name(), probe.counters(), shared.felt.read(), shared.grasp, now, probe.message()));
   }
   for (const ObstacleTopics& obstacle : sources_.obstacles) {
-    array.status.push_back(obstacleStatus(obstacle.name(), obstacle.counters()));
+    array.status.push_back(obstacleStatus(obstacle.name(), obstacle.counters(), now));
   }
   publishers_.diagnostics.publish(array);
 }

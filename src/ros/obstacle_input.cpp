@@ -4,20 +4,20 @@
 
 namespace haptic_cloth {
 
-void ObstacleInput::accept(const geometry_msgs::PoseStamped& pose) {
+void ObstacleInput::accept(const geometry_msgs::PoseStamped& pose, double received) {
   ++counters_.received;
   if (!isFinite(pose.pose)) {
-    ++counters_.not_finite;
+    counters_.drop(counters_.not_finite, received);
     return;
   }
   const std::optional<Pose> frame = frames_.find(pose.header.frame_id);
   if (!frame) {
-    ++counters_.unknown_frame;
+    counters_.drop(counters_.unknown_frame, received);
     return;
   }
   const Pose there = composed(*frame, toPose(pose.pose));
   if (!there.position.allFinite()) {
-    ++counters_.not_finite;
+    counters_.drop(counters_.not_finite, received);
     return;
   }
   if (isUnit(pose.pose.orientation)) {

@@ -15,7 +15,14 @@ namespace haptic_cloth {
 struct ObstacleCounters {
   std::atomic<std::uint64_t> received{0}, not_finite{0}, unknown_frame{0};
   std::atomic<std::uint64_t> bad_quaternion{0};  ///< taken all the same, with the last good orientation
+  std::atomic<double> last_dropped{-1e30};       ///< steady clock [s]
   std::uint64_t dropped() const { return not_finite + unknown_frame; }
+
+  /// @param when steady clock [s]
+  void drop(std::atomic<std::uint64_t>& counter, double when) {
+    ++counter;
+    last_dropped = when;
+  }
 };
 
 /// Of one obstacle. One thread calls accept().
@@ -25,7 +32,8 @@ class ObstacleInput {
   ObstacleInput(const Pose& start, const FrameLookup& frames, Mailbox<ObstacleTarget>& shared)
       : frames_(frames), shared_(shared), orientation_(start.orientation) {}
 
-  void accept(const geometry_msgs::PoseStamped& pose);
+  /// @param received steady clock [s]
+  void accept(const geometry_msgs::PoseStamped& pose, double received);
 
   const ObstacleCounters& counters() const { return counters_; }
 

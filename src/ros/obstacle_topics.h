@@ -8,6 +8,7 @@
 #include <string>
 
 #include "ros/obstacle_input.h"
+#include "ros/steady_clock.h"
 #include "ros/topics.h"
 
 namespace haptic_cloth {
@@ -19,7 +20,7 @@ class ObstacleTopics {
       : name_(obstacle.name), input_(obstacle.pose, frames, shared) {
     ros::SubscribeOptions pose = ros::SubscribeOptions::create<geometry_msgs::PoseStamped>(
         topics::obstaclePose(name_), topics::kPoseQueue,
-        [this](const geometry_msgs::PoseStamped::ConstPtr& message) { input_.accept(*message); },
+        [this](const geometry_msgs::PoseStamped::ConstPtr& message) { input_.accept(*message, steadyNow()); },
         ros::VoidConstPtr(), &queue);
     subscriber_ = node.subscribe(pose);
   }

@@ -12,12 +12,14 @@ void SolverProbe::takeDevice() {
   const DeviceSample& device = newest.sample;
   orientation_ = newest.orientation;
   const bool fresh = device.received >= 0.0 && steadyNow() - device.received <= timeout_;
+  const double elapsed = device.received - device_.received;
+  if (present_ && isJump((device.position - device_.position).norm(), elapsed)) leave();
   if (fresh) {
     // By the moves between steps: without a filter's lag the damper feels no more than what the proxy does
     // not follow, and in slow motion the hand is as fast as it is in simulated time.
     const Vec3 moved = present_ ? Vec3(device.position - device_.position) : Vec3(Vec3::Zero());
     const double time_step = simulation_.scene().solver.time_step;
-    simulation_.setDevice(number_, {device.position, moved / time_step, orientation_});
+    simulation_.setDevice(number_, {device.position, moved / time_step, orientation_, elapsed});
     closed_ = shared_.grasp_wanted;
     simulation_.setGrasp(number_, closed_);
   } else {
@@ -28,6 +30,15 @@ void SolverProbe::takeDevice() {
   present_ = fresh;
   shared_.present = fresh;
   device_ = device;
+}
+
+/// What was learned of the cloth there is worth nothing elsewhere, and the force starts softly.
+void SolverProbe::leave() {
+  open();
+  simulation_.removeDevice(number_);
+  tracker_.reset();
+  present_ = false;
+  ++cloth_;
 }
 
 void SolverProbe::publishSnapshot(double pace) {

@@ -18,7 +18,7 @@ class SolverProbe {
   void setTimeout(double timeout) { timeout_ = timeout; }
 
   /// Hands the newest pose and the grasp to the simulation, or takes the probe out of it when its device is
-  /// silent.
+  /// silent. Where the device has jumped the probe begins anew.
   void takeDevice();
 
   /// Tells the haptic thread what the last step made of the probe. @param pace wall-clock time of a step [s]
@@ -34,6 +34,7 @@ class SolverProbe {
   ProbeView view() const;
 
  private:
+  void leave();
   void showGrasp();
 
   int number_;

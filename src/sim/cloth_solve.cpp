@@ -15,6 +15,11 @@ MinimizerReport sum(const MinimizerReport& a, MinimizerReport b) {
   return b;
 }
 
+/// Stopped by a limit, with a state that counts.
+bool isCut(const MinimizerReport& report) {
+  return report.why != Termination::Converged && report.why != Termination::NotFinite;
+}
+
 }  // namespace
 
 /// Contacts are sought as far as each node is expected to move. Where one moved farther, something may have
@@ -28,8 +33,11 @@ void ClothWorld::solve(StepReport& report) {
         2.0 * h * (velocities_[n].norm() + h * scene.gravity.norm()) + 0.1 * std::min(grid.dx, grid.dy);
   }
   for (std::size_t k = 0; k < probes.size(); ++k) {
-    proxy_reach_[k] =
-        (probe_steps_[k].device - probe_steps_[k].proxy).norm() + 2.0 * h * probes[k].velocity.norm();
+    // Cloth that holds a proxy back from a device far behind it mostly goes on doing so; where it does not,
+    // and time allows, the step is solved again.
+    double way = (probe_steps_[k].device - probe_steps_[k].proxy).norm();
+    if (scene.solver.minimizer.time_budget == 0.0) way = std::min(way, scene.probes[k].radius);
+    proxy_reach_[k] = way + 2.0 * h * probes[k].velocity.norm();
   }
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     findContacts(proxy_reach_);
@@ -98,6 +106,7 @@ MinimizerReport ClothWorld::minimise() {
     if (!moves && !(look == 0 && objective.size() > 3 * mesh.free)) break;
     const double start = look == 0 ? chooseStart() : objective.evaluate(x_, gradient_);
     report = sum(report, minimizer_.minimize(objective, x_, start, gradient_, team));
+    if (isCut(report)) moveAsAWhole(report);
     const bool ended = report.why == Termination::NotFinite || report.why == Termination::TimeBudget;
     if (objective.allAwake()) break;
     objective.lookAtAll();  // also where it ended early: energies and forces are counted over all
@@ -136,7 +145,36 @@ MinimizerReport ClothWorld::minimiseJoint() {
     objective.evaluate(x_, gradient_);
     report.why = Termination::LineSearchFailed;
   }
+  if (isCut(report)) moveAsAWhole(report);
   return report;
+}
+
+/// A solve that is cut short may leave any net force on the cloth, and its inner forces, however stiff, none:
+/// that force moves all awake cloth alike, to the minimum of Φ's model on the way. So the mass centre of free
+/// cloth obeys Newton's law however a step ended.
+void ClothWorld::moveAsAWhole(MinimizerReport& report) {
+  constexpr double kRounding = 1e-10;  // of Φ, as in the minimizer's line search
+  const int size = objective.size();
+  const double value = objective.evaluate(x_, gradient_);
+  motion_.head(size).setZero();
+  for (int c = 0; c < 3; ++c) {
+    const double force = -gradient_.segment(c * mesh.free, mesh.free).sum();
+    for (int n = 0; n < mesh.free; ++n) motion_[c * mesh.free + n] = objective.isAwake(n) ? force : 0.0;
+  }
+  const double slope = motion_.head(size).dot(gradient_.head(size));
+  const Objective::Along along = objective.along(motion_);
+  if (!(slope < 0.0) || !(along.curvature > 0.0)) return;
+  Vector& trial = ways_[0];
+  trial.head(size) = x_.head(size) + std::min(-slope / along.curvature, along.max_step) * motion_.head(size);
+  const double moved = objective.evaluate(trial, gradient_);
+  const double left = gradient_.head(size).dot(motion_.head(size));
+  if (moved <= value + kRounding * std::abs(value) && std::abs(left) <= -slope) {
+    x_.head(size) = trial.head(size);
+    if (!joint_) report.residual = objective.residual(gradient_);
+    if (!joint_) report.value_end = moved;
+  } else {
+    objective.evaluate(x_, gradient_);
+  }
 }
 
 /// Where the solve starts: the lowest point of Φ's second-order model at rest along two ways, inertial motion

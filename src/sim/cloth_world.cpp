@@ -87,6 +87,9 @@ void ClothWorld::setDevice(int k, const DeviceState& device) {
                       device.orientation.coeffs().allFinite() && device.orientation.norm() > 0.0;
   if (!finite) return;
   ProbeStep& step = probe_steps_[k];
+  const double elapsed = std::max(device.elapsed, scene.solver.time_step);
+  const bool jumped = step.present && isJump((device.position - step.device).norm(), elapsed);
+  if (jumped) removeDevice(k);
   memories_[k].after = device.orientation.normalized();
   if (!step.present) {
     step.proxy = device.position;
@@ -97,7 +100,7 @@ void ClothWorld::setDevice(int k, const DeviceState& device) {
   }
   step.present = true;
   step.device = device.position;
-  step.device_velocity = device.velocity;
+  step.device_velocity = jumped ? Vec3(Vec3::Zero()) : device.velocity;
   probes[k].present = true;
   probes[k].device = device.position;
 }

@@ -85,6 +85,7 @@ class ClothWorld {
   void findContacts(const std::vector<double>& proxy_reach);
   MinimizerReport minimise();
   MinimizerReport minimiseJoint();
+  void moveAsAWhole(MinimizerReport& report);
   void lookAtRest();
   double chooseStart();
   std::array<double, 2> stepsAlongWays();

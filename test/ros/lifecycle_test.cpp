@@ -3,10 +3,12 @@
 #include <ros/ros.h>
 #include <signal.h>
 #include <std_srvs/Empty.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <memory>
 
+#include "ros/steady_clock.h"
 #include "ros_test_support.h"
 
 namespace haptic_cloth {
@@ -84,6 +86,33 @@ TEST_F(LifecycleTest, BadParametersAreNamed) {
   expectRefused({scene, "_max_pose_age:=soon"}, "max_pose_age");
   expectRefused({scene, "_probe/radius:=-0.01"}, "probe.radius");
   expectRefused({"_scene_file:=/nowhere/scene.yaml"}, "/nowhere/scene.yaml");
+}
+
+TEST_F(LifecycleTest, RespawnDoesNotRepeatBadParameters) {
+  // roslaunch starts anew whatever ends, so the program must not: one error, and the end when asked to.
+  char settings[] = "/tmp/haptic_cloth_test_XXXXXX";
+  const int file = mkstemp(settings);
+  ASSERT_GE(file, 0);
+  const std::string text = "haptics: {max_force: -1.0}\n";
+  ASSERT_EQ(write(file, text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  close(file);
+  Process launch({"roslaunch", "haptic_cloth", "haptic_cloth.launch", "respawn:=true", "scene:=" + kScene,
+                  std::string("settings:=") + settings});
+  const auto errors = [&] {
+    const std::string output = launch.output(), rule = "must be finite and > 0";
+    int count = 0;
+    for (auto at = output.find(rule); at != std::string::npos; at = output.find(rule, at + 1)) ++count;
+    return count;
+  };
+  ASSERT_TRUE(waitFor([&] { return errors() > 0; })) << launch.output();
+  sleepUntil(steadyNow() + 5.0);  // a node that ends is there again after 0.5 to 1.5 s
+  EXPECT_EQ(errors(), 1) << launch.output();
+  EXPECT_EQ(launch.output().find("restarting"), std::string::npos) << launch.output();
+  EXPECT_TRUE(launch.running()) << launch.output();
+  launch.signal(SIGINT);
+  EXPECT_GE(launch.wait(), 0) << launch.output();
+  unlink(settings);
+  ros::param::del("/haptic_cloth");
 }
 
 TEST_F(LifecycleTest, WaitsForTheMasterAndCanBeStoppedMeanwhile) {

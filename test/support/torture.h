@@ -19,9 +19,21 @@ namespace haptic_cloth {
 /// A change of the mesh makes energy at once, and motion gives it back later: it is allowed, too, but no more
 /// than the fabric stored before, for a split leaves all curvature to half of the particles, twice as large,
 /// and the whole cloth lifted by the sagitta of a merge, coarsen_below/8 of the coarsest spacing.
+/// Speed: a particle is set in motion by what devices and obstacles do, twice their speed where something
+/// heavy hits something light without loss; by its fall, √(2 g · 2 · way it sank), since half of a chain may
+/// get what the other half has fallen, and its tip outruns free fall [Tomaszewski et al. 2006]; and by what
+/// the fabric gives back, no more than it stores at the largest strain of the run: ρ v²/2 = w_warp + w_weft,
+/// twice that at a free edge, where a wave is thrown back, or where one quarter gets it all. speedLimit() is
+/// the sum. Strain: where a case says nothing nearer, that of the threads which carry all that pulls, forces
+/// of the probes and twice the weight, as it is sudden; and that of cloth which moves as fast as inputs and
+/// fall explain, twice that at a held edge, and is stopped at once along its softer, compressed way:
+/// strainLimit() is the sum.
+/// Force: that on a probe is what its coupling can pull with, k · distance + b · speeds of both ends; and
+/// what the residual leaves on the proxy, which counts with the mass h² k + h b.
 struct TortureLimits {
-  double strain = 1.0;   ///< largest |strain| of an edge in the whole run [-]
-  double speed = 100.0;  ///< of the fastest particle [m/s]
+  double strain = 0.0;   ///< largest |strain| of an edge in the whole run; 0: strainLimit() [-]
+  bool pushed = false;   ///< a grip pushes the cloth together as hard as it pulls, along its softer way
+  double thrown = 0.0;   ///< speed by what is not named above [m/s]
   double created = 1.0;  ///< energy that one change of the mesh makes, over what the fabric stored before [-]
   int failed = 0;        ///< steps whose state had to be restored
 };
@@ -42,6 +54,10 @@ struct TortureResult {
   long steps = 0, failed = 0, cut = 0;  ///< cut: steps that ended short of their tolerance
   bool finite = true;
   double strain = 0.0, speed = 0.0;
+  double stretched = 0.0, shortened = 0.0;  ///< largest strain above and below zero [-]
+  double driven = 0.0;                      ///< fastest device or obstacle [m/s]
+  double sunk = 0.0;         ///< farthest that a particle got along gravity from where it began [m]
+  double unexplained = 0.0;  ///< force on a probe beyond what its coupling can give [N]
   double force = 0.0;        ///< largest on a probe [N]
   double penetration = 0.0;  ///< [m]
   double energy = 0.0;       ///< turned over: cloth lifted by its size, work of probes and obstacles [J]
@@ -51,6 +67,10 @@ struct TortureResult {
   double left = 0.0;     ///< distance of the proxies from their devices at the end [m]
   std::uint64_t hash = 0;
 };
+
+/// Largest speed [m/s] and strain [-] that the run's own inputs explain, see TortureLimits.
+double speedLimit(const TortureResult& result, const Scene& scene);
+double strainLimit(const TortureResult& result, const Scene& scene, bool pushed);
 
 /// A fabric with linear laws as a file that outlives the program's scenes. @return its path
 std::string writeFabric(const LinearFabric& linear);

@@ -143,6 +143,43 @@ TEST(HapticLoop, AnotherClothStartsSoftlyHoweverFastItCame) {
   EXPECT_NEAR(last, 2.0, 1e-6);
 }
 
+TEST(HapticLoop, AJumpOfTheDeviceIsNoPull) {
+  // A metre in a tick: the spring would pull with 400 N, cut down to 3.3 N. What was felt ramps to zero in
+  // ramp_time, and nothing fades in when the solver has seen the device there.
+  PressedLoop pressed;
+  ASSERT_NEAR(pressed.force.z(), 2.0, 1e-6);
+  const Vec3 there(1.0, 0.0, 0.0);
+  const ProbeSnapshot before = contactAt(Vec3(0.0, 0.0, 0.005), pressed.now);
+  Vec3 force = pressed.force;
+  for (int i = 0; i < 25; ++i) {
+    pressed.now += kTick;
+    const Vec3 last = force;
+    force = pressed.loop.tick(deviceAt(there, pressed.now), before, false, pressed.now);
+    EXPECT_EQ(pressed.loop.status(), HapticStatus::NoSnapshot);
+    EXPECT_LE(force.norm(), last.norm()) << "tick " << i;
+    EXPECT_EQ(force.x(), 0.0) << "tick " << i;
+  }
+  EXPECT_TRUE(force.isZero(0.0));
+  ProbeSnapshot after = contactAt(there, pressed.now);
+  after.device = there;
+  for (int i = 0; i < 50; ++i) {
+    pressed.now += kTick;
+    after.taken = pressed.now;
+    force = pressed.loop.tick(deviceAt(there, pressed.now), after, false, pressed.now);
+    EXPECT_LE(force.norm(), kRoundOff) << "tick " << i;
+  }
+  EXPECT_EQ(pressed.loop.status(), HapticStatus::Contact);
+}
+
+TEST(HapticLoop, TheFastestHandIsNoJump) {
+  // 10 m/s, and a snapshot that is as old as it may get.
+  HapticLoop loop(bareOptions());
+  const double age = 0.9 * bareOptions().snapshot_timeout;
+  const Vec3 there(0.0, 0.0, -kFastestHand * age);
+  EXPECT_GT(loop.tick(deviceAt(there, 1.0 + age), contactAt(Vec3::Zero(), 1.0), false, 1.0 + age).z(), 100.0);
+  EXPECT_EQ(loop.status(), HapticStatus::Contact);
+}
+
 TEST(HapticLoop, FreeMotionFeelsNothing) {
   HapticLoop loop(bareOptions());
   ProbeSnapshot snapshot = contactAt(Vec3(0, 0, 0.05), 1.0);
@@ -160,8 +197,9 @@ TEST(HapticLoop, NeverExceedsTheForceLimit) {
   HapticOptions options = bareOptions();
   options.max_force = 3.3;
   HapticLoop loop(options);
-  const Vec3 force =
-      loop.tick(deviceAt(Vec3(-1.0, 2.0, -3.0), 1.0), contactAt(Vec3::Zero(), 1.0), false, 1.0);
+  ProbeSnapshot snapshot = contactAt(Vec3::Zero(), 1.0);
+  snapshot.device = Vec3(-1.0, 2.0, -3.0);
+  const Vec3 force = loop.tick(deviceAt(snapshot.device, 1.0), snapshot, false, 1.0);
   EXPECT_NEAR(force.norm(), 3.3, kRoundOff);
   EXPECT_NEAR(force.normalized().dot(Vec3(1.0, -2.0, 3.0).normalized()), 1.0, kRoundOff);
 }
@@ -198,7 +236,9 @@ TEST(HapticLoop, StartsSoftly) {
   Vec3 force = Vec3::Zero();
   for (int i = 1; i <= 600; ++i) {
     const double now = 1.0 + i * kTick;
-    force = loop.tick(deviceAt(Vec3(0, 0, -1.0), now), contactAt(Vec3::Zero(), now), false, now);
+    ProbeSnapshot snapshot = contactAt(Vec3::Zero(), now);
+    snapshot.device = Vec3(0, 0, -1.0);
+    force = loop.tick(deviceAt(snapshot.device, now), snapshot, false, now);
     const double limit = options.max_force * std::min(1.0, i * kTick / options.soft_start);
     EXPECT_LE(force.norm(), limit + 1e-9) << "tick " << i;
   }
@@ -353,6 +393,14 @@ TEST(VelocityFilter, AGapStartsAnew) {
   filter.update(Vec3::Zero(), 1.0);
   filter.update(Vec3(0.01, 0, 0), 1.01);
   EXPECT_EQ(filter.update(Vec3(0.5, 0, 0), 2.0), Vec3::Zero());
+}
+
+TEST(VelocityFilter, AJumpStartsAnew) {
+  VelocityFilter filter(0.01, 0.1);
+  filter.update(Vec3::Zero(), 1.0);
+  filter.update(Vec3(0.01, 0, 0), 1.01);
+  EXPECT_EQ(filter.update(Vec3(1.0, 0, 0), 1.011), Vec3::Zero());
+  EXPECT_GT(filter.update(Vec3(1.01, 0, 0), 1.012).x(), 0.5) << "from there on it is a motion";
 }
 
 TEST(LatenessHistogram, Quantiles) {

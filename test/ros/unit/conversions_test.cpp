@@ -385,12 +385,34 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
     felt.status = stopped;
     EXPECT_EQ(probe().level, DiagnosticStatus::WARN);
   }
-  ObstacleCounters moved;
-  moved.received = 3;
-  EXPECT_EQ(obstacleStatus("table", moved).level, DiagnosticStatus::OK);
-  moved.unknown_frame = 1;
-  EXPECT_EQ(obstacleStatus("table", moved).level, DiagnosticStatus::WARN);
   EXPECT_EQ(displayStatus(0, 0, false, 0).level, DiagnosticStatus::WARN);
+}
+
+TEST(Diagnostics, AnObstaclesDroppedPoseIsForgivenWhenPosesAreGoodAgain) {
+  // As a probe's: a warning for 5 s, the figure of docs/design.md; counted for ever.
+  using diagnostic_msgs::DiagnosticStatus;
+  const tf2_ros::Buffer transforms;
+  Mailbox<ObstacleTarget> shared;
+  ObstacleInput table(Pose(), FrameLookup("world", transforms), shared);
+  const auto level = [&](double now) { return obstacleStatus("table", table.counters(), now).level; };
+  geometry_msgs::PoseStamped good;
+  good.pose = toPose(Vec3(0.0, 0.0, 0.5));
+  geometry_msgs::PoseStamped not_finite = good, lost = good;
+  not_finite.pose.position.z = std::numeric_limits<double>::quiet_NaN();
+  lost.header.frame_id = "nowhere";
+  table.accept(good, 100.0);
+  EXPECT_EQ(level(100.0), DiagnosticStatus::OK);
+  double time = 100.0;
+  for (const auto& bad : {not_finite, lost}) {
+    time += 100.0;
+    table.accept(bad, time);
+    EXPECT_EQ(level(time + 0.1), DiagnosticStatus::WARN);
+    table.accept(good, time + 1.0);
+    EXPECT_EQ(level(time + 4.9), DiagnosticStatus::WARN) << "what was dropped lately must be seen";
+    EXPECT_EQ(level(time + 5.1), DiagnosticStatus::OK);
+  }
+  EXPECT_EQ(table.counters().dropped(), 2u);
+  EXPECT_EQ(shared.read().number, 3u) << "the good ones were taken";
 }
 
 TEST(HandModel, TheWillIsContinuousAndRepeats) {
