@@ -190,7 +190,7 @@ class Run {
     const double residual = std::max(report.minimizer.residual, world_.scene.solver.minimizer.tolerance);
     allowed_ += residual * weight_ * way() + std::max(0.0, world_.created());
     if (result_.steps > wanted_.set_up)
-      result_.created = std::max(result_.created, world_.created() / stored_);
+      result_.created = std::max(result_.created, world_.created() / result_.energy);
     stored_ = energy.stretch + energy.bend + energy.shear + sagged_;
     if (energy.dissipated >= most_dissipated_ || result_.steps <= wanted_.set_up) {
       most_dissipated_ = energy.dissipated;
@@ -261,7 +261,7 @@ void judge(const Torture& wanted, const TortureResult& result) {
   EXPECT_TRUE(result.finite) << wanted.name << ", step " << result.steps;
   keep("energy gained / turned over", result.gain / result.energy, kRoundOff + result.allowed / result.energy,
        "-");
-  keep("made by a mesh change / stored", result.created, limits.created, "-");
+  keep("made by a mesh change / turned over", result.created, limits.created, "-");
   keep("largest strain", result.strain,
        limits.strain > 0.0 ? limits.strain : strainLimit(result, wanted.scene, limits.pushed), "-");
   keep("fastest particle", result.speed, speedLimit(result, wanted.scene) + limits.thrown, "m/s");
