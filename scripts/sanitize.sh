@@ -29,6 +29,7 @@ build="${BUILD_DIR:-$root/build/sanitize_$mode}"
 unit='-Structure.*:Simulate*.*:KesTest*.*'
 
 if [ "$mode" = address ]; then
+  targets=(fuzz_tests unit_tests)
   configure=(-DHAPTIC_CLOTH_SANITIZE=address,undefined -DCMAKE_CXX_FLAGS=-O1)
 else
   compiler="$(command -v clang++ || command -v clang++-14)"
@@ -36,11 +37,12 @@ else
   archer="$("$compiler" -print-file-name=libarcher.so)"
   if [ ! -f "$archer" ]; then archer="$(dirname "$(readlink -f "$compiler")")/../lib/libarcher.so"; fi
   [ -f "$archer" ] || { echo "libarcher.so not found: install libomp-dev"; exit 1; }
+  targets=(fuzz_tests exchange_tests)
   configure=(-DHAPTIC_CLOTH_SANITIZE=thread "-DCMAKE_CXX_COMPILER=$compiler" "-DCMAKE_CXX_FLAGS=-O1 -DHAPTIC_CLOTH_SHARE_ALL")
   export OMP_TOOL_LIBRARIES="$archer" TSAN_OPTIONS="ignore_noninstrumented_modules=1 halt_on_error=1 second_deadlock_stack=1 ${TSAN_OPTIONS:-}"
 fi
 cmake -S "$root" -B "$build" -DCMAKE_BUILD_TYPE=None -DHAPTIC_CLOTH_ROS=OFF "${configure[@]}"
-cmake --build "$build" --target fuzz_tests unit_tests -- -j"${JOBS:-$(nproc)}"
+cmake --build "$build" --target "${targets[@]}" -- -j"${JOBS:-$(nproc)}"
 
 export OMP_WAIT_POLICY=passive HAPTIC_CLOTH_RANDOM_SEED="$seed" HAPTIC_CLOTH_RANDOM_SCENES="$scenes"
 export ASAN_OPTIONS="detect_stack_use_after_return=1 ${ASAN_OPTIONS:-}" UBSAN_OPTIONS="print_stacktrace=1 ${UBSAN_OPTIONS:-}"
@@ -56,7 +58,7 @@ else
     echo "the sanitizer does not see the race of test/fuzz/race.cpp"
     exit 1
   fi
-  "$programs/unit_tests" --gtest_filter='Exchange.*:Mailbox.*'
+  "$programs/exchange_tests" --gtest_filter='Exchange.*:Mailbox.*'
   "$programs/fuzz_tests" --gtest_filter='RandomScenes.StayFinite*'
 fi
 echo "sanitize $mode: clean"
