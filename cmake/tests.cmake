@@ -5,8 +5,6 @@ if(NOT GTEST_FOUND AND NOT GTest_FOUND)
   message(FATAL_ERROR "gtest not found (libgtest-dev): the tests would be skipped silently")
 endif()
 
-file(GLOB support_sources CONFIGURE_DEPENDS test/support/*.cpp)
-
 # haptic_cloth_test(NAME SOURCES...): a gtest program and its ctest entry.
 function(haptic_cloth_test name)
   if(catkin_FOUND)
@@ -30,6 +28,11 @@ function(haptic_cloth_test_settings name)
   target_link_libraries(${name} haptic_cloth_tools haptic_cloth haptic_cloth_private yaml-cpp Threads::Threads)
 endfunction()
 
+# Compiled once for all programs that use it.
+file(GLOB support_sources CONFIGURE_DEPENDS test/support/*.cpp)
+add_library(test_support STATIC EXCLUDE_FROM_ALL ${support_sources})
+haptic_cloth_test_settings(test_support)
+
 foreach(folder unit physics stability fuzz)
   file(GLOB sources CONFIGURE_DEPENDS test/${folder}/*.cpp)
   list(REMOVE_ITEM sources "${PROJECT_SOURCE_DIR}/test/fuzz/fuzzer.cpp" "${PROJECT_SOURCE_DIR}/test/fuzz/race.cpp")
@@ -37,9 +40,15 @@ foreach(folder unit physics stability fuzz)
     list(REMOVE_ITEM sources "${PROJECT_SOURCE_DIR}/test/unit/simulate_test.cpp")
   endif()
   if(sources)
-    haptic_cloth_test(${folder}_tests ${sources} ${support_sources})
+    haptic_cloth_test(${folder}_tests ${sources})
+    if(NOT folder STREQUAL "fuzz")
+      target_link_libraries(${folder}_tests test_support)
+    endif()
   endif()
 endforeach()
+if(HAPTIC_CLOTH_SANITIZE STREQUAL "thread")  # of the unit tests those with threads, for scripts/sanitize.sh
+  haptic_cloth_test(exchange_tests test/unit/exchange_test.cpp test/unit/haptics_test.cpp test/support/scenes.cpp)
+endif()
 if(TARGET simulate)
   target_compile_definitions(unit_tests PRIVATE HAPTIC_CLOTH_SIMULATE="$<TARGET_FILE:simulate>")
   add_dependencies(unit_tests simulate)
