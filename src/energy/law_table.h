@@ -22,6 +22,17 @@ struct StepLanes {
   }
 };
 
+/// What eight elements remember of a step that ends at deformations s. @param area zero in lanes past the
+/// last element
+static HAPTIC_CLOTH_INLINE void commit(const Loop& law, const Lanes& s, const double* area,
+                                       StepLanes& steps) {
+  const Lanes past = larger(s - load(steps.high), load(steps.low) - s);
+  if (!(greatest(past) > 0.0)) return;
+  for (int l = 0; l < kLanes; ++l) {
+    if (past[l] > 0.0 && area[l] > 0.0) steps.set(l, law.next(steps.get(l), s[l]));
+  }
+}
+
 struct LawLanes {
   Lanes potential, force, slope;  ///< as Curve::Point
 };
@@ -41,17 +52,17 @@ class LawTable {
       return {only.p + s * (only.q + 0.5 * only.r * s), only.q + only.r * s, all(only.r)};
     }
     const Lanes t = smaller(larger((s - begin_) * inverse_step_, Lanes{}), all(last_));
-    const Mask interval = __builtin_convertvector(t, Mask);
+    const Integers interval = __builtin_convertvector(t, Integers);
     Lanes p, q, r;
     if (!memory_) {
       fetch(interval, p, q, r);
       return {p + s * (q + 0.5 * r * s), q + r * s, r};
     }
-    const Mask high = s > load(steps->high), low = s < load(steps->low);
-    const Mask count = Mask{} + static_cast<long long>(last_ + 1.0);
-    fetch(interval + (high ? Mask{} : low ? count + count : count), p, q, r);
-    p += high ? load(steps->on_upper) : low ? load(steps->on_lower) : Lanes{};
-    q += high ? Lanes{} : low ? Lanes{} : load(steps->play);
+    const Lanes high = load(steps->high), low = load(steps->low), one = all(1.0), none{};
+    const Lanes upper = ifLess(high, s, one, none), lower = ifLess(s, low, one, none);
+    fetch(interval + __builtin_convertvector((last_ + 1.0) * (one - upper + lower), Integers), p, q, r);
+    p += upper * load(steps->on_upper) + lower * load(steps->on_lower);
+    q += (one - upper - lower) * load(steps->play);
     return {p + s * (q + 0.5 * r * s), q + r * s, r};
   }
 
@@ -60,7 +71,7 @@ class LawTable {
     double p, q, r;
   };
 
-  HAPTIC_CLOTH_INLINE void fetch(const Mask& which, Lanes& p, Lanes& q, Lanes& r) const {
+  HAPTIC_CLOTH_INLINE void fetch(const Integers& which, Lanes& p, Lanes& q, Lanes& r) const {
     for (int l = 0; l < kLanes; ++l) {
       const Interval& interval = intervals_[which[l]];
       p[l] = interval.p;
