@@ -45,7 +45,7 @@ static HAPTIC_CLOTH_INLINE Lanes squareRoot(const Lanes& v) {
 /// @pre a - b is a number; where it may not be and decides about memory, larger() and smaller() are safe
 static HAPTIC_CLOTH_INLINE Lanes ifLess(const Lanes& a, const Lanes& b, const Lanes& x, const Lanes& y) {
   using Bits = unsigned long long __attribute__((vector_size(sizeof(Lanes))));
-  const Bits less = Bits{} - (Bits(a - b) >> 63);
+  const Bits less = Bits{} - (Bits(a - b + 0.0) >> 63);  // + 0.0: -0 is not less than 0
   return Lanes((Bits(x) & less) | (Bits(y) & ~less));
 }
 static HAPTIC_CLOTH_INLINE Lanes ifPositive(const Lanes& a, const Lanes& x, const Lanes& y) {
