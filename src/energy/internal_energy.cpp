@@ -106,17 +106,6 @@ void InternalEnergy::packPatches() {
   }
 }
 
-/// To length 1 what has a length.
-HAPTIC_CLOTH_CLONES void InternalEnergy::normalise(int count, const MutableArrays& vectors) {
-  for (int n = 0; n < count; n += kLanes) {
-    const Lanes3 v = load(ConstArrays(vectors), n);
-    const Lanes length = squareRoot(dot(v, v)), none{};
-    store(vectors, n,
-          {ifPositive(length, v.x / length, none), ifPositive(length, v.y / length, none),
-           ifPositive(length, v.z / length, none)});
-  }
-}
-
 void InternalEnergy::setNormals(const Field& positions) {
   node_normals_.clear(mesh_.nodes());
   if (twist_rigidity_ > 0.0) patch_normals_.clear(static_cast<int>(mesh_.patches.size()));
@@ -127,7 +116,11 @@ void InternalEnergy::setNormals(const Field& positions) {
     for (const int corner : n) node_normals_.add(corner, normal);
     if (twist_rigidity_ > 0.0) patch_normals_.set(k, normal.stableNormalized());
   }
-  normalise(mesh_.nodes(), node_normals_.arrays());
+  for (int n = 0; n < mesh_.nodes(); ++n) {
+    const Vec3 normal = node_normals_[n];
+    const double length = normal.norm();
+    if (length > 0.0) node_normals_.set(n, normal / length);
+  }
 }
 
 void InternalEnergy::appendAwake(const std::vector<char>& awake, Runs& runs) const {

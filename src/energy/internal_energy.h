@@ -130,7 +130,6 @@ class InternalEnergy {
     const auto& n = mesh_.patches[patch].nodes;
     return {x[n[0]], x[n[1]], x[n[2]], x[n[3]]};
   }
-  static void normalise(int count, const MutableArrays& vectors);
   double strain(int edge, const Field& x) const;
   void recallEdges(const Field& x, ForceHistory& history);
   double shearAngle(int patch, const Field& x) const;
