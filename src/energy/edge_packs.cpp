@@ -37,13 +37,4 @@ HAPTIC_CLOTH_CLONES double edgeCurvature(const EdgePack* packs, int begin, int e
   return total(sum);
 }
 
-HAPTIC_CLOTH_CLONES void commitEdges(const EdgePack* packs, int begin, int end, const Loop& law,
-                                     StepLanes* steps, const ConstArrays& x) {
-  for (int p = begin; p < end; ++p) {
-    const Lanes3 span = gather(x, packs[p].b) - gather(x, packs[p].a);
-    const Lanes now = squareRoot(dot(span, span));
-    commit(law, now * load(packs[p].inverse_length) - 1.0, packs[p].area, steps[p]);
-  }
-}
-
 }  // namespace haptic_cloth

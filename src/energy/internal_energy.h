@@ -30,7 +30,7 @@ class InternalEnergy {
   /// True where a law has hysteresis; else the three calls below do nothing.
   bool hasMemory() const { return hasMemory(stretch_) || hasMemory(bend_) || shear_.hasMemory(); }
 
-  /// Makes the end of an accepted step part of the fabric's history: part begin..end of the range of size().
+  /// Makes the end of an accepted step, elements begin..end, part of the fabric's history.
   void commit(int begin, int end, const Field& x);
 
   /// Writes forces down before a change of the mesh, and reads them after resize() and setNormals().
@@ -105,7 +105,6 @@ class InternalEnergy {
     Loop::Step get(int place) const { return packs_[place / kLanes].get(place % kLanes); }
     void set(int place, const Loop::Step& step) { packs_[place / kLanes].set(place % kLanes, step); }
     const StepLanes* packs() const { return packs_.empty() ? nullptr : packs_.data(); }
-    StepLanes* packs() { return packs_.data(); }
     void serialize(Archive& archive);
 
    private:
@@ -136,6 +135,10 @@ class InternalEnergy {
   static bool hasMemory(const std::array<Loop, 2>& laws) {
     return laws[kWarp].hasMemory() || laws[kWeft].hasMemory();
   }
+
+  /// Calls edge(e), triple(t), patch(k) for elements begin..end.
+  template <class OnEdge, class OnTriple, class OnPatch>
+  void forEach(int begin, int end, OnEdge edge, OnTriple triple, OnPatch patch) const;
 
   const ActiveMesh& mesh_;
   std::array<Loop, 2> stretch_, bend_;

@@ -7,6 +7,13 @@
 #include "energy/twist.h"
 
 namespace haptic_cloth {
+template <class OnEdge, class OnTriple, class OnPatch>
+void InternalEnergy::forEach(int begin, int end, OnEdge edge, OnTriple triple, OnPatch patch) const {
+  const int triples = edge_count_, patches = triples + triple_count_;
+  for (int k = begin; k < std::min(end, triples); ++k) edge(k);
+  for (int k = std::max(begin, triples); k < std::min(end, patches); ++k) triple(k - triples);
+  for (int k = std::max(begin, patches); k < end; ++k) patch(k - patches);
+}
 
 void InternalEnergy::forgetAll() {
   const auto fresh = [](const Loop& law) { return law.begin(law.initialPlay()); };
@@ -26,25 +33,23 @@ void InternalEnergy::forgetAll() {
 }
 
 void InternalEnergy::commit(int begin, int end, const Field& x) {
-  const Parts parts = split(begin, end);
-  const ConstArrays at = x.arrays(), normals = node_normals_.arrays();
-  for (const int direction : {kWarp, kWeft}) {
-    const int edges = direction * gather_.edges().warpEnd() / kLanes;
-    const auto [e0, e1] = parts.edges[direction];
-    if (e0 < e1 && stretch_[direction].hasMemory()) {
-      commitEdges(edge_packs_.data() + edges, e0, e1, stretch_[direction], edge_steps_.packs() + edges, at);
-    }
-    const int triples = direction * gather_.triples().warpEnd() / kLanes;
-    const auto [t0, t1] = parts.triples[direction];
-    if (t0 < t1 && bend_[direction].hasMemory()) {
-      commitTriples(triple_packs_.data() + triples, t0, t1, bend_[direction], triple_steps_.packs() + triples,
-                    at, normals);
-    }
-  }
-  const auto [p0, p1] = parts.patches;
-  if (p0 < p1 && shear_.hasMemory()) {
-    commitShears(patch_packs_.data(), p0, p1, shear_, patch_steps_.packs(), at);
-  }
+  const auto commit = [](const Loop& law, double s, Steps& steps, int place) {
+    const Loop::Step step = steps.get(place);
+    if (s > step.high || s < step.low) steps.set(place, law.next(step, s));
+  };
+  forEach(
+      begin, end,
+      [&](int e) {
+        if (!edge_steps_.packs()) return;
+        commit(stretch_[mesh_.edges[e].direction], strain(e, x), edge_steps_, gather_.edges().place(e));
+      },
+      [&](int t) {
+        if (!triple_steps_.packs()) return;
+        commit(bend_[mesh_.triples[t].direction], curvature(t, x), triple_steps_, gather_.triples().place(t));
+      },
+      [&](int k) {
+        if (patch_steps_.packs()) commit(shear_, shearAngle(k, x), patch_steps_, k);
+      });
 }
 
 void InternalEnergy::serialize(Archive& archive) {
@@ -62,22 +67,24 @@ void InternalEnergy::Steps::serialize(Archive& archive) {
 
 InternalEnergy::Energy InternalEnergy::stored(const Field& x) const {
   Energy energy;
-  for (int e = 0; e < edge_count_; ++e) {
-    const Edge& edge = mesh_.edges[e];
-    energy.stretch +=
-        edge.length * edge.width * stretch_[edge.direction].stored(edgeStep(e).play, strain(e, x));
-  }
-  for (int t = 0; t < triple_count_; ++t) {
-    const Triple& triple = mesh_.triples[t];
-    energy.bend += triple.area * bend_[triple.direction].stored(tripleStep(t).play, curvature(t, x));
-  }
-  for (int k = 0; k < patch_count_; ++k) {
-    const double area = mesh_.patches[k].area;
-    if (twist_rigidity_ > 0.0) {
-      energy.bend += evaluateTwist(corners(k, x), patchNormal(k), twist_rigidity_, area).energy;
-    }
-    energy.shear += area * shear_.stored(patchStep(k).play, shearAngle(k, x));
-  }
+  forEach(
+      0, elements(),
+      [&](int e) {
+        const Edge& edge = mesh_.edges[e];
+        energy.stretch +=
+            edge.length * edge.width * stretch_[edge.direction].stored(edgeStep(e).play, strain(e, x));
+      },
+      [&](int t) {
+        const Triple& triple = mesh_.triples[t];
+        energy.bend += triple.area * bend_[triple.direction].stored(tripleStep(t).play, curvature(t, x));
+      },
+      [&](int k) {
+        const double area = mesh_.patches[k].area;
+        if (twist_rigidity_ > 0.0) {
+          energy.bend += evaluateTwist(corners(k, x), patchNormal(k), twist_rigidity_, area).energy;
+        }
+        energy.shear += area * shear_.stored(patchStep(k).play, shearAngle(k, x));
+      });
   return energy;
 }
 

@@ -22,17 +22,6 @@ struct StepLanes {
   }
 };
 
-/// What eight elements remember of a step that ends at deformations s. @param area zero in lanes past the
-/// last element
-static HAPTIC_CLOTH_INLINE void commit(const Loop& law, const Lanes& s, const double* area,
-                                       StepLanes& steps) {
-  const Lanes past = larger(s - load(steps.high), load(steps.low) - s);
-  if (!(greatest(past) > 0.0)) return;
-  for (int l = 0; l < kLanes; ++l) {
-    if (past[l] > 0.0 && area[l] > 0.0) steps.set(l, law.next(steps.get(l), s[l]));
-  }
-}
-
 struct LawLanes {
   Lanes potential, force, slope;  ///< as Curve::Point
 };

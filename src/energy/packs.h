@@ -46,14 +46,6 @@ double evaluateShears(PatchPack* packs, int begin, int end, const LawTable& law,
 double evaluateTwists(const PatchPack* packs, int begin, int end, double rigidity, const ConstArrays& x,
                       const ConstArrays& normals, const MutableArrays& slots, int first);
 
-/// Makes the end of a step at x part of the memory of packs begin..end.
-void commitEdges(const EdgePack* packs, int begin, int end, const Loop& law, StepLanes* steps,
-                 const ConstArrays& x);
-void commitTriples(const TriplePack* packs, int begin, int end, const Loop& law, StepLanes* steps,
-                   const ConstArrays& x, const ConstArrays& normals);
-void commitShears(const PatchPack* packs, int begin, int end, const Loop& law, StepLanes* steps,
-                  const ConstArrays& x);
-
 /// d · H⁺ d of packs begin..end at the last evaluation.
 double edgeCurvature(const EdgePack* packs, int begin, int end, const ConstArrays& d);
 double tripleCurvature(const TriplePack* packs, int begin, int end, const ConstArrays& d,

@@ -27,34 +27,6 @@ HAPTIC_CLOTH_INLINE Lanes angleOf(const Lanes& t, const Lanes& sine, const Lanes
   return angle;
 }
 
-/// A cell's mean sides, u and v. With D = u·v and the area S = |u x v|: tan γ = D/S, dγ/du = (v - D/u² u)/S,
-/// dγ/dv = (u - D/v² v)/S.
-struct Sides {
-  Lanes3 u, v;
-  Lanes uu, vv, both, product, square;  ///< u², v², u² v², D, S²
-  Lanes size, inverse;  ///< S, not less than kLeastCosine has it; 1/(S u² v²), 0 for a point
-};
-
-HAPTIC_CLOTH_INLINE Sides sidesOf(const PatchPack& pack, const ConstArrays& x) {
-  const Lanes3 rising = gather(x, pack.corners[3]) - gather(x, pack.corners[0]);
-  const Lanes3 falling = gather(x, pack.corners[1]) - gather(x, pack.corners[2]);
-  Sides s;
-  s.u = rising + falling;
-  s.v = rising - falling;
-  s.uu = dot(s.u, s.u);
-  s.vv = dot(s.v, s.v);
-  s.both = s.uu * s.vv;
-  s.product = dot(s.u, s.v);
-  s.square = s.both - s.product * s.product;
-  s.size = squareRoot(larger(s.square, (kLeastCosine * kLeastCosine) * s.both));
-  s.inverse = ifPositive(s.both, 1.0 / (s.size * s.both), Lanes{});
-  return s;
-}
-
-HAPTIC_CLOTH_INLINE Lanes angleOf(const Sides& s) {
-  return angleOf(s.product * (s.inverse * s.both), s.product, s.square);
-}
-
 }  // namespace
 
 HAPTIC_CLOTH_CLONES double evaluateShears(PatchPack* packs, int begin, int end, const LawTable& law,
@@ -63,14 +35,20 @@ HAPTIC_CLOTH_CLONES double evaluateShears(PatchPack* packs, int begin, int end, 
   Lanes energy{};
   for (int p = begin; p < end; ++p) {
     PatchPack& pack = packs[p];
-    const Sides s = sidesOf(pack, x);
-    const LawLanes shear = law(angleOf(s), steps ? steps + p : nullptr);
-    const Lanes inverse_size = s.inverse * s.both, scaled = s.inverse * s.size * s.product;
-    const Lanes3 du = inverse_size * (s.v - (scaled * s.vv) * s.u),
-                 dv = inverse_size * (s.u - (scaled * s.uu) * s.v);
+    const Lanes3 rising = gather(x, pack.corners[3]) - gather(x, pack.corners[0]);
+    const Lanes3 falling = gather(x, pack.corners[1]) - gather(x, pack.corners[2]);
+    const Lanes3 u = rising + falling, v = rising - falling;
+    // With D = u·v and the area S = |u x v|, tan γ = D/S, dγ/du = (v - D/u² u)/S, dγ/dv = (u - D/v² v)/S.
+    const Lanes uu = dot(u, u), vv = dot(v, v), both = uu * vv, product = dot(u, v);
+    const Lanes least = (kLeastCosine * kLeastCosine) * both, square = both - product * product;
+    const Lanes size = squareRoot(larger(square, least));
+    const Lanes inverse = ifPositive(both, 1.0 / (size * both), Lanes{});
+    const Lanes inverse_size = inverse * both, scaled = inverse * size * product;
+    const LawLanes shear = law(angleOf(product * inverse_size, product, square), steps ? steps + p : nullptr);
+    const Lanes3 du = inverse_size * (v - (scaled * vv) * u), dv = inverse_size * (u - (scaled * uu) * v);
     const Lanes3 by_rising = du + dv, by_falling = du - dv;
     const Lanes area = load(pack.area), force = area * shear.force;
-    energy += ifPositive(s.both, area * shear.potential, Lanes{});
+    energy += ifPositive(both, area * shear.potential, Lanes{});
     const int slot = first + kLanes * (p - begin);
     store(slots, slot, force * by_rising);
     store(slots, slot + stride, force * by_falling);
@@ -83,11 +61,6 @@ HAPTIC_CLOTH_CLONES double evaluateShears(PatchPack* packs, int begin, int end, 
     store(pack.stiffness, area * shear.slope);
   }
   return total(energy);
-}
-
-HAPTIC_CLOTH_CLONES void commitShears(const PatchPack* packs, int begin, int end, const Loop& law,
-                                      StepLanes* steps, const ConstArrays& x) {
-  for (int p = begin; p < end; ++p) commit(law, angleOf(sidesOf(packs[p], x)), packs[p].area, steps[p]);
 }
 
 HAPTIC_CLOTH_CLONES double shearCurvature(const PatchPack* packs, int begin, int end, const ConstArrays& d) {

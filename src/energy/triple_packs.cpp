@@ -39,11 +39,4 @@ HAPTIC_CLOTH_CLONES double tripleCurvature(const TriplePack* packs, int begin, i
   return total(sum);
 }
 
-HAPTIC_CLOTH_CLONES void commitTriples(const TriplePack* packs, int begin, int end, const Loop& law,
-                                       StepLanes* steps, const ConstArrays& x, const ConstArrays& normals) {
-  for (int p = begin; p < end; ++p) {
-    commit(law, bend(packs[p], x, gather(normals, packs[p].c)), packs[p].area, steps[p]);
-  }
-}
-
 }  // namespace haptic_cloth
