@@ -95,12 +95,14 @@ class Loop {
     return std::clamp(play, std::min(lower_(s).force, upper_(s).force) - path, upper_(s).force - path);
   }
   Step begin(double play, double near_low, double near_high) const;
-  double joins(const Curve& branch, double play, double near) const;
+  std::vector<double> abovePath(const Curve& branch) const;
+  double joins(const std::vector<double>& above_path, double play, double near) const;
 
   bool memory_ = false;
   double begin_ = 0.0, step_ = 1.0;
   int nodes_ = 0;
   Curve upper_, lower_, path_;
+  std::vector<double> upper_above_, lower_above_;  ///< the branches less R at the nodes
 };
 
 }  // namespace haptic_cloth

@@ -83,15 +83,6 @@ void ContactSet::endGroup() {
 
 namespace {
 
-/// Centre and radius of a sphere around a cell's surface.
-std::pair<Vec3, double> boundingSphere(const Patch& patch, const Field& nodes) {
-  const auto& n = patch.nodes;
-  const Vec3 centre = 0.25 * (nodes[n[0]] + nodes[n[1]] + nodes[n[2]] + nodes[n[3]]);
-  double radius = 0.0;
-  for (const int corner : n) radius = std::max(radius, (nodes[corner] - centre).squaredNorm());
-  return {centre, std::sqrt(radius)};
-}
-
 /// Samples first..last of `count` evenly spread over a straight row that lie within `reach` of a point.
 struct Window {
   Window(int count, const Vec3& from, const Vec3& to, const Vec3& point, double reach) {
@@ -119,14 +110,11 @@ void ContactSet::sampleObstacles(const ActiveMesh& mesh, const Field& nodes,
                                  const std::vector<double>& reach) {
   for (int solid = 0; solid < obstacles_; ++solid) {
     node_area_.assign(mesh.nodes(), 0.0);
-    node_gaps_.resize(padded(mesh.nodes()));
-    node_normals_.resize(mesh.nodes());
-    solidDistances(solids_[solid].lanes(), mesh.nodes(), nodes.arrays(), node_gaps_.data(),
-                   node_normals_.arrays());
+    measureNodes(solid, nodes);
     beginGroup(solid);
     for (const Patch& patch : mesh.patches) {
       const double near = margin(patch, reach);
-      if (leastGap(patch, nodes) > near) continue;
+      if (!mayReach(patch, nodes, near)) continue;
       const int parts = partsOf(patch);
       const double corner_area = 0.25 * patch.area / (parts * parts);
       for (const int corner : patch.nodes) node_area_[corner] += corner_area;
@@ -135,23 +123,36 @@ void ContactSet::sampleObstacles(const ActiveMesh& mesh, const Field& nodes,
     endGroup();
     beginGroup(solid);
     for (int n = 0; n < mesh.nodes(); ++n) {
-      if (node_area_[n] == 0.0) continue;
-      addSample(nodePoint(n, node_area_[n], solid), nodes, law_.range() + reach[n]);
+      const double near = law_.range() + reach[n];
+      if (node_area_[n] == 0.0 || node_gaps_[n] > near) continue;
+      addSample(nodePoint(n, node_area_[n], solid), nodes, near);
     }
     endGroup();
   }
 }
 
-/// Lower bound of the gaps between a cell and the obstacle in hand [m]: each point of a cell is within half a
-/// side along warp and half a side along weft of a corner.
-double ContactSet::leastGap(const Patch& patch, const Field& nodes) const {
-  const auto& n = patch.nodes;
-  const auto longer = [&](int a, int b, int c, int d) {
-    return std::sqrt(std::max((nodes[b] - nodes[a]).squaredNorm(), (nodes[d] - nodes[c]).squaredNorm()));
-  };
-  double gap = 1e300;
-  for (const int corner : n) gap = std::min(gap, node_gaps_[corner]);
-  return gap - 0.5 * (longer(n[0], n[1], n[2], n[3]) + longer(n[0], n[2], n[1], n[3]));
+/// How far the nodes are from a solid.
+void ContactSet::measureNodes(int solid, const Field& nodes) {
+  node_gaps_.resize(padded(nodes.size()));
+  node_normals_.resize(nodes.size());
+  solidDistances(solids_[solid].lanes(), nodes.size(), nodes.arrays(), node_gaps_.data(),
+                 node_normals_.arrays());
+}
+
+/// False where no point of a cell is within `near` of the solid measured last [m]: solids are convex, so the
+/// distance lies above its tangent at each corner, and a cell lies between its corners.
+bool ContactSet::mayReach(const Patch& patch, const Field& nodes, double near) const {
+  const std::array<Vec3, 4> x{nodes[patch.nodes[0]], nodes[patch.nodes[1]], nodes[patch.nodes[2]],
+                              nodes[patch.nodes[3]]};
+  for (int c = 0; c < 4; ++c) {
+    const double gap = node_gaps_[patch.nodes[c]];
+    if (!(gap > near)) return true;
+    const Vec3 normal = node_normals_[patch.nodes[c]];
+    double nearer = 0.0;
+    for (const Vec3& corner : x) nearer = std::min(nearer, normal.dot(corner - x[c]));
+    if (gap + nearer > near) return false;
+  }
+  return true;
 }
 
 /// How many parts of a cell's side are to be sampled: 1 where an obstacle presses as evenly as the corners
@@ -194,10 +195,10 @@ void ContactSet::sampleProbe(const ActiveMesh& mesh, const Field& nodes, const s
   const int index = obstacles_ + touching.probe;
   const Solid& solid = solids_[index];
   const double spacing = solid.halfWidth() / 3.0;
+  measureNodes(index, nodes);
   for (const Patch& patch : mesh.patches) {
-    const auto [centre, radius] = boundingSphere(patch, nodes);
     const double near = margin(patch, reach) + touching.distance, from_centre = solid.extent() + near;
-    if (solid.distance(centre).value > radius + near) continue;
+    if (!mayReach(patch, nodes, near)) continue;
     const auto& n = patch.nodes;
     const auto count = [&](double length) {
       return std::max(1, static_cast<int>(std::ceil(length / spacing)));

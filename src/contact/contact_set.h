@@ -155,7 +155,8 @@ class ContactSet {
   Vec3 sumOf(int probe, const Value& value) const;
   Vec3 samplePosition(const ContactSample& sample, const Field& values) const;
   void sampleObstacles(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach);
-  double leastGap(const Patch& patch, const Field& nodes) const;
+  void measureNodes(int solid, const Field& nodes);
+  bool mayReach(const Patch& patch, const Field& nodes, double near) const;
   int partsOf(const Patch& patch) const;
   void sampleCell(const Patch& patch, int parts, int solid, const Field& nodes, double margin);
   void sampleProbe(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
@@ -192,7 +193,7 @@ class ContactSet {
   Field change_;    ///< of that along a direction [N]
   std::vector<int> rows_;
   std::vector<double> node_area_;  ///< scratch of sampleObstacles() [m²]
-  std::vector<double> node_gaps_;  ///< scratch of sampleObstacles(): of the nodes to one obstacle [m]
+  std::vector<double> node_gaps_;  ///< by measureNodes() [m]
   Field node_normals_;             ///< the same
   std::vector<double> margins_;    ///< of the samples of the group in hand: how near they must be [m]
   Field points_;                   ///< where these are [m]

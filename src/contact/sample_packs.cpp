@@ -16,12 +16,6 @@ HAPTIC_CLOTH_INLINE Lanes3 load3(const double (*values)[kLanes]) {
   return {load(values[0]), load(values[1]), load(values[2])};
 }
 
-HAPTIC_CLOTH_INLINE bool any(const Mask& mask) {
-  long long sum = 0;
-  for (int l = 0; l < kLanes; ++l) sum |= mask[l];
-  return sum != 0;
-}
-
 HAPTIC_CLOTH_INLINE void nothing(SamplePack& pack, double range, const MutableArrays& slots, int slot) {
   const Lanes zero{};
   store(slots, slot, {zero, zero, zero});
@@ -60,8 +54,8 @@ HAPTIC_CLOTH_CLONES ContactEnergy evaluateSamples(SamplePack* packs, int begin, 
     const Lanes3 position = at(pack, x), start = load3(pack.start);
     const Lanes3 moved{position.x - context.origin[0] - start.x, position.y - context.origin[1] - start.y,
                        position.z - context.origin[2] - start.z};
-    const Lanes clearance = load(pack.clearance);
-    if (context.skip && !any((dot(moved, moved) >= clearance * clearance) | (clearance <= 0.0))) {
+    const Lanes clearance = larger(load(pack.clearance), Lanes{});
+    if (context.skip && !(greatest(dot(moved, moved) - clearance * clearance) >= 0.0)) {
       nothing(pack, range, slots, slot);
       continue;
     }
@@ -74,14 +68,14 @@ HAPTIC_CLOTH_CLONES ContactEnergy evaluateSamples(SamplePack* packs, int begin, 
     const Lanes3 start_normal = load3(pack.start_normal);
     const Lanes3 slip = moved - dot(start_normal, moved) * start_normal;
     const Lanes y = squareRoot(dot(slip, slip)), limit = load(pack.friction), t = y / context.slip;
-    const Mask slides = y >= context.slip;
-    loss += limit * (slides ? y - context.slip / 3.0 : context.slip * t * t * (1.0 - t / 3.0));
-    const Lanes tangent = limit * (slides ? 1.0 / y : (2.0 - t) / context.slip);
+    const Lanes slow = all(context.slip);
+    loss += limit * ifLess(y, slow, slow * t * t * (1.0 - t / 3.0), y - slow / 3.0);
+    const Lanes tangent = limit * ifLess(y, slow, (2.0 - t) / slow, 1.0 / y);
     store(slots, slot, tangent * slip - pressing * d.normal);
     store(pack.normal[0], d.normal.x);
     store(pack.normal[1], d.normal.y);
     store(pack.normal[2], d.normal.z);
-    store(pack.gap, area > 0.0 ? d.value : all(range));
+    store(pack.gap, ifPositive(area, d.value, all(range)));
     store(pack.normal_stiffness, area * law.stiffness);
     store(pack.tangent_stiffness, tangent);
     store(pack.pressing, pressing);
@@ -104,7 +98,7 @@ HAPTIC_CLOTH_CLONES double sampleCurvature(const SamplePack* packs, int begin, i
   for (int p = begin; p < end; ++p) {
     const SamplePack& pack = packs[p];
     const Lanes across = load(pack.normal_stiffness), along = load(pack.tangent_stiffness);
-    if (!any((across > 0.0) | (along > 0.0))) continue;
+    if (!(greatest(larger(across, along)) > 0.0)) continue;
     Lanes3 moved = at(pack, d);
     moved = {moved.x - d_origin[0], moved.y - d_origin[1], moved.z - d_origin[2]};
     const Lanes normal = dot(load3(pack.normal), moved), start = dot(load3(pack.start_normal), moved);
@@ -124,8 +118,8 @@ HAPTIC_CLOTH_CLONES double largestStep(const SamplePack* packs, int begin, int e
     Lanes3 moved = at(pack, d);
     moved = {moved.x - d_origin[0], moved.y - d_origin[1], moved.z - d_origin[2]};
     const Lanes closing = -dot(load3(pack.normal), moved), gap = load(pack.gap);
-    const Mask nearer = (gap > 0.0) & (closing > 0.0) & (load(pack.area) > 0.0);
-    step = smaller(step, nearer ? share * gap / closing : all(1e300));
+    const Lanes nearer = smaller(smaller(gap, closing), load(pack.area));
+    step = smaller(step, ifPositive(nearer, share * gap / closing, all(1e300)));
   }
   double least = 1e300;
   for (int l = 0; l < kLanes; ++l) least = std::min(least, step[l]);

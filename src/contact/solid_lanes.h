@@ -20,56 +20,38 @@ struct SolidLanes {
 
 static HAPTIC_CLOTH_INLINE DistanceLanes fromPoint(const Lanes3& offset, double radius) {
   const Lanes d = squareRoot(dot(offset, offset));
-  const Mask proper = d > 0.0;
-  const Lanes inverse = proper ? 1.0 / d : Lanes{};
+  const Lanes inverse = ifPositive(d, 1.0 / d, Lanes{});
   Lanes3 normal = inverse * offset;
-  normal.z = proper ? normal.z : all(1.0);
+  normal.z = ifPositive(d, normal.z, all(1.0));
   return {d - radius, normal};
 }
 
 static HAPTIC_CLOTH_INLINE DistanceLanes boxDistance(const Lanes3& p, const double* half) {
   const Lanes one = all(1.0), zero{};
-  const Lanes3 sign{p.x < 0.0 ? -one : one, p.y < 0.0 ? -one : one, p.z < 0.0 ? -one : one};
+  const Lanes3 sign{ifLess(p.x, zero, -one, one), ifLess(p.y, zero, -one, one), ifLess(p.z, zero, -one, one)};
   const Lanes3 q{sign.x * p.x - half[0], sign.y * p.y - half[1], sign.z * p.z - half[2]};
   const Lanes3 out{larger(q.x, zero), larger(q.y, zero), larger(q.z, zero)};
-  const Lanes d = squareRoot(dot(out, out));
-  const Lanes depth = larger(q.x, larger(q.y, q.z));
-  const Mask outside = d > 0.0, by_x = q.x >= depth, by_y = ~by_x & (q.y >= depth), by_z = ~by_x & ~by_y;
-  const Lanes inverse = outside ? 1.0 / d : zero;
-  return {outside ? d : depth,
-          {outside ? out.x * sign.x * inverse
-           : by_x  ? sign.x
-                   : zero,
-           outside ? out.y * sign.y * inverse
-           : by_y  ? sign.y
-                   : zero,
-           outside ? out.z * sign.z * inverse
-           : by_z  ? sign.z
-                   : zero}};
+  const Lanes d = squareRoot(dot(out, out)), depth = larger(q.x, larger(q.y, q.z));
+  const Lanes inverse = ifPositive(d, 1.0 / d, zero);
+  // Inside, the way out is through the nearest side, the first of several.
+  const Lanes by_x = ifLess(q.x, depth, zero, one), by_y = ifLess(q.y, depth, zero, one - by_x);
+  return {ifPositive(d, d, depth),
+          {sign.x * ifPositive(d, out.x * inverse, by_x), sign.y * ifPositive(d, out.y * inverse, by_y),
+           sign.z * ifPositive(d, out.z * inverse, one - by_x - by_y)}};
 }
 
 static HAPTIC_CLOTH_INLINE DistanceLanes cylinderDistance(const Lanes3& p, double radius,
                                                           double half_length) {
   const Lanes one = all(1.0), zero{};
-  const Lanes r = squareRoot(p.x * p.x + p.y * p.y);
-  const Mask off_axis = r > 0.0;
-  const Lanes inverse_r = off_axis ? 1.0 / r : zero;
-  const Lanes rx = off_axis ? p.x * inverse_r : one, ry = p.y * inverse_r;
-  const Lanes up = p.z < 0.0 ? -one : one, side = r - radius, cap = up * p.z - half_length;
-  const Mask edge = (side > 0.0) & (cap > 0.0), by_side = side > cap;
-  const Lanes d = squareRoot(side * side + cap * cap), inverse = edge ? 1.0 / d : zero;
-  return {edge      ? d
-          : by_side ? side
-                    : cap,
-          {edge      ? side * rx * inverse
-           : by_side ? rx
-                     : zero,
-           edge      ? side * ry * inverse
-           : by_side ? ry
-                     : zero,
-           edge      ? cap * up * inverse
-           : by_side ? zero
-                     : up}};
+  const Lanes r = squareRoot(p.x * p.x + p.y * p.y), inverse_r = ifPositive(r, 1.0 / r, zero);
+  const Lanes rx = ifPositive(r, p.x * inverse_r, one), ry = p.y * inverse_r;
+  const Lanes up = ifLess(p.z, zero, -one, one), side = r - radius, cap = up * p.z - half_length;
+  const Lanes edge = smaller(side, cap);  // where positive, the nearest point is on the edge of a cap
+  const Lanes d = squareRoot(side * side + cap * cap), inverse = ifPositive(edge, 1.0 / d, zero);
+  const Lanes by_side = ifLess(cap, side, one, zero);
+  const Lanes along = ifPositive(edge, side * inverse, by_side),
+              across = up * ifPositive(edge, cap * inverse, one - by_side);
+  return {ifPositive(edge, d, larger(side, cap)), {along * rx, along * ry, across}};
 }
 
 static HAPTIC_CLOTH_INLINE DistanceLanes localDistance(const SolidLanes& solid, const Lanes3& p) {

@@ -10,7 +10,7 @@ HAPTIC_CLOTH_CLONES double evaluateEdges(EdgePack* packs, int begin, int end, co
     EdgePack& pack = packs[p];
     const Lanes3 span = gather(x, pack.b) - gather(x, pack.a);
     const Lanes now = squareRoot(dot(span, span));
-    const Lanes inverse = now > 0.0 ? 1.0 / now : Lanes{};  // degenerate: no direction, no force
+    const Lanes inverse = ifPositive(now, 1.0 / now, Lanes{});  // degenerate: no direction, no force
     const Lanes3 axis = inverse * span;
     const Lanes inverse_length = load(pack.inverse_length), area = load(pack.area);
     const LawLanes tension = law(now * inverse_length - 1.0, steps ? steps + p : nullptr);

@@ -41,17 +41,17 @@ class LawTable {
       return {only.p + s * (only.q + 0.5 * only.r * s), only.q + only.r * s, all(only.r)};
     }
     const Lanes t = smaller(larger((s - begin_) * inverse_step_, Lanes{}), all(last_));
-    const Mask interval = __builtin_convertvector(t, Mask);
+    const Integers interval = __builtin_convertvector(t, Integers);
     Lanes p, q, r;
     if (!memory_) {
       fetch(interval, p, q, r);
       return {p + s * (q + 0.5 * r * s), q + r * s, r};
     }
-    const Mask high = s > load(steps->high), low = s < load(steps->low);
-    const Mask count = Mask{} + static_cast<long long>(last_ + 1.0);
-    fetch(interval + (high ? Mask{} : low ? count + count : count), p, q, r);
-    p += high ? load(steps->on_upper) : low ? load(steps->on_lower) : Lanes{};
-    q += high ? Lanes{} : low ? Lanes{} : load(steps->play);
+    const Lanes high = load(steps->high), low = load(steps->low), one = all(1.0), none{};
+    const Lanes upper = ifLess(high, s, one, none), lower = ifLess(s, low, one, none);
+    fetch(interval + __builtin_convertvector((last_ + 1.0) * (one - upper + lower), Integers), p, q, r);
+    p += upper * load(steps->on_upper) + lower * load(steps->on_lower);
+    q += (one - upper - lower) * load(steps->play);
     return {p + s * (q + 0.5 * r * s), q + r * s, r};
   }
 
@@ -60,7 +60,7 @@ class LawTable {
     double p, q, r;
   };
 
-  HAPTIC_CLOTH_INLINE void fetch(const Mask& which, Lanes& p, Lanes& q, Lanes& r) const {
+  HAPTIC_CLOTH_INLINE void fetch(const Integers& which, Lanes& p, Lanes& q, Lanes& r) const {
     for (int l = 0; l < kLanes; ++l) {
       const Interval& interval = intervals_[which[l]];
       p[l] = interval.p;

@@ -40,16 +40,15 @@ HAPTIC_CLOTH_CLONES double evaluateShears(PatchPack* packs, int begin, int end, 
     const Lanes3 u = rising + falling, v = rising - falling;
     // With D = u·v and the area S = |u x v|, tan γ = D/S, dγ/du = (v - D/u² u)/S, dγ/dv = (u - D/v² v)/S.
     const Lanes uu = dot(u, u), vv = dot(v, v), both = uu * vv, product = dot(u, v);
-    const Mask proper = both > 0.0;
     const Lanes least = (kLeastCosine * kLeastCosine) * both, square = both - product * product;
     const Lanes size = squareRoot(larger(square, least));
-    const Lanes inverse = proper ? 1.0 / (size * both) : Lanes{};
+    const Lanes inverse = ifPositive(both, 1.0 / (size * both), Lanes{});
     const Lanes inverse_size = inverse * both, scaled = inverse * size * product;
     const LawLanes shear = law(angleOf(product * inverse_size, product, square), steps ? steps + p : nullptr);
     const Lanes3 du = inverse_size * (v - (scaled * vv) * u), dv = inverse_size * (u - (scaled * uu) * v);
     const Lanes3 by_rising = du + dv, by_falling = du - dv;
     const Lanes area = load(pack.area), force = area * shear.force;
-    energy += proper ? area * shear.potential : Lanes{};
+    energy += ifPositive(both, area * shear.potential, Lanes{});
     const int slot = first + kLanes * (p - begin);
     store(slots, slot, force * by_rising);
     store(slots, slot + stride, force * by_falling);
@@ -88,7 +87,7 @@ HAPTIC_CLOTH_INLINE Lanes saddleHeight(const PatchPack& pack, const ConstArrays&
 /// Of dE²/d(height)², zero for lanes that hold no patch [N/m].
 HAPTIC_CLOTH_INLINE Lanes twistStiffness(const PatchPack& pack, double rigidity) {
   const Lanes area = load(pack.area);
-  return area > 0.0 ? 2.0 * rigidity / area : Lanes{};
+  return ifPositive(area, 2.0 * rigidity / area, Lanes{});
 }
 
 }  // namespace

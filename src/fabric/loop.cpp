@@ -34,16 +34,25 @@ Loop::Loop(double begin, double step, std::vector<double> upper, std::vector<dou
   for (double& force : path) force -= at_zero;
   lower_ = Curve(begin_, step, lower);
   path_ = Curve(begin_, step, path);
+  upper_above_ = abovePath(upper_);
+  lower_above_ = abovePath(lower_);
+}
+
+/// branch - R at the nodes.
+std::vector<double> Loop::abovePath(const Curve& branch) const {
+  std::vector<double> above(nodes_);
+  for (int node = 0; node < nodes_; ++node) {
+    const double s = begin_ + node * step_;
+    above[node] = branch(s).force - path_(s).force;
+  }
+  return above;
 }
 
 /// The deformation at which branch - R, which falls everywhere, equals the play: a walk among the nodes from
 /// one where it is likely, in strides that double, a search between the last two, then the root of a line.
 /// Past the ends the last intervals' lines go on.
-double Loop::joins(const Curve& branch, double play, double near) const {
-  const auto above = [&](int node) {
-    const double s = begin_ + node * step_;
-    return branch(s).force - path_(s).force - play;
-  };
+double Loop::joins(const std::vector<double>& above_path, double play, double near) const {
+  const auto above = [&](int node) { return above_path[node] - play; };
   const int last = nodes_ - 1;
   int low = static_cast<int>(std::clamp((near - begin_) / step_, 0.0, last - 1.0));
   int high = low + 1;
@@ -65,7 +74,7 @@ double Loop::joins(const Curve& branch, double play, double near) const {
 
 Loop::Step Loop::begin(double play, double near_low, double near_high) const {
   if (!memory_) return {};
-  Step step{play, joins(lower_, play, near_low), joins(upper_, play, near_high), 0.0, 0.0};
+  Step step{play, joins(lower_above_, play, near_low), joins(upper_above_, play, near_high), 0.0, 0.0};
   const auto onPath = [&](double s) { return path_(s).potential + play * s; };
   step.on_lower = onPath(step.low) - lower_(step.low).potential;
   step.on_upper = onPath(step.high) - upper_(step.high).potential;

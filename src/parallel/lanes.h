@@ -22,7 +22,7 @@ constexpr int kLanes = 8;
 constexpr int padded(int n) { return (n + kLanes - 1) / kLanes * kLanes; }
 
 using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
-using Mask = long long __attribute__((vector_size(kLanes * sizeof(long long))));  ///< -1 where true
+using Integers = long long __attribute__((vector_size(kLanes * sizeof(long long))));
 
 static HAPTIC_CLOTH_INLINE Lanes load(const double* p) {
   Lanes v;
@@ -38,6 +38,18 @@ static HAPTIC_CLOTH_INLINE Lanes squareRoot(const Lanes& v) {
   Lanes r;
   for (int l = 0; l < kLanes; ++l) r[l] = std::sqrt(v[l]);
   return r;
+}
+
+/// x in the lanes where a < b, y in the others, by the sign of a - b. Where the extension's own comparisons
+/// are combined, or lanes are wider than the machine's, gcc makes them one by one, at ten times the cost.
+/// @pre a - b is a number; where it may not be and decides about memory, larger() and smaller() are safe
+static HAPTIC_CLOTH_INLINE Lanes ifLess(const Lanes& a, const Lanes& b, const Lanes& x, const Lanes& y) {
+  using Bits = unsigned long long __attribute__((vector_size(sizeof(Lanes))));
+  const Bits less = Bits{} - (Bits(a - b + 0.0) >> 63);  // + 0.0: -0 is not less than 0
+  return Lanes((Bits(x) & less) | (Bits(y) & ~less));
+}
+static HAPTIC_CLOTH_INLINE Lanes ifPositive(const Lanes& a, const Lanes& x, const Lanes& y) {
+  return ifLess(Lanes{}, a, x, y);
 }
 
 static HAPTIC_CLOTH_INLINE Lanes larger(const Lanes& a, const Lanes& b) { return a > b ? a : b; }

@@ -63,7 +63,11 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
   inertial_.clear(mesh_.nodes());
   for (auto* list : {&motion_, &gradient_, &diagonal_}) list->clear(mesh_.nodes());
   const double share = h_ / (1.0 + air_damping_ * h_);
-  for (int n = 0; n < mesh_.nodes(); ++n) inertial_.set(n, positions[n] + share * velocities[n]);
+  for (int c = 0; c < 3; ++c) {
+    const std::vector<double>&x = positions.coordinate(c), &v = velocities.coordinate(c);
+    std::vector<double>& ahead = inertial_.coordinate(c);
+    for (int n = 0; n < mesh_.nodes(); ++n) ahead[n] = x[n] + share * v[n];
+  }
   nodes_ = positions;
   for (std::size_t k = 0; k < probes_.size(); ++k) proxies_[k] = probes_[k].proxy;
   for (Proxies* list : {&proxy_motions_, &hold_forces_}) std::fill(list->begin(), list->end(), Vec3::Zero());
@@ -81,7 +85,10 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
   reference_ = total_mass * g * g;
   reference_acceleration_ = g * g;
   const auto weight = [&](double mass) { return 1.0 / (mass * reference_); };
-  for (int k = 0; k < 3 * mesh_.free; ++k) residual_weight_[k] = weight(mesh_.mass[k % mesh_.free]);
+  for (int n = 0; n < mesh_.free; ++n) residual_weight_[n] = weight(mesh_.mass[n]);
+  for (const int c : {1, 2}) {
+    residual_weight_.segment(c * mesh_.free, mesh_.free) = residual_weight_.head(mesh_.free);
+  }
   forPresent(
       [&](int k) { residual_weight_.segment<3>(proxyAt(probes_[k])).setConstant(weight(proxy_mass(k))); });
   awake_.assign(mesh_.nodes(), 1);
@@ -122,7 +129,11 @@ int ClothObjective::awake() const {
 
 void ClothObjective::forcesAtRest(const Field& velocities, Field& forces) const {
   forces = gradient_;
-  for (int n = 0; n < mesh_.free; ++n) forces.add(n, moving_mass_[n] / h_ * velocities[n]);
+  for (int c = 0; c < 3; ++c) {
+    const std::vector<double>& v = velocities.coordinate(c);
+    std::vector<double>& force = forces.coordinate(c);
+    for (int n = 0; n < mesh_.free; ++n) force[n] += moving_mass_[n] / h_ * v[n];
+  }
 }
 
 bool ClothObjective::wake(const Rest& rest, const Field& forces, double threshold) {
@@ -297,25 +308,35 @@ double ClothObjective::gatherNodes(int begin, int end) {
   return energy;
 }
 
+void ClothObjective::setMotion(const Vector& d) {
+  unpack(d, motion_, proxy_motions_);
+  carryHeld(proxy_motions_, false, motion_);
+}
+
 Objective::Along ClothObjective::along(const Vector& d) {
-  unpack(d, motion_, proxy_motions_);
-  carryHeld(proxy_motions_, false, motion_);
-  return {curvature(false), present_ > 0 ? contacts_.maxStep(motion_, proxy_motions_) : 1e300};
+  setMotion(d);
+  return {curvature(false, true).sum(), present_ > 0 ? contacts_.maxStep(motion_, proxy_motions_) : 1e300};
 }
 
-double ClothObjective::curvatureOfWay(const Vector& d) {
-  unpack(d, motion_, proxy_motions_);
-  carryHeld(proxy_motions_, false, motion_);
-  return curvature(true);
+ClothObjective::Curvature ClothObjective::curvatureOfWay(const Vector& d, bool deforms) {
+  setMotion(d);
+  return curvature(true, deforms);
 }
 
-double ClothObjective::curvature(bool whole_way) {
+double ClothObjective::maxStep(const Vector& d) {
+  if (present_ == 0) return 1e300;
+  setMotion(d);
+  return contacts_.maxStep(motion_, proxy_motions_);
+}
+
+ClothObjective::Curvature ClothObjective::curvature(bool whole_way, bool deforms) {
   const int internal = internal_.size();
   const Sums elements = team_.sum(awake_elements_.size(), [&](int from, int to) {
     Sums sums = Sums::Zero();
     awake_elements_.forPart(from, to, [&](int begin, int end) {
-      sums[0] += internal_.curvature(std::min(begin, internal), std::min(end, internal), motion_) +
-                 contacts_.curvature(std::max(begin, internal) - internal, std::max(end, internal) - internal,
+      if (deforms)
+        sums[0] += internal_.curvature(std::min(begin, internal), std::min(end, internal), motion_);
+      sums[1] += contacts_.curvature(std::max(begin, internal) - internal, std::max(end, internal) - internal,
                                      motion_, proxy_motions_, whole_way);
     });
     return sums;
@@ -330,9 +351,9 @@ double ClothObjective::curvature(bool whole_way) {
         return sums;
       },
       Team::kEntry);
-  double value = elements[0] + moving[0];
-  forPresent([&](int k) { value += couplingStiffness(k) * proxy_motions_[k].squaredNorm(); });
-  return value;
+  double others = elements[1] + moving[0];
+  forPresent([&](int k) { others += couplingStiffness(k) * proxy_motions_[k].squaredNorm(); });
+  return {elements[0], others};
 }
 
 void ClothObjective::fitMultilevel() {

@@ -77,8 +77,21 @@ class ClothObjective : public Objective {
   double evaluate(const Vector& x, Vector& gradient) override;
   Along along(const Vector& d) override;
 
-  /// d · H⁺ d at the last evaluated point, friction as it is over all of d.
-  double curvatureOfWay(const Vector& d);
+  /// The fabric's part of d · H⁺ d [J] and that of all else.
+  struct Curvature {
+    double fabric, others;
+    double sum() const { return fabric + others; }
+  };
+
+  /// d · H⁺ d at the last evaluated point, friction as it is over all of d. @param deforms false: not the
+  /// fabric's part, since all nodes go alike
+  Curvature curvatureOfWay(const Vector& d, bool deforms = true);
+
+  /// Whether a way of all free nodes is one of all nodes.
+  bool allFree() const { return mesh_.pinned == 0 && held_.empty() && all_awake_; }
+
+  /// Largest admissible factor of d from the last evaluated point.
+  double maxStep(const Vector& d);
   void fitPreconditioner() override;
 
   /// After a change of the mesh.
@@ -153,7 +166,8 @@ class ClothObjective : public Objective {
   void listAwake();
   Sums evaluateElements(int begin, int end);
   double gatherNodes(int begin, int end);
-  double curvature(bool whole_way);
+  void setMotion(const Vector& d);
+  Curvature curvature(bool whole_way, bool deforms);
   Motion motion() const;
 
   const ActiveMesh& mesh_;

@@ -1,5 +1,6 @@
 // The part of ClothWorld that solves a step.
 #include <algorithm>
+#include <cmath>
 
 #include "sim/cloth_world.h"
 
@@ -78,7 +79,9 @@ bool ClothWorld::proxiesCovered(std::vector<double>& proxy_reach) const {
 bool ClothWorld::covered() {
   bool all = true;
   for (int n = 0; n < mesh.nodes(); ++n) {
-    const double moved = (objective.nodes()[n] - nodes_[n]).norm();
+    const double squared = (objective.nodes()[n] - nodes_[n]).squaredNorm();
+    if (4.0 * squared <= reach_[n] * reach_[n]) continue;
+    const double moved = std::sqrt(squared);
     all = all && !(moved > reach_[n]);
     reach_[n] = std::max(reach_[n], 2.0 * moved);
   }
@@ -186,7 +189,7 @@ double ClothWorld::chooseStart() {
   const double at_rest = objective.allAwake() ? at_rest_ : objective.evaluate(start_, gradient_);
   const std::array<double, 2> steps = stepsAlongWays();
   motion_.head(size) = steps[0] * ways_[0].head(size) + steps[1] * ways_[1].head(size);
-  const double reach = std::min(1.0, objective.along(motion_).max_step);
+  const double reach = std::min(1.0, objective.maxStep(motion_));
   x_.head(size) = start_.head(size) + reach * motion_.head(size);
   const double moving = objective.evaluate(x_, gradient_);
   if (moving <= at_rest) return moving;
@@ -214,8 +217,12 @@ std::array<double, 2> ClothWorld::stepsAlongWays() {
     ways_[1].segment<3>(objective.proxyAt(probe)).setZero();
   }
   motion_.head(size) = ways_[0].head(size) + ways_[1].head(size);
-  const double a = objective.curvatureOfWay(ways_[0]), b = objective.curvatureOfWay(ways_[1]),
-               both = objective.curvatureOfWay(motion_), mixed = 0.5 * (both - a - b);
+  // Where no node is held, gravity's way deforms nothing and the sum what inertia's does.
+  const bool deforms = !objective.allFree();
+  const ClothObjective::Curvature inertial = objective.curvatureOfWay(ways_[0]);
+  const double a = inertial.sum(), b = objective.curvatureOfWay(ways_[1], deforms).sum(),
+               both = objective.curvatureOfWay(motion_, deforms).sum() + (deforms ? 0.0 : inertial.fabric),
+               mixed = 0.5 * (both - a - b);
   const double p = -gradient_.head(size).dot(ways_[0].head(size)),
                q = -gradient_.head(size).dot(ways_[1].head(size));
   const double determinant = a * b - mixed * mixed;

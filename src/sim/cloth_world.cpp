@@ -277,7 +277,11 @@ void ClothWorld::accept(StepReport& report) {
   for (int n = 0; n < mesh.active(); ++n) {
     gravity_work += mesh.mass[n] * scene.gravity.dot(after[n] - nodes_[n]);
   }
-  for (int n = 0; n < mesh.nodes(); ++n) velocities_.set(n, (after[n] - nodes_[n]) / h);
+  for (int c = 0; c < 3; ++c) {
+    const std::vector<double>&end = after.coordinate(c), &start = nodes_.coordinate(c);
+    std::vector<double>& velocity = velocities_.coordinate(c);
+    for (int n = 0; n < mesh.nodes(); ++n) velocity[n] = (end[n] - start[n]) / h;
+  }
   nodes_ = after;
   rest_.update(
       mesh, velocities_, [this](int n) { return objective.isAwake(n); },
