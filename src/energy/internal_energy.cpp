@@ -123,13 +123,6 @@ void InternalEnergy::setNormals(const Field& positions) {
   }
 }
 
-double InternalEnergy::turnNormals(const Field& positions) {
-  const auto bending = [&] { return evaluate(gather_.firstTriple(), size(), positions).bend; };
-  const double before = bending();
-  setNormals(positions);
-  return bending() - before;
-}
-
 void InternalEnergy::appendAwake(const std::vector<char>& awake, Runs& runs) const {
   const auto touches = [&](const NodeLanes& nodes) {
     return std::any_of(nodes.index, nodes.index + kLanes, [&](int node) { return awake[node] != 0; });

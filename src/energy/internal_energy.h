@@ -48,9 +48,6 @@ class InternalEnergy {
   /// Takes the surface normals for a step; triples bend about them until the next call.
   void setNormals(const Field& positions);
 
-  /// The same where the mesh is as it was. @return what that makes of bending energy [J]
-  double turnNormals(const Field& positions);
-
   /// Number of elements; laws that are zero everywhere count none.
   int elements() const { return edge_count_ + triple_count_ + patch_count_; }
 

@@ -225,8 +225,9 @@ void ClothWorld::adapt(StepReport& report) {
                  size = scene.probes[k].radius + 0.5 * scene.probes[k].length;
     if (probe.present) fine_.push_back({probe.proxy, size + reach + ahead});
   }
+  created_ = 0.0;
   if (!adaptation_.plan(steps, nodes_, internal, fine_, leaves, mesh, state)) {
-    created_ = internal.turnNormals(nodes_);
+    internal.setNormals(nodes_);
     return;
   }
   const double before = cohesion();

@@ -88,8 +88,6 @@ class Run {
     const double g = scene.gravity.norm() > 0.0 ? scene.gravity.norm() : kStandardGravity;
     weight_ = world_.mass() * g;
     result_.energy = weight_ * size;
-    const double coarsest = (1 << scene.adapt.levels) * std::max(world_.grid.dx, world_.grid.dy);
-    sagged_ = weight_ * scene.adapt.coarsen_below / 8.0 * coarsest;
     ways_.resize(scene.probes.size());
     show();
     began_ = shown_;
@@ -115,8 +113,11 @@ class Run {
   void step() {
     followPaths(world_);
     if (wanted_.before) wanted_.before(world_, result_.steps);
+    const double turned = madeByTurning();
     const StepReport report = world_.step();
     ++result_.steps;
+    result_.turned += turned;
+    allowed_ += turned;
     result_.failed += report.failed ? 1 : 0;
     result_.cut += report.minimizer.why == Termination::Converged ? 0 : 1;
     result_.finite = isFinite(world_);
@@ -128,6 +129,18 @@ class Run {
     noteForces(report);
     note();
     if (wanted_.after) wanted_.after(world_, result_.steps - 1);
+  }
+
+  /// Bending energy that the surface normals make when a step takes them anew, of a copy: the step itself
+  /// looks at the mesh with the old ones [J].
+  double madeByTurning() const {
+    InternalEnergy internal = world_.internal;
+    const auto bending = [&] {
+      return internal.evaluate(internal.gather().firstTriple(), internal.size(), world_.nodes()).bend;
+    };
+    const double before = bending();
+    internal.setNormals(world_.nodes());
+    return std::max(0.0, bending() - before);
   }
 
   /// Where devices and obstacles are; nothing for a device that is not there.
@@ -191,7 +204,6 @@ class Run {
     allowed_ += residual * weight_ * way() + std::max(0.0, world_.created());
     if (result_.steps > wanted_.set_up)
       result_.created = std::max(result_.created, world_.created() / result_.energy);
-    stored_ = energy.stretch + energy.bend + energy.shear + sagged_;
     if (energy.dissipated >= most_dissipated_ || result_.steps <= wanted_.set_up) {
       most_dissipated_ = energy.dissipated;
       allowed_ = 0.0;
@@ -244,7 +256,6 @@ class Run {
   const Torture& wanted_;
   ClothWorld world_;
   TortureResult result_;
-  double stored_ = 1e300, sagged_ = 0.0;  // energy of the fabric before a step, what a merge may lift [J]
   double weight_ = 0.0, work_before_ = 0.0, most_dissipated_ = 0.0, allowed_ = 0.0;
   std::vector<Vec3> shown_, shown_before_, began_;
   std::vector<std::optional<Vec3>> inputs_;  ///< at the end of the last step
@@ -262,6 +273,7 @@ void judge(const Torture& wanted, const TortureResult& result) {
   keep("energy gained / turned over", result.gain / result.energy, kRoundOff + result.allowed / result.energy,
        "-");
   keep("made by a mesh change / turned over", result.created, limits.created, "-");
+  keep("made by turning normals / turned over", result.turned / result.energy, limits.turned, "-");
   keep("largest strain", result.strain,
        limits.strain > 0.0 ? limits.strain : strainLimit(result, wanted.scene, limits.pushed), "-");
   keep("fastest particle", result.speed, speedLimit(result, wanted.scene) + limits.thrown, "m/s");

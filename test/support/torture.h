@@ -16,26 +16,28 @@ namespace haptic_cloth {
 /// was turned over, and the work of the residual forces that the steps left over, residual · weight · way,
 /// since then: with Newton's law met up to R, a step of backward Euler gains R · Δx at most, and by Cauchy
 /// and Schwarz that is residual · |g| · mass · rms_m(Δx); residual: what the step reports, or its tolerance.
-/// A change of the mesh makes energy at once, and motion gives it back later: it is allowed, too, but no more
-/// than the fabric stored before, for a split leaves all curvature to half of the particles, twice as large,
-/// and the whole cloth lifted by the sagitta of a merge, coarsen_below/8 of the coarsest spacing.
-/// Speed: a particle is set in motion by what devices and obstacles do, twice their speed where something
-/// heavy hits something light without loss; by its fall, √(2 g · 2 · way it sank), since half of a chain may
-/// get what the other half has fallen, and its tip outruns free fall [Tomaszewski et al. 2006]; and by what
-/// the fabric gives back, no more than it stores at the largest strain of the run: ρ v²/2 = w_warp + w_weft,
-/// twice that at a free edge, where a wave is thrown back, or where one quarter gets it all. speedLimit() is
-/// the sum. Strain: where a case says nothing nearer, that of the threads which carry all that pulls, forces
-/// of the probes and twice the weight, as it is sudden; and that of cloth which moves as fast as inputs and
-/// fall explain, twice that at a held edge, and is stopped at once along its softer, compressed way:
-/// strainLimit() is the sum.
-/// Force: that on a probe is what its coupling can pull with, k · distance + b · speeds of both ends; and
-/// what the residual leaves on the proxy, which counts with the mass h² k + h b.
+/// A change of the mesh makes energy at once, and motion gives it back later; so do surface normals, which
+/// turn between steps and not in them. Both are allowed, too, but no more than a tenth and a hundredth of
+/// what was turned over. Speed: a particle is set in motion by what devices and obstacles do, twice their
+/// speed where something heavy hits something light without loss; by its fall, √(2 g · 2 · way it sank),
+/// since half of a chain may get what the other half has fallen, and its tip outruns free fall [Tomaszewski
+/// et al. 2006]; and by what the fabric gives back, no more than it stores at the largest strain of the run:
+/// ρ v²/2 = w_warp + w_weft, twice that at a free edge, where a wave is thrown back, or where one quarter
+/// gets it all. speedLimit() is the sum. Strain: where a case says nothing nearer, that of the threads which
+/// carry all that pulls, forces of the probes and twice the weight, as it is sudden; and that of cloth which
+/// moves as fast as inputs and fall explain, twice that at a held edge, and is stopped at once along its
+/// softer, compressed way: strainLimit() is the sum. Force: that on a probe is what its coupling can pull
+/// with, k · distance + b · speeds of both ends; and what the residual leaves on the proxy, which counts with
+/// the mass h² k + h b.
 struct TortureLimits {
-  double strain = 0.0;   ///< largest |strain| of an edge in the whole run; 0: strainLimit() [-]
-  bool pushed = false;   ///< a grip pushes the cloth together as hard as it pulls, along its softer way
-  double thrown = 0.0;   ///< speed by what is not named above [m/s]
-  double created = 0.1;  ///< energy that one change of the mesh makes, over what was turned over: ten times less [-]
-  int failed = 0;        ///< steps whose state had to be restored
+  double strain = 0.0;  ///< largest |strain| of an edge in the whole run; 0: strainLimit() [-]
+  bool pushed = false;  ///< a grip pushes the cloth together as hard as it pulls, along its softer way
+  double thrown = 0.0;  ///< speed by what is not named above [m/s]
+  double created =
+      0.1;  ///< energy that one change of the mesh makes, over what was turned over: ten times less [-]
+  double turned =
+      0.1;         ///< bending energy that normals make as they turn between steps, in all, over the same [-]
+  int failed = 0;  ///< steps whose state had to be restored
 };
 
 /// A case: a scene that `simulate` could run, and what a scene file cannot say.
@@ -64,6 +66,7 @@ struct TortureResult {
   double gain = 0.0;         ///< largest rise of energy less work, from its lowest so far [J]
   double allowed = 0.0;      ///< what residuals could have worked, and mesh changes made, in that rise [J]
   double created = 0.0;  ///< most that one change of the mesh made, over what was turned over until then [-]
+  double turned = 0.0;   ///< bending energy that normals made as they turned between steps, in all [J]
   double left = 0.0;     ///< distance of the proxies from their devices at the end [m]
   std::uint64_t hash = 0;
 };
@@ -71,6 +74,9 @@ struct TortureResult {
 /// Largest speed [m/s] and strain [-] that the run's own inputs explain, see TortureLimits.
 double speedLimit(const TortureResult& result, const Scene& scene);
 double strainLimit(const TortureResult& result, const Scene& scene, bool pushed);
+
+/// How far warp or weft is pushed together by the energy it has at a strain; at least that strain [-].
+double rebound(const Fabric& fabric, double strain);
 
 /// A fabric with linear laws as a file that outlives the program's scenes. @return its path
 std::string writeFabric(const LinearFabric& linear);

@@ -49,6 +49,15 @@ double speedLimit(const TortureResult& result, const Scene& scene) {
   return motionOf(result, scene) + 2.0 * std::sqrt(2.0 * stored / scene.cloth.fabric.areal_density);
 }
 
+double rebound(const Fabric& fabric, double strain) {
+  double limit = strain;
+  for (const Loop& law : fabric.tensile) {
+    const double stored = energyAt(law, strain);
+    limit = std::max(limit, leastStrain([&](double s) { return energyAt(law, -s) >= stored; }));
+  }
+  return limit;
+}
+
 double strainLimit(const TortureResult& result, const Scene& scene, bool pushed) {
   const Fabric& fabric = scene.cloth.fabric;
   const double speed = 2.0 * motionOf(result, scene), moving = 0.5 * fabric.areal_density * speed * speed;
