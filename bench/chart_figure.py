@@ -9,7 +9,7 @@ COLOURS = {"finest": "#222222", "coarsest": "#999999", "refine": "#2f8f4e", "coa
 # What is other than the default decides the marker; the first that fits.
 MARKERS = (
     ("solver.cost", "X", "cost joint"),
-    ("solver.preconditioner", "P", "no preconditioner"),
+    ("solver.preconditioner", "P", "other preconditioner"),
     ("adapt.refine_above", "D", "other thresholds"),
     ("solver.max_iterations", "v", "other iteration limit"),
     ("solver.tolerance", "s", "other tolerance"),

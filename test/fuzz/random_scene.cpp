@@ -168,8 +168,10 @@ class Writer {
     const double count = static_cast<double>(particles_[0]) * particles_[1];
     const int steps = std::clamp(static_cast<int>((joint_ ? 0.1 : 1.0) * limits_.work / count), 3, 60);
     const std::vector<int> iterations{1, 2, 10, 50, 200, 200};
+    const std::vector<std::string> preconditioners{"none", "jacobi", "multilevel", "multilevel",
+                                                   "multilevel"};
     text_ << "solver: {" << number("time_step", step) << ", cost: " << (joint_ ? "joint" : "condensed")
-          << ", preconditioner: " << (dice_.chance(0.2) ? "none" : "jacobi") << ", "
+          << ", preconditioner: " << dice_.choice(preconditioners) << ", "
           << number("tolerance", dice_.logUniform(0.01, 0.5))
           << ", max_iterations: " << dice_.choice(iterations)
           << ", sleep_speed: " << dice_.choice(std::vector<double>{0.0, 3e-4, 3e-4, 0.1}) << "}\n";
