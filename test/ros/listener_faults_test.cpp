@@ -125,6 +125,7 @@ class Presses {
 };
 
 TEST_F(ListenerFaultTest, ThousandsOfServiceCalls) {
+  constexpr int kPresses = 2;
   const char* wanted = std::getenv("HAPTIC_CLOTH_SERVICE_CALLS");
   const int calls = wanted != nullptr ? std::atoi(wanted) : 2000;
   press();
@@ -134,18 +135,20 @@ TEST_F(ListenerFaultTest, ThousandsOfServiceCalls) {
   const double before = residentMemory(pid), start = steadyNow();
   const std::uint32_t first_tick = reaction_.last().number;
   Presses presses(*hand_, reaction_);
-  int answered = 0;
+  int answered = 0, made = 0;
   std::vector<double> memory;  // after each tenth of the calls [MB]
   {
     Caller caller(node_);
-    for (int k = 0; k < calls; ++k) {
+    // A quick machine makes more of them while the hand presses twice.
+    for (; made < calls || (presses.pressed() < kPresses && made < 20 * calls); ++made) {
+      const int k = made;
       presses.next();
       answered += caller.call(k, presses.resets());
       if (10 * (k + 1) / calls == static_cast<int>(memory.size()) + 1) memory.push_back(residentMemory(pid));
     }
   }
   const double took = steadyNow() - start, ticks = reaction_.last().number - first_tick;
-  RecordProperty("calls_per_second", std::to_string(calls / took));
+  RecordProperty("calls_per_second", std::to_string(made / took));
   RecordProperty("ticks_per_second", std::to_string(ticks / took));
   RecordProperty("presses", presses.pressed());
   RecordProperty("presses_felt", presses.felt());
@@ -155,12 +158,12 @@ TEST_F(ListenerFaultTest, ThousandsOfServiceCalls) {
   for (std::size_t k = 0; k < memory.size(); ++k) {
     RecordProperty("memory_MB_at_" + std::to_string(10 * (k + 1)) + "_percent", std::to_string(memory[k]));
   }
-  EXPECT_EQ(answered, calls);
-  EXPECT_GE(presses.pressed(), 2);
+  EXPECT_EQ(answered, made);
+  EXPECT_GE(presses.pressed(), kPresses);
   EXPECT_GE(2 * presses.felt(), presses.pressed()) << "the hand does not feel the cloth";
   ASSERT_EQ(memory.size(), 10U);
   EXPECT_LT(memory.back(), before + kMemory);
-  EXPECT_LT(memory.back() - memory[4], kArena + kLeftByACall * calls / 2);
+  EXPECT_LT(memory.back() - memory[4], kArena + kLeftByACall * made / 2);
   EXPECT_TRUE(waitFor([&] { return openFiles(pid) <= files; })) << "connections stay open";
   EXPECT_TRUE(recovers());
 }

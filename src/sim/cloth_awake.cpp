@@ -1,0 +1,90 @@
+// The part of ClothObjective that knows who is awake.
+#include <algorithm>
+#include <cmath>
+
+#include "sim/cloth_objective.h"
+
+namespace haptic_cloth {
+
+void ClothObjective::lookAtAll() {
+  awake_elements_.clear();
+  awake_elements_.add(0, internal_.size() + contacts_.size());
+  awake_nodes_.clear();
+  awake_nodes_.add(0, padded(mesh_.nodes()));
+}
+
+void ClothObjective::sleepAll() {
+  std::fill(awake_.begin(), awake_.end(), 0);
+  all_awake_ = false;
+}
+
+int ClothObjective::awake() const {
+  return static_cast<int>(std::count(awake_.begin(), awake_.begin() + mesh_.free, 1));
+}
+
+void ClothObjective::forcesAtRest(const Field& velocities, Field& forces) const {
+  forces = gradient_;
+  for (int c = 0; c < 3; ++c) {
+    const std::vector<double>& v = velocities.coordinate(c);
+    std::vector<double>& force = forces.coordinate(c);
+    for (int n = 0; n < mesh_.free; ++n) force[n] += moving_mass_[n] / h_ * v[n];
+  }
+}
+
+bool ClothObjective::wake(const Rest& rest, const Field& forces, double threshold) {
+  constexpr int kRings = 3;            // of cells around what moves: what is pushed pushes its neighbours
+  constexpr double kWorthwhile = 0.6;  // share of nodes above which all may as well be awake
+  const double limit = threshold * std::sqrt(reference_acceleration_);
+  bool more = false;
+  seen_.assign(mesh_.nodes(), 0);
+  for (int n = 0; n < mesh_.free; ++n) {
+    if (awake_[n]) continue;
+    const double allowed = limit * mesh_.mass[n];
+    disturbed_[n] = rest.sleeps(n) && !((forces[n] - rest.reference(n)).squaredNorm() <= allowed * allowed);
+    seen_[n] = disturbed_[n] || !rest.sleeps(n);
+    more = more || seen_[n];
+  }
+  if (!more) return false;
+  for (int ring = 0; ring < kRings; ++ring) spread();
+  int count = 0;
+  for (int n = 0; n < mesh_.nodes(); ++n) {
+    awake_[n] = awake_[n] || seen_[n];
+    count += awake_[n];
+  }
+  all_awake_ = count > kWorthwhile * mesh_.nodes();
+  if (all_awake_) {
+    std::fill(awake_.begin(), awake_.end(), 1);
+    lookAtAll();
+  } else {
+    listAwake();
+  }
+  return true;
+}
+
+/// From nodes that are seen to all of their cells; hanging ones go with their masters.
+void ClothObjective::spread() {
+  reached_.assign(mesh_.nodes(), 0);
+  for (const Patch& patch : mesh_.patches) {
+    const auto& n = patch.nodes;
+    if (!(seen_[n[0]] || seen_[n[1]] || seen_[n[2]] || seen_[n[3]])) continue;
+    for (const int node : n) reached_[node] = 1;
+  }
+  for (auto g = mesh_.ghosts.rbegin(); g != mesh_.ghosts.rend(); ++g) {
+    if (reached_[g->node]) reached_[g->a] = reached_[g->b] = 1;
+  }
+  for (const Ghost& g : mesh_.ghosts) reached_[g.node] = reached_[g.a] || reached_[g.b];
+  seen_.swap(reached_);
+}
+
+void ClothObjective::listAwake() {
+  awake_elements_.clear();
+  internal_.appendAwake(awake_, awake_elements_);
+  contacts_.appendAwake(awake_, internal_.size(), awake_elements_);
+  awake_nodes_.clear();
+  for (int n = 0; n < mesh_.nodes(); n += kLanes) {
+    const auto first = awake_.begin() + n, last = awake_.begin() + std::min(n + kLanes, mesh_.nodes());
+    if (std::any_of(first, last, [](char a) { return a != 0; })) awake_nodes_.add(n, n + kLanes);
+  }
+}
+
+}  // namespace haptic_cloth
