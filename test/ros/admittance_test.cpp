@@ -110,10 +110,10 @@ class CommandListener {
   }
 
  private:
-  ros::Subscriber subscriber_;
   mutable std::mutex mutex_;
   std::vector<Command> commands_;
   std::string frame_;
+  ros::Subscriber subscriber_;  ///< last: its callback uses all above
 };
 
 class AdmittanceTest : public testing::Test {

@@ -219,9 +219,9 @@ class AdapterTest : public testing::Test {
   ros::AsyncSpinner spinner_;
   std::unique_ptr<Process> process_;
   ros::Publisher reaction_;
-  ros::Subscriber force_;
   std::atomic<double> newest_{0.0};
   std::atomic<bool> finite_{true};
+  ros::Subscriber force_;  ///< last: its callback uses all above
 };
 
 TEST_F(AdapterTest, ANodeThatFallsSilentLeavesNoForce) {

@@ -59,11 +59,11 @@ class ReactionListener {
   Vec3 force() const;
 
  private:
-  ros::Subscriber subscriber_;
   mutable std::mutex mutex_;
   geometry_msgs::WrenchStamped last_;
   std::atomic<long> count_{0};
   std::atomic<bool> finite_{true};
+  ros::Subscriber subscriber_;  ///< last: its callback uses all above
 };
 
 /// The newest diagnostics of the node.
@@ -76,10 +76,10 @@ class DiagnosticsListener {
   long count() const { return count_; }
 
  private:
-  ros::Subscriber subscriber_;
   mutable std::mutex mutex_;
   std::map<std::string, std::string> values_;
   std::atomic<long> count_{0};
+  ros::Subscriber subscriber_;  ///< last: its callback uses all above
 };
 
 /// A child process whose standard output and error are kept.
