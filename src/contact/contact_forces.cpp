@@ -105,18 +105,18 @@ Vec3 ContactSet::normal(int sample) const {
 }
 
 /// Of H⁺ by the sample's position [N/m].
-Vec3 ContactSet::diagonalOf(int sample) const {
+Block ContactSet::blockOf(int sample) const {
   const SamplePack& pack = packs_[sample / kLanes];
-  const int l = sample % kLanes;
-  if (pack.normal_stiffness[l] == 0.0 && pack.tangent_stiffness[l] == 0.0) return Vec3::Zero();
-  return pack.normal_stiffness[l] * normal(sample).cwiseAbs2() +
-         pack.tangent_stiffness[l] * (Vec3::Ones() - samples_[sample].start_normal.cwiseAbs2());
+  const double across = pack.normal_stiffness[sample % kLanes],
+               along = pack.tangent_stiffness[sample % kLanes];
+  if (across == 0.0 && along == 0.0) return Block::Zero();
+  return across * square(normal(sample)) + along * (isotropic(1.0) - square(samples_[sample].start_normal));
 }
 
 void ContactSet::addDiagonal(Field& diagonal) const {
   for (int n = 0; n < diagonal.size(); ++n) {
     for (int e = rows_[n]; e < rows_[n + 1]; ++e) {
-      diagonal.add(n, entries_[e].weight * entries_[e].weight * diagonalOf(entries_[e].sample));
+      diagonal.add(n, entries_[e].weight * entries_[e].weight * blockOf(entries_[e].sample).head<3>());
     }
   }
 }
@@ -126,13 +126,9 @@ void ContactSet::addSprings(int probe, Blocks& blocks) const {
     const bool wanted = probe == kObstacles ? !isProbe(group.solid) : group.solid == obstacles_ + probe;
     if (!wanted) continue;
     for (int k = kLanes * group.begin; k < kLanes * group.end; ++k) {
-      const SamplePack& pack = packs_[k / kLanes];
-      const double normal_stiffness = pack.normal_stiffness[k % kLanes],
-                   tangent_stiffness = pack.tangent_stiffness[k % kLanes];
-      if (normal_stiffness == 0.0 && tangent_stiffness == 0.0) continue;
+      const Block own = blockOf(k);
+      if (own.isZero(0.0)) continue;
       const ContactSample& sample = samples_[k];
-      const Block own = normal_stiffness * square(normal(k)) + isotropic(tangent_stiffness) -
-                        tangent_stiffness * square(sample.start_normal);
       for (int c = 0; c < 4; ++c) {
         if (sample.weights[c] > 0.0) blocks[sample.nodes[c]] += sample.weights[c] * own;
       }
@@ -156,7 +152,7 @@ Vec3 ContactSet::proxyGradient(int probe) const {
 }
 
 Vec3 ContactSet::proxyDiagonal(int probe) const {
-  return sumOf(probe, [this](int k) { return diagonalOf(k); });
+  return sumOf(probe, [this](int k) { return Vec3(blockOf(k).head<3>()); });
 }
 
 Vec3 ContactSet::proxyChange(int probe) const {

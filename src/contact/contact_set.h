@@ -176,7 +176,7 @@ class ContactSet {
   template <class Visit>
   void forGroups(int begin, int end, const Visit& visit) const;
   Vec3 normal(int sample) const;
-  Vec3 diagonalOf(int sample) const;
+  Block blockOf(int sample) const;
   void buildRows(int nodes);
 
   Options options_;

@@ -73,7 +73,8 @@ class ActiveMesh {
   }
 
   /// Transpose of interpolateGhosts: adds share times each ghost's entry to both masters.
-  void handOverGhosts(std::vector<double>& values, double share = 0.5) const {
+  template <class Value>
+  void handOverGhosts(std::vector<Value>& values, double share = 0.5) const {
     for (auto g = ghosts.rbegin(); g != ghosts.rend(); ++g) {
       values[g->a] += share * values[g->node];
       values[g->b] += share * values[g->node];

@@ -36,12 +36,11 @@ HatLevels::HatLevels(const ActiveMesh& mesh) : levels_(levelsOf(mesh.grid)) {
 }
 
 void HatLevels::rebuild(const ActiveMesh& mesh) {
-  nodes_ = mesh.nodes();
   std::fill(number_.begin(), number_.end(), -1);
   for (auto* list : {&place_, &remaining_, &hat_of_, &hats_, &rows_, &entries_}) list->clear();
   children_.clear();
   const Grid& grid = mesh.grid;
-  for (int n = 0; n < nodes_; ++n) {
+  for (int n = 0; n < mesh.nodes(); ++n) {
     place_.push_back(grid.row(mesh.particle[n]) * columns_ + grid.column(mesh.particle[n]));
     number_[place_[n]] = n;
     remaining_.push_back(n);
@@ -83,10 +82,10 @@ void HatLevels::addChildren(int span) {
   remaining_.erase(remaining_.begin() + kept, remaining_.begin() + count);
 }
 
+/// Counts each hat's children, then lists them, the last first.
 void HatLevels::addHats(Level& level) {
   hat_of_.resize(points(), -1);
   level.hats = static_cast<int>(hats_.size());
-  const int first_row = static_cast<int>(rows_.size()), first_entry = static_cast<int>(entries_.size());
   for (int k = level.children; k < level.children_end; ++k) {
     for (const int parent : children_[k].parents) {
       if (hat_of_[parent] < 0) {
@@ -98,18 +97,12 @@ void HatLevels::addHats(Level& level) {
     }
   }
   level.hats_end = static_cast<int>(hats_.size());
-  int entries = first_entry;
-  for (int hat = first_row; hat < level.hats_end; ++hat) {
-    const int count = rows_[hat];
-    rows_[hat] = entries;
-    entries += count;
+  int end = static_cast<int>(entries_.size());
+  for (int hat = level.hats; hat < level.hats_end; ++hat) rows_[hat] = end += rows_[hat];
+  entries_.resize(end);
+  for (int k = level.children_end - 1; k >= level.children; --k) {
+    for (const int parent : children_[k].parents) entries_[--rows_[hat_of_[parent]]] = children_[k].point;
   }
-  entries_.resize(entries);
-  for (int k = level.children; k < level.children_end; ++k) {
-    for (const int parent : children_[k].parents) entries_[rows_[hat_of_[parent]]++] = children_[k].point;
-  }
-  for (int hat = level.hats_end - 1; hat > level.hats; --hat) rows_[hat] = rows_[hat - 1];
-  if (level.hats < level.hats_end) rows_[level.hats] = first_entry;
   for (int hat = level.hats; hat < level.hats_end; ++hat) hat_of_[hats_[hat]] = -1;
 }
 

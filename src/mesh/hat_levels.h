@@ -55,8 +55,7 @@ class HatLevels {
   void addChildren(int span);
   void addHats(Level& level);
 
-  int columns_ = 0;  ///< of the finest lattice, to whole coarsest spacings
-  int nodes_ = 0;
+  int columns_ = 0;             ///< of the finest lattice, to whole coarsest spacings
   std::vector<int> number_;     ///< of the points of the finest lattice, -1: none
   std::vector<int> place_;      ///< of a point in the finest lattice
   std::vector<int> remaining_;  ///< points of the level in hand

@@ -77,9 +77,8 @@ void DeviceInput::accept(const geometry_msgs::PoseStamped& pose, const std::stri
 }
 
 void DeviceInput::takeOptions() {
-  const LiveOptions& live = live_.read();
-  if (live.number == options_seen_) return;
-  options_seen_ = live.number;
+  if (!live_.readNew()) return;
+  const LiveOptions& live = live_.newest();
   gate_.setTimes(live.options->max_pose_age, live.options->haptics.pose_timeout);
   filter_.setTimes(live.options->velocity_time_constant, live.options->haptics.pose_timeout);
 }

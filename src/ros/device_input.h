@@ -64,8 +64,7 @@ class DeviceInput {
   DeviceOptions device_;
   FrameLookup frames_;
   SharedProbe& shared_;
-  Mailbox<LiveOptions>& live_;
-  std::uint64_t options_seen_ = 0;
+  LiveReader live_;
   PoseGate gate_;
   VelocityFilter filter_;
   UnitCheck units_;

@@ -32,6 +32,7 @@ DisplayThread::DisplayThread(const NodeOptions& options, const DisplayPublishers
       publishers_(publishers),
       sources_(sources),
       shared_(shared),
+      live_(shared.live_for_display),
       builder_(options.scene, options.frame_id, options.markers) {}
 
 void DisplayThread::run() {
@@ -59,9 +60,8 @@ void DisplayThread::run() {
 }
 
 void DisplayThread::takeOptions() {
-  const LiveOptions& live = shared_.live_for_display.read();
-  if (live.number == options_seen_) return;
-  options_seen_ = live.number;
+  if (!live_.readNew()) return;
+  const LiveOptions& live = live_.newest();
   builder_.setOptions(live.options->markers);
   markers_period_ = 1.0 / live.options->markers.rate;
   state_period_ = 1.0 / live.options->state_rate;

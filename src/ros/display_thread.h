@@ -50,10 +50,10 @@ class DisplayThread {
   int columns_, rows_;
   double markers_period_, state_period_;        ///< [s]
   double markers_due_ = 0.0, state_due_ = 0.0;  ///< steady clock [s]
-  std::uint64_t options_seen_ = 0;
   DisplayPublishers publishers_;
   DisplaySources sources_;
   SharedState& shared_;
+  LiveReader live_;
   MarkerBuilder builder_;
   ClothState state_;
   std::vector<int> scratch_;

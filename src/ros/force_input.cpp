@@ -14,10 +14,8 @@ ForceInput::ForceInput(const NodeOptions& options, std::size_t number, const tf2
       gate_(options.max_pose_age, silence_) {}
 
 void ForceInput::takeOptions() {
-  const LiveOptions& live = live_.read();
-  if (live.number == options_seen_) return;
-  options_seen_ = live.number;
-  gate_.setTimes(live.options->max_pose_age, silence_);
+  if (!live_.readNew()) return;
+  gate_.setTimes(live_.newest().options->max_pose_age, silence_);
 }
 
 void ForceInput::accept(const geometry_msgs::WrenchStamped& wrench, const std::string& sender) {

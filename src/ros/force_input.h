@@ -26,8 +26,7 @@ class ForceInput {
   DeviceOptions device_;
   FrameLookup frames_;
   SharedProbe& shared_;
-  Mailbox<LiveOptions>& live_;
-  std::uint64_t options_seen_ = 0;
+  LiveReader live_;
   double silence_;  ///< see PoseGate [s]
   PoseGate gate_;
   InputCounters counters_;

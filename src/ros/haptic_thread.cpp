@@ -21,7 +21,7 @@ constexpr double kZeroPeriod = 2e-3;  ///< between them [s]
 
 HapticThread::HapticThread(const NodeOptions& options, const std::vector<ProbePublishers>& publishers,
                            SharedState& shared)
-    : period_(1.0 / options.haptics.rate), shared_(shared) {
+    : period_(1.0 / options.haptics.rate), shared_(shared), live_(shared.live_for_haptics) {
   for (std::size_t k = 0; k < publishers.size(); ++k) {
     const ProbePublishers& to = publishers[k];
     if (options.probes[k].device.kind == DeviceKind::Admittance) {
@@ -62,9 +62,8 @@ double HapticThread::heard() const {
 
 /// Between two ticks, for all probes at once. Nothing here waits or allocates.
 void HapticThread::takeOptions() {
-  const LiveOptions& live = shared_.live_for_haptics.read();
-  if (live.number == options_seen_) return;
-  options_seen_ = live.number;
+  if (!live_.readNew()) return;
+  const LiveOptions& live = live_.newest();
   for (std::size_t k = 0; k < probes_.size(); ++k) {
     probes_[k]->setOptions(live.options->probes[k], live.gains[k]);
   }

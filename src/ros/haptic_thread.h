@@ -41,8 +41,8 @@ class HapticThread {
 
   double period_;  ///< [s]
   SharedState& shared_;
+  LiveReader live_;
   std::vector<std::unique_ptr<ProbeTick>> probes_;
-  std::uint64_t options_seen_ = 0;
   HapticStats window_;
   double window_start_ = -1.0;
   std::string scheduling_;

@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "haptic_cloth/haptics.h"
 #include "haptics/gain_ramp.h"
 #include "ros/node_options.h"
 
@@ -43,6 +44,28 @@ struct LiveOptions {
   std::uint64_t number = 0;  ///< counts up; 0: the node still runs as it started
   std::shared_ptr<const NodeOptions> options;
   std::vector<GainRamp> gains;  ///< of every probe, to those of the options
+};
+
+/// One thread's or one callback's view of them.
+class LiveReader {
+ public:
+  explicit LiveReader(Mailbox<LiveOptions>& mailbox) : mailbox_(mailbox) {}
+
+  /// Reads the newest set. @return whether it is another than at the last call
+  bool readNew() {
+    newest_ = &mailbox_.read();
+    const bool other = newest_->number != seen_;
+    seen_ = newest_->number;
+    return other;
+  }
+
+  /// What was read last. @pre readNew(), and no other reader of the mailbox since
+  const LiveOptions& newest() const { return *newest_; }
+
+ private:
+  Mailbox<LiveOptions>& mailbox_;
+  const LiveOptions* newest_ = nullptr;
+  std::uint64_t seen_ = 0;
 };
 
 /// What the node starts with.

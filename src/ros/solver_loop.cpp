@@ -17,6 +17,7 @@ constexpr double kWindow = 1.0;       ///< of the statistics [s]
 SolverLoop::SolverLoop(const NodeOptions& options, SharedState& shared)
     : time_step_(options.scene.solver.time_step),
       shared_(shared),
+      live_(shared.live_for_solver),
       simulation_(options.scene),
       targets_seen_(options.scene.obstacles.size(), 0),
       wall_per_step_(time_step_) {
@@ -76,9 +77,9 @@ void SolverLoop::startAnew() {
 
 /// Between two steps. The set was checked as a whole by the rules that the simulation has.
 void SolverLoop::takeOptions() {
-  const LiveOptions& live = shared_.live_for_solver.read();
-  if (live.number != options_seen_) {
-    options_seen_ = live.number;
+  const bool other = live_.readNew();
+  const LiveOptions& live = live_.newest();
+  if (other) {
     const Scene& scene = live.options->scene;
     simulation_.setOptions(scene.solver, scene.adapt, scene.air_damping);
     for (SolverProbe& probe : probes_) probe.setTimeout(live.options->probe_timeout);

@@ -35,10 +35,10 @@ class SolverLoop {
 
   double time_step_;  ///< [s]
   SharedState& shared_;
+  LiveReader live_;
   Simulation simulation_;
   std::vector<SolverProbe> probes_;
   std::vector<std::uint64_t> targets_seen_;  ///< of each obstacle
-  std::uint64_t options_seen_ = 0;
   bool gains_move_ = false;
 
   double due_ = -1.0;         ///< start of the next step on the steady clock [s]; < 0: now

@@ -29,10 +29,7 @@ void ClothWorld::serializeCloth(Archive& archive) {
   archive("particles", state);
   if (archive.loads()) {
     mesh.rebuild(leaves);
-    internal.resize();
-    objective.resize();
-    gatherNodes();
-    internal.setNormals(nodes_);
+    takeMesh();
   }
   // Hanging nodes are not always the mean of their masters to the last bit.
   archive("nodes", nodes_);

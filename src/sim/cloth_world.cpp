@@ -216,6 +216,14 @@ void ClothWorld::gatherNodes() {
   mesh.interpolateGhosts(velocities_);
 }
 
+/// What follows the mesh, after a change of it.
+void ClothWorld::takeMesh() {
+  internal.resize();
+  objective.resize();
+  gatherNodes();
+  internal.setNormals(nodes_);
+}
+
 void ClothWorld::adapt(StepReport& report) {
   const double reach = kFineReach * std::max(grid.dx, grid.dy);
   fine_.clear();
@@ -237,10 +245,7 @@ void ClothWorld::adapt(StepReport& report) {
   report.coarsened = static_cast<int>(adaptation_.merged().size());
   for (const Cell& cell : adaptation_.merged()) rest_.disturb(grid, cell);
   for (const Cell& cell : adaptation_.split()) rest_.disturb(grid, cell);
-  internal.resize();
-  objective.resize();
-  gatherNodes();
-  internal.setNormals(nodes_);
+  takeMesh();
   if (history_) {
     for (const Cell& parent : adaptation_.merged()) history_->merge(parent);
     for (const Cell& parent : adaptation_.split()) history_->split(parent);

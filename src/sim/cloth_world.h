@@ -75,6 +75,7 @@ class ClothWorld {
     idle_ = false;
   }
   void gatherNodes();
+  void takeMesh();
   void serializeCloth(Archive& archive);
   void serializeProbes(Archive& archive);
   void serializeIdle(Archive& archive);

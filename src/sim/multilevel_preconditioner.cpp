@@ -11,13 +11,10 @@ constexpr double kOverlap = 2.0;
 
 constexpr double kHat = 1e-8;  // about what a hat or a child takes one core [s]
 
-/// Adds a share of ghosts' blocks to their masters'.
+/// Adds a share of ghosts' blocks to their masters', which leaves none to the ghosts.
 void handOver(const ActiveMesh& mesh, double share, Blocks& blocks) {
-  for (auto g = mesh.ghosts.rbegin(); g != mesh.ghosts.rend(); ++g) {
-    blocks[g->a] += share * blocks[g->node];
-    blocks[g->b] += share * blocks[g->node];
-    blocks[g->node].setZero();
-  }
+  mesh.handOverGhosts(blocks, share);
+  std::fill(blocks.begin() + mesh.active(), blocks.begin() + mesh.nodes(), Block::Zero());
 }
 
 }  // namespace
@@ -90,7 +87,7 @@ void MultilevelPreconditioner::invertNodes(const std::vector<char>& awake,
 void MultilevelPreconditioner::bind(Proxy& proxy) const {
   for (int k = proxy.springs; k < proxy.springs_end; ++k) {
     const Spring& spring = springs_[k];
-    // S - S D⁻¹ S, column by column; symmetric, as S and D are.
+    // S - S D⁻¹ S, symmetric as S and D are.
     const Mat3 s = matrix(spring.stiffness);
     proxy.inverse += block(s - s * matrix(node_inverse_[spring.node]) * s);
   }

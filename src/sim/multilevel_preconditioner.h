@@ -20,17 +20,14 @@ struct ProxyUnknown {
   double stiffness;  ///< of its coupling [N/m]
 };
 
-/// The sum of
-/// - the nodes' own 3 x 3 blocks of the Hessian, inverted, with the proxies bound to the nodes they touch: a
-///   contact sample counts as springs between the solid and each of the sample's nodes, and elimination of
-///   the nodes inverts such a star of springs exactly;
-/// - for each hat of each coarser level its own block, inverted: multilevel diagonal scaling [Zhang,
-/// Multilevel
-///   Schwarz methods, Numer. Math. 63 (1992)]. It moves wide parts of the cloth at once, as no node's block
-///   does.
-///
-/// In a hat's block the elements' part is the mean over the hat (that of a membrane does not depend on a
-/// hat's width), inertia and contact are sums.
+/// The sum of two parts.
+/// Nodes: their own 3 x 3 blocks of the Hessian, inverted, with the proxies bound to the nodes they touch. A
+/// contact sample counts as springs between the solid and each of the sample's nodes, and elimination of the
+/// nodes inverts such a star of springs exactly.
+/// Hats of each coarser level: their own blocks, inverted, which is multilevel diagonal scaling [Zhang,
+/// Multilevel Schwarz methods, Numer. Math. 63 (1992)]. It moves wide parts of the cloth at once, as no
+/// node's block does. The elements' part of a hat's block is the mean over the hat (that of a membrane does
+/// not depend on a hat's width), inertia and contact are sums.
 class MultilevelPreconditioner {
  public:
   /// @param probes the scene has
