@@ -4,33 +4,51 @@
 
 #include "energy/internal_energy.h"
 #include "energy/shear.h"
+#include "energy/twist.h"
 
 namespace haptic_cloth {
+namespace {
 
-Loop::Step InternalEnergy::edgeStep(int edge) const {
-  return edge_steps_.packs() ? edge_steps_.get(gather_.edges().place(edge)) : Loop::Step{};
+double strainOf(const Edge& edge, const Field& x) {
+  return (x[edge.b] - x[edge.a]).norm() / edge.length - 1.0;
 }
 
-Loop::Step InternalEnergy::tripleStep(int triple) const {
-  return triple_steps_.packs() ? triple_steps_.get(gather_.triples().place(triple)) : Loop::Step{};
+double curvatureOf(const Triple& t, const Vec3& normal, const Field& x) {
+  return normal.dot(t.left * (x[t.l] - x[t.c]) + t.right * (x[t.r] - x[t.c]));
 }
 
-Loop::Step InternalEnergy::patchStep(int patch) const {
-  return patch_steps_.packs() ? patch_steps_.get(patch) : Loop::Step{};
+std::array<Vec3, 4> cornersOf(const Patch& patch, const Field& x) {
+  const auto& n = patch.nodes;
+  return {x[n[0]], x[n[1]], x[n[2]], x[n[3]]};
 }
 
-double InternalEnergy::strain(int edge, const Field& x) const {
-  const Edge& e = mesh_.edges[edge];
-  return (x[e.b] - x[e.a]).norm() / e.length - 1.0;
-}
+}  // namespace
+
+double InternalEnergy::strain(int edge, const Field& x) const { return strainOf(mesh_.edges[edge], x); }
 
 double InternalEnergy::curvature(int triple, const Field& x) const {
-  const Triple& t = mesh_.triples[triple];
-  return normal(t.c).dot(t.left * (x[t.l] - x[t.c]) + t.right * (x[t.r] - x[t.c]));
+  return curvatureOf(mesh_.triples[triple], normal(mesh_.triples[triple].c), x);
 }
 
 double InternalEnergy::shearAngle(int patch, const Field& x) const {
-  return haptic_cloth::shearAngle(corners(patch, x));
+  return haptic_cloth::shearAngle(cornersOf(mesh_.patches[patch], x));
+}
+
+double InternalEnergy::stored(const Edge& edge, double play, const Field& x) const {
+  return edge.length * edge.width * stretch_[edge.direction].stored(play, strainOf(edge, x));
+}
+
+double InternalEnergy::stored(const Triple& triple, double play, const Vec3& normal, const Field& x) const {
+  return triple.area * bend_[triple.direction].stored(play, curvatureOf(triple, normal, x));
+}
+
+InternalEnergy::Energy InternalEnergy::stored(const Patch& patch, double play, const Vec3& normal,
+                                              const Field& x) const {
+  const auto corners = cornersOf(patch, x);
+  Energy energy;
+  energy.shear = patch.area * shear_.stored(play, haptic_cloth::shearAngle(corners));
+  if (twist_rigidity_ > 0.0) energy.bend = evaluateTwist(corners, normal, twist_rigidity_, patch.area).energy;
+  return energy;
 }
 
 double InternalEnergy::deformation(int element, const Field& x) const {

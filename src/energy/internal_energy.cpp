@@ -26,22 +26,29 @@ InternalEnergy::InternalEnergy(const Fabric& fabric, const ActiveMesh& mesh)
       twist_rigidity_(fabric.twist_rigidity),
       bends_(!bend_[kWarp].isZero() || !bend_[kWeft].isZero()),
       shears_(!shear_.isZero() || twist_rigidity_ > 0.0),
-      gather_(mesh, {bends_, !shear_.isZero(), twist_rigidity_ > 0.0}) {
+      gather_(mesh, {bends_, !shear_.isZero(), twist_rigidity_ > 0.0}),
+      change_(mesh) {
   const int edges = static_cast<int>(mesh.edges.capacity()),
             triples = static_cast<int>(mesh.triples.capacity()),
             patches = static_cast<int>(mesh.patches.capacity());
-  node_normals_.reserve(mesh.grid.particles());
+  for (Field* normals : {&node_normals_, &before_.normals}) normals->reserve(mesh.grid.particles());
   slots_.reserve(NodeGather::capacity(mesh));
-  if (twist_rigidity_ > 0.0) patch_normals_.reserve(patches);
+  for (Field* normals : {&patch_normals_, &before_.patch_normals}) {
+    if (twist_rigidity_ > 0.0) normals->reserve(patches);
+  }
   edge_packs_.reserve(edges / kLanes + 2);
   triple_packs_.reserve(triples / kLanes + 2);
   patch_packs_.reserve(patches / kLanes + 1);
   if (hasMemory(stretch_)) {
-    edge_steps_.reserve(edges);
+    for (Steps* steps : {&edge_steps_, &before_.edges}) steps->reserve(edges);
     edge_loads_.reserve(edges);
   }
-  if (hasMemory(bend_)) triple_steps_.reserve(triples);
-  if (shear_.hasMemory()) patch_steps_.reserve(patches);
+  for (Steps* steps : {&triple_steps_, &before_.triples}) {
+    if (hasMemory(bend_)) steps->reserve(triples);
+  }
+  for (Steps* steps : {&patch_steps_, &before_.patches}) {
+    if (shear_.hasMemory()) steps->reserve(patches);
+  }
   resize();
   forgetAll();
 }

@@ -9,6 +9,7 @@
 #include "haptic_cloth/fabric.h"
 #include "mesh/active_mesh.h"
 #include "mesh/block.h"
+#include "mesh/mesh_change.h"
 #include "mesh/node_gather.h"
 #include "parallel/runs.h"
 
@@ -34,7 +35,16 @@ class InternalEnergy {
   /// Makes the end of an accepted step, elements begin..end, part of the fabric's history.
   void commit(int begin, int end, const Field& x);
 
-  /// Writes forces down before a change of the mesh, and reads them after resize() and setNormals().
+  /// Before a change of the mesh, and after it with resize() and setNormals(): what outlasts it keeps its
+  /// memory, all else waits for recall().
+  void beginChange(const Field& x);
+  void endChange(const Field& x);
+
+  /// Energy of the elements that came with the change less that of those that went [J]. Without the change's
+  /// effect on surface normals.
+  double madeByChange(const Field& x) const;
+
+  /// Writes forces down before a change of the mesh, and reads them after it into what is new.
   void remember(const Field& x, ForceHistory& history) const;
   void recall(const Field& x, ForceHistory& history);
 
@@ -101,18 +111,27 @@ class InternalEnergy {
   double bendingDensity(int triple, const Field& x) const;  ///< ψ_b of one triple [J/m²]
 
  private:
-  /// Memory of the elements of one kind, by their place in the packs.
+  /// Memory of the elements of one kind, by their place in the packs; none where their law has none.
   class Steps {
    public:
     void reserve(int places) { packs_.reserve(places / kLanes + 2); }
     void resize(int places) { packs_.resize(places / kLanes); }
-    Loop::Step get(int place) const { return packs_[place / kLanes].get(place % kLanes); }
+    Loop::Step get(int place) const {
+      return packs_.empty() ? Loop::Step{} : packs_[place / kLanes].get(place % kLanes);
+    }
     void set(int place, const Loop::Step& step) { packs_[place / kLanes].set(place % kLanes, step); }
     const StepLanes* packs() const { return packs_.empty() ? nullptr : packs_.data(); }
     void serialize(Archive& archive);
 
    private:
     std::vector<StepLanes> packs_;
+  };
+
+  /// What MeshChange does not know of the elements before a change.
+  struct Before {
+    PackedRange edge_places, triple_places;
+    Steps edges, triples, patches;
+    Field normals, patch_normals;
   };
 
   /// Parts of begin..end that are edges of both directions, triples of both, patches, as packs.
@@ -126,19 +145,20 @@ class InternalEnergy {
   void packTriples();
   void packPatches();
   void forgetAll();
-  Loop::Step edgeStep(int edge) const;
-  Loop::Step tripleStep(int triple) const;
-  Loop::Step patchStep(int patch) const;
-  std::array<Vec3, 4> corners(int patch, const Field& x) const {
-    const auto& n = mesh_.patches[patch].nodes;
-    return {x[n[0]], x[n[1]], x[n[2]], x[n[3]]};
-  }
+  Loop::Step edgeStep(int edge) const { return edge_steps_.get(gather_.edges().place(edge)); }
+  Loop::Step tripleStep(int triple) const { return triple_steps_.get(gather_.triples().place(triple)); }
+  Loop::Step patchStep(int patch) const { return patch_steps_.get(patch); }
   double strain(int edge, const Field& x) const;
   void recallEdges(const Field& x, ForceHistory& history);
   double shearAngle(int patch, const Field& x) const;
   static bool hasMemory(const std::array<Loop, 2>& laws) {
     return laws[kWarp].hasMemory() || laws[kWeft].hasMemory();
   }
+
+  /// Energy that one element could give back.
+  double stored(const Edge& edge, double play, const Field& x) const;
+  double stored(const Triple& triple, double play, const Vec3& normal, const Field& x) const;
+  Energy stored(const Patch& patch, double play, const Vec3& normal, const Field& x) const;
 
   /// Calls edge(e), triple(t), patch(k) for elements begin..end.
   template <class OnEdge, class OnTriple, class OnPatch>
@@ -165,6 +185,8 @@ class InternalEnergy {
   std::vector<PatchPack> patch_packs_;
   std::vector<double> edge_loads_;                 ///< scratch of recallEdges() [N]
   Steps edge_steps_, triple_steps_, patch_steps_;  ///< without packs where no law has memory
+  MeshChange change_;                              ///< the last one
+  Before before_;
 };
 
 }  // namespace haptic_cloth

@@ -53,13 +53,6 @@ EnergyReport ClothWorld::measureMotion() const {
   return e;
 }
 
-/// Kinetic energy, that of gravity and what the fabric stores [J].
-double ClothWorld::cohesion() const {
-  const EnergyReport motion = measureMotion();
-  const InternalEnergy::Energy stored = internal.stored(nodes_);
-  return motion.kinetic + motion.gravity + stored.stretch + stored.bend + stored.shear;
-}
-
 EnergyReport ClothWorld::energy() const {
   EnergyReport e = measureMotion();
   Sums parts;

@@ -238,7 +238,8 @@ void ClothWorld::adapt(StepReport& report) {
     internal.setNormals(nodes_);
     return;
   }
-  const double before = cohesion();
+  const double before = measureMotion().total();
+  internal.beginChange(nodes_);
   if (history_) internal.remember(nodes_, *history_);
   adaptation_.apply(steps, fine_, leaves, mesh, state);
   report.refined = static_cast<int>(adaptation_.split().size());
@@ -246,12 +247,13 @@ void ClothWorld::adapt(StepReport& report) {
   for (const Cell& cell : adaptation_.merged()) rest_.disturb(grid, cell);
   for (const Cell& cell : adaptation_.split()) rest_.disturb(grid, cell);
   takeMesh();
+  internal.endChange(nodes_);
   if (history_) {
     for (const Cell& parent : adaptation_.merged()) history_->merge(parent);
     for (const Cell& parent : adaptation_.split()) history_->split(parent);
     internal.recall(nodes_, *history_);
   }
-  created_ = cohesion() - before;
+  created_ = measureMotion().total() - before + internal.madeByChange(nodes_);
 }
 
 /// Closed probes take hold of the cloth they touched at the end of the last step, once; what left the mesh is

@@ -99,7 +99,6 @@ class ClothWorld {
   void account();
   double kineticEnergy() const;  ///< [J]
   EnergyReport measureMotion() const;
-  double cohesion() const;
 
   Adaptation adaptation_;
   Rest rest_;
