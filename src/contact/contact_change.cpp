@@ -15,8 +15,8 @@ void ContactSet::linearise(int begin, int end, const Field& nodes, const Field& 
     const int l = k % kLanes;
     change_.set(k, Vec3::Zero());
     if (pack.normal_stiffness[l] == 0.0 && pack.tangent_stiffness[l] == 0.0) continue;
-    const Vec3 position = samplePosition(sample, nodes);
-    const Vec3 moved = samplePosition(sample, d) - motionOf(sample.solid, d_proxies);
+    const Vec3 position = at(sample, nodes);
+    const Vec3 moved = at(sample, d) - motionOf(sample.solid, d_proxies);
     const Solid& solid = solids_[sample.solid];
     change_.set(k, pack.normal_stiffness[l] * normal(k).dot(moved) * normal(k));
     const double length = moved.norm();

@@ -92,9 +92,10 @@ double ContactSet::maxStep(const Field& d, const std::vector<Vec3>& d_proxies) c
 
 void ContactSet::addGradient(int begin, int end, Field& gradient) const {
   for (int n = begin; n < end; ++n) {
-    for (int e = rows_[n]; e < rows_[n + 1]; ++e) {
-      gradient.add(n, entries_[e].weight * gradient_[entries_[e].sample]);
-    }
+    if (rows_[n] == rows_[n + 1]) continue;
+    Vec3 sum = gradient[n];
+    for (int e = rows_[n]; e < rows_[n + 1]; ++e) sum += entries_[e].weight * gradient_[entries_[e].sample];
+    gradient.set(n, sum);
   }
 }
 

@@ -29,6 +29,7 @@ ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
   node_normals_.reserve(grid.particles());
   margins_.reserve(capacity);
   points_.reserve(capacity);
+  places_.reserve(capacity);
   for (auto& gaps : sample_gaps_) gaps.reserve(padded(capacity));
   for (Field& normals : sample_normals_) normals.reserve(capacity);
 }
@@ -42,9 +43,9 @@ void ContactSet::serialize(Archive& archive) {
   archive.each("target_orientations", targets_, &Pose::orientation);
 }
 
-Vec3 ContactSet::samplePosition(const ContactSample& sample, const Field& values) const {
-  return sample.weights[0] * values[sample.nodes[0]] + sample.weights[1] * values[sample.nodes[1]] +
-         sample.weights[2] * values[sample.nodes[2]] + sample.weights[3] * values[sample.nodes[3]];
+Vec3 ContactSet::at(const SurfacePoint& point, const Field& values) {
+  return point.weights[0] * values[point.nodes[0]] + point.weights[1] * values[point.nodes[1]] +
+         point.weights[2] * values[point.nodes[2]] + point.weights[3] * values[point.nodes[3]];
 }
 
 void ContactSet::startProbe(int probe, const Vec3& proxy, const Quat& before, const Quat& after) {
@@ -74,8 +75,8 @@ void ContactSet::beginGroup(int solid) { groups_.push_back({solid, size() / kLan
 /// Fills the last pack up with samples that do nothing.
 void ContactSet::endGroup() {
   Group& group = groups_.back();
-  siftSamples(kLanes * group.begin, group.solid);
-  while (size() % kLanes != 0) samples_.push_back(nodePoint(0, 0.0, group.solid));
+  siftPoints(group.solid);
+  while (size() % kLanes != 0) samples_.push_back(ContactSample{nodePoint(0, 0.0), group.solid});
   group.end = size() / kLanes;
   packs_.resize(group.end);
   packGroup(group);
@@ -118,14 +119,14 @@ void ContactSet::sampleObstacles(const ActiveMesh& mesh, const Field& nodes,
       const int parts = partsOf(patch);
       const double corner_area = 0.25 * patch.area / (parts * parts);
       for (const int corner : patch.nodes) node_area_[corner] += corner_area;
-      if (parts > 1) sampleCell(patch, parts, solid, nodes, near);
+      if (parts > 1) sampleCell(patch, parts, nodes, near);
     }
     endGroup();
     beginGroup(solid);
     for (int n = 0; n < mesh.nodes(); ++n) {
       const double near = law_.range() + reach[n];
       if (node_area_[n] == 0.0 || node_gaps_[n] > near) continue;
-      addSample(nodePoint(n, node_area_[n], solid), nodes, near);
+      addPoint(nodePoint(n, node_area_[n]), nodes, near);
     }
     endGroup();
   }
@@ -178,14 +179,14 @@ int ContactSet::partsOf(const Patch& patch) const {
 
 /// Samples a cell at parts x parts points but its corners; each stands for the area around it within the
 /// cell.
-void ContactSet::sampleCell(const Patch& patch, int parts, int solid, const Field& nodes, double margin) {
+void ContactSet::sampleCell(const Patch& patch, int parts, const Field& nodes, double margin) {
   for (int j = 0; j <= parts; ++j) {
     for (int i = 0; i <= parts; ++i) {
       if (i % parts == 0 && j % parts == 0) continue;
       const double share = (i % parts == 0 ? 0.5 : 1.0) * (j % parts == 0 ? 0.5 : 1.0);
-      addSample(surfacePoint(patch, static_cast<double>(i) / parts, static_cast<double>(j) / parts,
-                             share * patch.area / (parts * parts), solid),
-                nodes, margin);
+      addPoint(surfacePoint(patch, static_cast<double>(i) / parts, static_cast<double>(j) / parts,
+                            share * patch.area / (parts * parts)),
+               nodes, margin);
     }
   }
 }
@@ -210,7 +211,7 @@ void ContactSet::sampleProbe(const ActiveMesh& mesh, const Field& nodes, const s
       const Window window(columns, (1 - v) * nodes[n[0]] + v * nodes[n[2]],
                           (1 - v) * nodes[n[1]] + v * nodes[n[3]], solid.position(), from_centre);
       for (int i = window.first; i < window.last; ++i) {
-        addSample(surfacePoint(patch, (i + 0.5) / columns, v, area, index), nodes, near);
+        addPoint(surfacePoint(patch, (i + 0.5) / columns, v, area), nodes, near);
       }
     }
   }
@@ -220,29 +221,19 @@ bool ContactSet::isClear(const ActiveMesh& mesh, const Field& nodes, int probe) 
   samples_.clear();
   still_.assign(mesh.nodes(), 0.0);
   sampleProbe(mesh, nodes, still_, {probe, 0.0});
-  siftSamples(0, obstacles_ + probe);
+  siftPoints(obstacles_ + probe);
   const bool clear = samples_.empty();
   samples_.clear();
   return clear;
 }
 
-ContactSample ContactSet::nodePoint(int node, double area, int solid) {
-  ContactSample sample{};
-  sample.nodes.fill(node);
-  sample.weights = {1.0, 0.0, 0.0, 0.0};
-  sample.area = area;
-  sample.solid = solid;
-  return sample;
+SurfacePoint ContactSet::nodePoint(int node, double area) {
+  return {{node, node, node, node}, {1.0, 0.0, 0.0, 0.0}, area};
 }
 
 /// @param u, v along warp and weft, 0..1
-ContactSample ContactSet::surfacePoint(const Patch& patch, double u, double v, double area, int solid) {
-  ContactSample sample{};
-  sample.nodes = patch.nodes;
-  sample.weights = {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v};
-  sample.area = area;
-  sample.solid = solid;
-  return sample;
+SurfacePoint ContactSet::surfacePoint(const Patch& patch, double u, double v, double area) {
+  return {patch.nodes, {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v}, area};
 }
 
 /// What begins the step inside an obstacle was put there: it counts as pressed, no more, and the less the
@@ -259,54 +250,53 @@ double ContactSet::raise(int solid, double gap) const {
 }
 
 /// @param margin farther away from its solid it does not count [m]
-void ContactSet::addSample(const ContactSample& sample, const Field& nodes, double margin) {
-  const int index = static_cast<int>(margins_.size());
-  points_.resize(index + 1);
-  points_.set(index, samplePosition(sample, nodes));
+void ContactSet::addPoint(const SurfacePoint& point, const Field& nodes, double margin) {
+  const int index = static_cast<int>(points_.size());
+  if (index % kLanes == 0) places_.resize(index + kLanes);
+  places_.set(index, at(point, nodes));
   margins_.push_back(margin);
-  samples_.push_back(sample);
+  points_.push_back(point);
 }
 
-/// Of the samples from `first` on, all of one solid, keeps those that are near, as they start the step.
-void ContactSet::siftSamples(int first, int solid) {
+/// Makes samples of those points that are near, as they start the step.
+void ContactSet::siftPoints(int solid) {
   const Solid &now = solids_[solid], &then = before_[solid];
   const bool still = now.position() == then.position() && now.rotation() == then.rotation();
-  const int count = static_cast<int>(margins_.size());
+  const int count = static_cast<int>(points_.size());
   for (const int end : {0, 1}) {
     sample_gaps_[end].resize(padded(count));
     sample_normals_[end].resize(count);
-    solidDistances((end == 0 ? now : then).lanes(), count, points_.arrays(), sample_gaps_[end].data(),
+    solidDistances((end == 0 ? now : then).lanes(), count, places_.arrays(), sample_gaps_[end].data(),
                    sample_normals_[end].arrays());
     if (still) break;
   }
-  int kept = first;
   for (int k = 0; k < count; ++k) {
     const Distance end{sample_gaps_[0][k], sample_normals_[0][k]};
     if (end.value > margins_[k]) continue;
     const Distance start = still ? end : Distance{sample_gaps_[1][k], sample_normals_[1][k]};
-    samples_[kept++] = started(samples_[first + k], points_[k], end, start, still);
+    samples_.push_back(started(points_[k], solid, places_[k], end, start, still));
   }
-  samples_.resize(kept);
   margins_.clear();
-  points_.resize(0);
+  points_.clear();
 }
 
 /// What moving solids press on only at the end of the step does not rub yet.
 /// @param now, then from the solid at the end of the step and at its start
-ContactSample ContactSet::started(ContactSample sample, const Vec3& point, const Distance& now,
-                                  const Distance& then, bool still) const {
-  const Solid &solid = solids_[sample.solid], &before = before_[sample.solid];
-  sample.raised = raise(sample.solid, then.value);
-  sample.friction_force = solid.friction() * sample.area * law_(then.value + sample.raised).pressure;
-  Vec3 carried = point;
+ContactSample ContactSet::started(const SurfacePoint& point, int index, const Vec3& place,
+                                  const Distance& now, const Distance& then, bool still) const {
+  const Solid &solid = solids_[index], &before = before_[index];
+  ContactSample sample{point, index};
+  sample.raised = raise(index, then.value);
+  sample.friction_force = solid.friction() * point.area * law_(then.value + sample.raised).pressure;
+  Vec3 carried = place;
   sample.start_normal = then.normal;
   if (!still) {
     const Eigen::Matrix3d turn = solid.rotation() * before.rotation().transpose();
-    carried = solid.position() + turn * (point - before.position());
+    carried = solid.position() + turn * (place - before.position());
     sample.start_normal = turn * then.normal;
   }
-  sample.start = carried - origin(sample.solid);
-  sample.carry = carried - point;
+  sample.start = carried - origin(index);
+  sample.carry = carried - place;
   sample.clearance = now.value - law_.range() - sample.carry.norm();
   return sample;
 }

@@ -14,18 +14,23 @@
 
 namespace haptic_cloth {
 
-/// A point of the surface that may touch one solid in this step.
-struct ContactSample {
+/// A point of the surface, within a cell or at a node.
+struct SurfacePoint {
   std::array<int, 4> nodes;       ///< corners of its cell
   std::array<double, 4> weights;  ///< bilinear, sum 1
   double area;                    ///< of cloth it stands for [m²]
-  int solid;                      ///< obstacles first, then probes
-  double raised;          ///< by this much its gap counts larger: it began the step inside a solid [m]
-  double clearance;       ///< its gap at the start of the step beyond that at which contact begins [m]
-  double friction_force;  ///< μ times the normal force at the start of the step [N]
-  Vec3 start;  ///< where it gets to if the solid carries it along; for a probe relative to the proxy [m]
-  Vec3 carry;  ///< how far that is from where it starts [m]
-  Vec3 start_normal;
+};
+
+/// A point of the surface that may touch one solid in this step.
+struct ContactSample : SurfacePoint {
+  int solid = 0;                ///< obstacles first, then probes
+  double raised = 0.0;          ///< by this much its gap counts larger: it began the step inside a solid [m]
+  double clearance = 0.0;       ///< its gap at the start of the step beyond that at which contact begins [m]
+  double friction_force = 0.0;  ///< μ times the normal force at the start of the step [N]
+  Vec3 start = Vec3::Zero();  ///< where it gets to if the solid carries it along; for a probe relative to the
+                              ///< proxy [m]
+  Vec3 carry = Vec3::Zero();  ///< how far that is from where it starts [m]
+  Vec3 start_normal = Vec3::Zero();
 };
 
 /// Samples near solids, collected at the start of each step. Obstacles are sampled at the nodes, and at every
@@ -153,22 +158,22 @@ class ContactSet {
   }
   template <class Value>
   Vec3 sumOf(int probe, const Value& value) const;
-  Vec3 samplePosition(const ContactSample& sample, const Field& values) const;
+  static Vec3 at(const SurfacePoint& point, const Field& values);
   void sampleObstacles(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach);
   void measureNodes(int solid, const Field& nodes);
   bool mayReach(const Patch& patch, const Field& nodes, double near) const;
   int partsOf(const Patch& patch) const;
-  void sampleCell(const Patch& patch, int parts, int solid, const Field& nodes, double margin);
+  void sampleCell(const Patch& patch, int parts, const Field& nodes, double margin);
   void sampleProbe(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
                    const Reach& touching);
   double margin(const Patch& patch, const std::vector<double>& reach) const;
-  static ContactSample nodePoint(int node, double area, int solid);
-  static ContactSample surfacePoint(const Patch& patch, double u, double v, double area, int solid);
+  static SurfacePoint nodePoint(int node, double area);
+  static SurfacePoint surfacePoint(const Patch& patch, double u, double v, double area);
   double raise(int solid, double gap) const;
-  void addSample(const ContactSample& sample, const Field& nodes, double margin);
-  void siftSamples(int first, int solid);
-  ContactSample started(ContactSample sample, const Vec3& point, const Distance& now, const Distance& then,
-                        bool still) const;
+  void addPoint(const SurfacePoint& point, const Field& nodes, double margin);
+  void siftPoints(int solid);
+  ContactSample started(const SurfacePoint& point, int solid, const Vec3& place, const Distance& now,
+                        const Distance& then, bool still) const;
   void beginGroup(int solid);
   void endGroup();
   void packGroup(const Group& group);
@@ -192,11 +197,12 @@ class ContactSet {
   Field gradient_;  ///< of the energy by the samples' positions [N]
   Field change_;    ///< of that along a direction [N]
   std::vector<int> rows_;
-  std::vector<double> node_area_;  ///< scratch of sampleObstacles() [m²]
-  std::vector<double> node_gaps_;  ///< by measureNodes() [m]
-  Field node_normals_;             ///< the same
-  std::vector<double> margins_;    ///< of the samples of the group in hand: how near they must be [m]
-  Field points_;                   ///< where these are [m]
+  std::vector<double> node_area_;     ///< scratch of sampleObstacles() [m²]
+  std::vector<double> node_gaps_;     ///< by measureNodes() [m]
+  Field node_normals_;                ///< the same
+  std::vector<SurfacePoint> points_;  ///< that may become samples of the group in hand
+  std::vector<double> margins_;       ///< how near these must be [m]
+  Field places_;                      ///< where they are [m]
   /// Of these to the solid at the end of the step and at its start.
   std::array<std::vector<double>, 2> sample_gaps_;
   std::array<Field, 2> sample_normals_;
