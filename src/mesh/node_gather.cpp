@@ -49,44 +49,50 @@ void NodeGather::rebuild(const ActiveMesh& mesh) {
   }
 }
 
+/// Calls put(node, entry) role by role, in each in the order of the slots.
+template <class Put>
+void NodeGather::forEntries(const ActiveMesh& mesh, const Put& put) const {
+  const int edge_ends[] = {0, edges_.warp, edges_.warp + edges_.weft},
+            triple_ends[] = {0, triples_.warp, triples_.warp + triples_.weft};
+  for (const int d : {kWarp, kWeft}) {
+    const int role = kEdgeRoles + 2 * d;
+    for (int e = edge_ends[d]; e < edge_ends[d + 1]; ++e) put(mesh.edges[e].b, {role, edges_.place(e), 1.0});
+    for (int e = edge_ends[d]; e < edge_ends[d + 1]; ++e) {
+      put(mesh.edges[e].a, {role + 1, edges_.place(e), -1.0});
+    }
+  }
+  for (const int d : {kWarp, kWeft}) {
+    const auto forTriples = [&](int part, int Triple::*node, const auto& coefficient) {
+      for (int t = triple_ends[d]; t < triple_ends[d + 1]; ++t) {
+        const Triple& triple = mesh.triples[t];
+        put(triple.*node,
+            {kTripleRoles + 3 * d + part, firstTriple() + triples_.place(t), coefficient(triple)});
+      }
+    };
+    forTriples(0, &Triple::r, [](const Triple& t) { return t.right; });
+    forTriples(1, &Triple::c, [](const Triple& t) { return -(t.left + t.right); });
+    forTriples(2, &Triple::l, [](const Triple& t) { return t.left; });
+  }
+  for (int c = 0; kinds_.shear && c < 4; ++c) {
+    const int first = firstPatch() + (c == 0 || c == 3 ? 0 : patches_.size());
+    const double sign = c == 1 || c == 3 ? 1.0 : -1.0;
+    for (int k = 0; k < patches_.warp; ++k) put(mesh.patches[k].nodes[c], {kPatchRoles + c, first + k, sign});
+  }
+  for (int c = 0; kinds_.twist && c < 4; ++c) {
+    const double sign = c == 0 || c == 3 ? 1.0 : -1.0;
+    for (int k = 0; k < patches_.warp; ++k) {
+      put(mesh.patches[k].nodes[c], {kTwistRoles + c, firstTwist() + k, sign});
+    }
+  }
+}
+
 /// Counts, then fills, as compressed rows.
 void NodeGather::listEntries(const ActiveMesh& mesh) {
-  const auto visit = [&](const auto& put) {
-    for (int e = 0; e < edges_.warp + edges_.weft; ++e) {
-      const Edge& edge = mesh.edges[e];
-      const int role = kEdgeRoles + 2 * edge.direction, slot = edges_.place(e);
-      put(edge.b, Entry{role, slot, 1.0});
-      put(edge.a, Entry{role + 1, slot, -1.0});
-    }
-    for (int t = 0; t < triples_.warp + triples_.weft; ++t) {
-      const Triple& triple = mesh.triples[t];
-      const int role = kTripleRoles + 3 * triple.direction, slot = firstTriple() + triples_.place(t);
-      put(triple.r, Entry{role, slot, triple.right});
-      put(triple.c, Entry{role + 1, slot, -(triple.left + triple.right)});
-      put(triple.l, Entry{role + 2, slot, triple.left});
-    }
-    for (int k = 0; k < patches_.warp; ++k) {
-      const auto& n = mesh.patches[k].nodes;
-      const int rising = firstPatch() + k, falling = rising + patches_.size(), twist = firstTwist() + k;
-      for (int c = 0; c < 4; ++c) {
-        const bool diagonal = c == 0 || c == 3;
-        if (kinds_.shear) {
-          put(n[c], Entry{kPatchRoles + c, diagonal ? rising : falling, c == 1 || c == 3 ? 1.0 : -1.0});
-        }
-        if (kinds_.twist) put(n[c], Entry{kTwistRoles + c, twist, diagonal ? 1.0 : -1.0});
-      }
-    }
-  };
   rows_.assign(mesh.nodes() + 2, 0);
-  visit([&](int n, const Entry&) { ++rows_[n + 2]; });
+  forEntries(mesh, [&](int n, const Entry&) { ++rows_[n + 2]; });
   for (int n = 0; n < mesh.nodes(); ++n) rows_[n + 2] += rows_[n + 1];
   entries_.resize(rows_[mesh.nodes() + 1]);
-  visit([&](int n, const Entry& entry) { entries_[rows_[n + 1]++] = entry; });
-  for (int n = 0; n < mesh.nodes(); ++n) {
-    std::sort(
-        entries_.begin() + rows_[n], entries_.begin() + rows_[n + 1],
-        [](const Entry& a, const Entry& b) { return a.role != b.role ? a.role < b.role : a.slot < b.slot; });
-  }
+  forEntries(mesh, [&](int n, const Entry& entry) { entries_[rows_[n + 1]++] = entry; });
 }
 
 /// Columns of up to eight nodes: role by role, and again where a node has several of one.

@@ -63,6 +63,8 @@ class NodeGather {
     double coefficient;
   };
 
+  template <class Put>
+  void forEntries(const ActiveMesh& mesh, const Put& put) const;
   void listEntries(const ActiveMesh& mesh);
   void addGroup(int first_node, int nodes);
   void addColumn(const std::array<const Entry*, kLanes>& entries, int real_lanes);
