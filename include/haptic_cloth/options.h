@@ -13,8 +13,9 @@ struct MinimizerOptions {
   double tolerance =
       0.1;  ///< stop when rms_m(|∇Φ|/m) <= tolerance · |gravity| (9.80665 m/s² where there is none)  [-]
   int max_iterations = 200;  ///< [-]
-  double time_budget = 0.0;  ///< wall clock of one solve [s], but one iteration at least; 0: none. The best
-                             ///< state so far is kept.
+  double time_budget =
+      0.0;  ///< wall clock of one step [s], but one iteration at least; 0: none. The best
+            ///< state so far is kept. What follows the solve, some 8 % of a step, comes on top.
 };
 
 /// How a step is made.

@@ -40,7 +40,7 @@ void addNode(Group root) {
            [](auto& o) { return &o.probe_timeout; });
   root.add("velocity_time_constant", "low pass of the device's velocity [s]", 0.001, 0.05,
            [](auto& o) { return &o.velocity_time_constant; });
-  root.add("step_budget", "wall clock of one solve [s]; 0: none", 0.0, 0.1,
+  root.add("step_budget", "wall clock of one step [s]; 0: none", 0.0, 0.1,
            [](auto& o) { return &o.step_budget; });
   root.add("gain_ramp", "in which changed couplings and force scales are reached [s]; 0: at once", 0.0, 5.0,
            [](auto& o) { return &o.gain_ramp; });
@@ -82,7 +82,7 @@ void addSolver(Group solver) {
              [](auto& o) { return &o.scene.solver.minimizer.tolerance; });
   solver.add("max_iterations", "of one solve", 1, 2000,
              [](auto& o) { return &o.scene.solver.minimizer.max_iterations; });
-  solver.add("time_budget", "wall clock of one solve [s]; 0: none; the smaller of this and step_budget", 0.0,
+  solver.add("time_budget", "wall clock of one step [s]; 0: none; the smaller of this and step_budget", 0.0,
              0.1, [](auto& o) { return &o.time_budget; });
   solver.add("sleep_speed", "slower particles fall asleep [m/s]; 0: none", 0.0, 0.01,
              [](auto& o) { return &o.scene.solver.sleep_speed; });

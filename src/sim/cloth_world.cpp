@@ -142,6 +142,7 @@ void ClothWorld::setCoupling(int k, double stiffness, double damping) {
 StepReport ClothWorld::step() {
   StepReport report;
   if (isIdle()) return idle();
+  minimizer_.startBudget();
   contacts.advance();
   const auto start = std::chrono::steady_clock::now();
   adapt(report);

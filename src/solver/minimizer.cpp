@@ -1,7 +1,6 @@
 #include "solver/minimizer.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 namespace haptic_cloth {
@@ -45,9 +44,10 @@ MinimizerReport Minimizer::minimize(Objective& objective, Vector& x, Team& team)
 
 MinimizerReport Minimizer::minimize(Objective& objective, Vector& x, double value, const Vector& gradient,
                                     Team& team) {
-  using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
-  const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
+  const auto since = [](Clock::time_point then) {
+    return std::chrono::duration<double>(Clock::now() - then).count();
+  };
 
   size_ = objective.size();
   gradient_.head(size_) = gradient.head(size_);
@@ -67,7 +67,7 @@ MinimizerReport Minimizer::minimize(Objective& objective, Vector& x, double valu
       break;
     }
     if (report.iterations >= options_.max_iterations) break;
-    if (options_.time_budget > 0.0 && report.iterations > 0 && elapsed() > options_.time_budget) {
+    if (options_.time_budget > 0.0 && report.iterations > 0 && since(budget_start_) > options_.time_budget) {
       report.why = Termination::TimeBudget;
       break;
     }
@@ -86,7 +86,7 @@ MinimizerReport Minimizer::minimize(Objective& objective, Vector& x, double valu
     ++report.iterations;
   }
   report.value_end = value;
-  report.seconds = elapsed();
+  report.seconds = since(start);
   return report;
 }
 

@@ -1,6 +1,8 @@
 /// Preconditioned Polak-Ribiere+ conjugate gradient for smooth potentials. Knows nothing of cloth.
 #pragma once
 
+#include <chrono>
+
 #include "haptic_cloth/options.h"
 #include "haptic_cloth/report.h"
 #include "parallel/parallel_for.h"
@@ -19,6 +21,9 @@ class Minimizer {
   /// Allocates scratch for problems of up to `size` unknowns.
   void reserve(int size);
 
+  /// The time budget runs from here on, over all solves until the next call.
+  void startBudget() { budget_start_ = Clock::now(); }
+
   /// Improves x in place. @pre x.size() is the reserved size
   MinimizerReport minimize(Objective& objective, Vector& x, Team& team);
 
@@ -26,6 +31,8 @@ class Minimizer {
   MinimizerReport minimize(Objective& objective, Vector& x, double value, const Vector& gradient, Team& team);
 
  private:
+  using Clock = std::chrono::steady_clock;
+
   void direction(Objective& objective, Team& team, bool restart, MinimizerReport& report);
   bool lineSearch(Objective& objective, Vector& x, double& value, MinimizerReport& report);
 
@@ -34,6 +41,7 @@ class Minimizer {
   double descent_ = 0.0;  ///< g · P g of the last iterate
   int size_ = 0;          ///< unknowns of the problem at hand
   double slope_ = 0.0;    ///< g · d
+  Clock::time_point budget_start_ = Clock::now();
 };
 
 }  // namespace haptic_cloth

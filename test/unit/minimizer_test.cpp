@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <limits>
+#include <thread>
 
 #include "support/tolerance.h"
 
@@ -99,6 +101,19 @@ TEST(MinimizerTest, StopsOnTimeBudget) {
   Problem problem(30);
   Vector x = Vector::Zero(30);
   EXPECT_EQ(run(problem, x, {Preconditioner::None, 1e-300, 1000000, 1e-9}).why, Termination::TimeBudget);
+}
+
+TEST(MinimizerTest, CountsWhatWasSpentBeforeTheSolve) {
+  // Two iterations are allowed; one is made, since the budget was spent when the solve began.
+  Problem problem(30);
+  Minimizer minimizer({Preconditioner::None, 1e-300, 2, 0.02});
+  minimizer.reserve(30);
+  Team team(1);
+  std::this_thread::sleep_for(std::chrono::milliseconds(30));
+  Vector x = Vector::Zero(30);
+  const MinimizerReport late = minimizer.minimize(problem, x, team);
+  EXPECT_EQ(late.why, Termination::TimeBudget);
+  EXPECT_EQ(late.iterations, 1);
 }
 
 TEST(MinimizerTest, KeepsToTheLargestStep) {
