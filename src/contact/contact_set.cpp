@@ -18,7 +18,7 @@ ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
   before_ = solids_;
   const int solids = static_cast<int>(solids_.size());
   const int capacity = 4 * grid.particles() * solids + 4 * grid.cells() + 2 * kLanes * solids;
-  samples_.reserve(capacity);
+  for (auto* samples : {&samples_, &apart_}) samples->reserve(capacity);
   groups_.reserve(2 * solids);
   packs_.reserve(capacity / kLanes + 1);
   for (Field* field : {&gradient_, &change_}) field->reserve(capacity);
@@ -258,7 +258,8 @@ void ContactSet::addPoint(const SurfacePoint& point, const Field& nodes, double 
   points_.push_back(point);
 }
 
-/// Makes samples of those points that are near, as they start the step.
+/// Makes samples of those points that are near, as they start the step: first those that touch, so that packs
+/// of the others need not be looked at.
 void ContactSet::siftPoints(int solid) {
   const Solid &now = solids_[solid], &then = before_[solid];
   const bool still = now.position() == then.position() && now.rotation() == then.rotation();
@@ -274,8 +275,11 @@ void ContactSet::siftPoints(int solid) {
     const Distance end{sample_gaps_[0][k], sample_normals_[0][k]};
     if (end.value > margins_[k]) continue;
     const Distance start = still ? end : Distance{sample_gaps_[1][k], sample_normals_[1][k]};
-    samples_.push_back(started(points_[k], solid, places_[k], end, start, still));
+    const ContactSample sample = started(points_[k], solid, places_[k], end, start, still);
+    (sample.clearance > 0.0 ? apart_ : samples_).push_back(sample);
   }
+  samples_.insert(samples_.end(), apart_.begin(), apart_.end());
+  apart_.clear();
   margins_.clear();
   points_.clear();
 }

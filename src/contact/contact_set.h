@@ -192,6 +192,7 @@ class ContactSet {
   std::vector<Solid> before_;  ///< at its start
   std::vector<Pose> targets_;  ///< of the obstacles
   std::vector<ContactSample> samples_;
+  std::vector<ContactSample> apart_;  ///< scratch of siftPoints()
   std::vector<Group> groups_;
   std::vector<SamplePack> packs_;
   Field gradient_;  ///< of the energy by the samples' positions [N]
