@@ -5,6 +5,11 @@
 #include <string>
 
 namespace haptic_cloth {
+namespace {
+
+constexpr int kChunk = 512;  // of places that are made room for at a time
+
+}  // namespace
 
 ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
                        const std::vector<ProbeOptions>& probes, const Options& options)
@@ -29,7 +34,7 @@ ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
   node_normals_.reserve(grid.particles());
   margins_.reserve(capacity);
   points_.reserve(capacity);
-  places_.reserve(capacity);
+  places_.reserve(capacity + kChunk);
   for (auto& gaps : sample_gaps_) gaps.reserve(padded(capacity));
   for (Field& normals : sample_normals_) normals.reserve(capacity);
 }
@@ -84,10 +89,19 @@ void ContactSet::endGroup() {
 
 namespace {
 
-/// Samples first..last of `count` evenly spread over a straight row that lie within `reach` of a point.
+/// The line of a cell's points at v along weft: cells are bilinear, so it is straight, however bent they are.
+struct Row {
+  Row(const Patch& patch, double v, const Field& x)
+      : from((1 - v) * x[patch.nodes[0]] + v * x[patch.nodes[2]]),
+        way((1 - v) * x[patch.nodes[1]] + v * x[patch.nodes[3]] - from) {}
+  Vec3 at(double u) const { return from + u * way; }
+  Vec3 from, way;
+};
+
+/// Samples first..last of `count` evenly spread over a row that lie within `reach` of a point.
 struct Window {
-  Window(int count, const Vec3& from, const Vec3& to, const Vec3& point, double reach) {
-    const Vec3 way = to - from;
+  Window(int count, const Row& row, const Vec3& point, double reach) {
+    const Vec3 &from = row.from, &way = row.way;
     const double length = std::max(way.norm(), 1e-300), middle = (point - from).dot(way) / (length * length);
     const double aside = (point - from - middle * way).squaredNorm();
     const double half = std::sqrt(std::max(reach * reach - aside, 0.0)) / length;
@@ -126,7 +140,7 @@ void ContactSet::sampleObstacles(const ActiveMesh& mesh, const Field& nodes,
     for (int n = 0; n < mesh.nodes(); ++n) {
       const double near = law_.range() + reach[n];
       if (node_area_[n] == 0.0 || node_gaps_[n] > near) continue;
-      addPoint(nodePoint(n, node_area_[n]), nodes, near);
+      addPoint(nodePoint(n, node_area_[n]), nodes[n], near);
     }
     endGroup();
   }
@@ -181,12 +195,13 @@ int ContactSet::partsOf(const Patch& patch) const {
 /// cell.
 void ContactSet::sampleCell(const Patch& patch, int parts, const Field& nodes, double margin) {
   for (int j = 0; j <= parts; ++j) {
+    const double v = static_cast<double>(j) / parts;
+    const Row row(patch, v, nodes);
     for (int i = 0; i <= parts; ++i) {
       if (i % parts == 0 && j % parts == 0) continue;
+      const double u = static_cast<double>(i) / parts;
       const double share = (i % parts == 0 ? 0.5 : 1.0) * (j % parts == 0 ? 0.5 : 1.0);
-      addPoint(surfacePoint(patch, static_cast<double>(i) / parts, static_cast<double>(j) / parts,
-                            share * patch.area / (parts * parts)),
-               nodes, margin);
+      addPoint(surfacePoint(patch, u, v, share * patch.area / (parts * parts)), row.at(u), margin);
     }
   }
 }
@@ -200,18 +215,18 @@ void ContactSet::sampleProbe(const ActiveMesh& mesh, const Field& nodes, const s
   for (const Patch& patch : mesh.patches) {
     const double near = margin(patch, reach) + touching.distance, from_centre = solid.extent() + near;
     if (!mayReach(patch, nodes, near)) continue;
-    const auto& n = patch.nodes;
     const auto count = [&](double length) {
       return std::max(1, static_cast<int>(std::ceil(length / spacing)));
     };
     const int columns = count(patch.cell.span() * grid_.dx), rows = count(patch.cell.span() * grid_.dy);
     const double area = patch.area / (static_cast<double>(columns) * rows);
     for (int j = 0; j < rows; ++j) {
-      const double v = (j + 0.5) / rows;  // a cell is bilinear: its rows are straight, however bent it is
-      const Window window(columns, (1 - v) * nodes[n[0]] + v * nodes[n[2]],
-                          (1 - v) * nodes[n[1]] + v * nodes[n[3]], solid.position(), from_centre);
+      const double v = (j + 0.5) / rows;
+      const Row row(patch, v, nodes);
+      const Window window(columns, row, solid.position(), from_centre);
       for (int i = window.first; i < window.last; ++i) {
-        addPoint(surfacePoint(patch, (i + 0.5) / columns, v, area), nodes, near);
+        const double u = (i + 0.5) / columns;
+        addPoint(surfacePoint(patch, u, v, area), row.at(u), near);
       }
     }
   }
@@ -250,10 +265,10 @@ double ContactSet::raise(int solid, double gap) const {
 }
 
 /// @param margin farther away from its solid it does not count [m]
-void ContactSet::addPoint(const SurfacePoint& point, const Field& nodes, double margin) {
+void ContactSet::addPoint(const SurfacePoint& point, const Vec3& place, double margin) {
   const int index = static_cast<int>(points_.size());
-  if (index % kLanes == 0) places_.resize(index + kLanes);
-  places_.set(index, at(point, nodes));
+  if (index >= places_.size()) places_.resize(index + kChunk);
+  places_.set(index, place);
   margins_.push_back(margin);
   points_.push_back(point);
 }
@@ -272,8 +287,8 @@ void ContactSet::siftPoints(int solid) {
     if (still) break;
   }
   for (int k = 0; k < count; ++k) {
+    if (sample_gaps_[0][k] > margins_[k]) continue;
     const Distance end{sample_gaps_[0][k], sample_normals_[0][k]};
-    if (end.value > margins_[k]) continue;
     const Distance start = still ? end : Distance{sample_gaps_[1][k], sample_normals_[1][k]};
     const ContactSample sample = started(points_[k], solid, places_[k], end, start, still);
     (sample.clearance > 0.0 ? apart_ : samples_).push_back(sample);

@@ -170,7 +170,7 @@ class ContactSet {
   static SurfacePoint nodePoint(int node, double area);
   static SurfacePoint surfacePoint(const Patch& patch, double u, double v, double area);
   double raise(int solid, double gap) const;
-  void addPoint(const SurfacePoint& point, const Field& nodes, double margin);
+  void addPoint(const SurfacePoint& point, const Vec3& place, double margin);
   void siftPoints(int solid);
   ContactSample started(const SurfacePoint& point, int solid, const Vec3& place, const Distance& now,
                         const Distance& then, bool still) const;
