@@ -17,8 +17,9 @@ Adaptation::Adaptation(const AdaptOptions& options, const Grid& grid)
 }
 
 int Adaptation::startLevel(const AdaptOptions& options) {
+  const bool chosen = options.strategy == Strategy::Amrc && options.start == Start::Coarsest;
   const bool coarse = options.strategy == Strategy::Coarsest || options.strategy == Strategy::Refine;
-  return coarse ? options.levels : 0;
+  return chosen || coarse ? options.levels : 0;
 }
 
 bool Adaptation::refines() const {

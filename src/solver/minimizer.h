@@ -16,7 +16,7 @@ class Minimizer {
 
   void setOptions(const MinimizerOptions& options) { options_ = options; }
 
-  /// Allocates scratch for problems of up to `size` unknowns.
+  /// Allocates scratch for problems of up to `size` unknowns; what they do not use stays unwritten.
   void reserve(int size);
 
   /// Improves x in place. @pre x.size() is the reserved size

@@ -120,6 +120,23 @@ stop: {time: 4, rest_speed: 0.001}
   EXPECT_EQ(scene.stop.rest_speed, 0.001);
 }
 
+TEST(Scene, AmrcStartsAsItIsTold) {
+  const std::string ok = kCloth;
+  EXPECT_EQ(parse(ok).adapt.start, Start::Finest);
+  EXPECT_EQ(parse(ok + "adapt: {start: finest}").adapt.start, Start::Finest);
+  EXPECT_EQ(parse(ok + "adapt: {strategy: amrc, start: coarsest}").adapt.start, Start::Coarsest);
+  const std::string rule = "is for adapt.strategy: amrc";
+  expectMessages(
+      {{ok + "adapt: {strategy: refine, start: coarsest}", "scene: adapt.start = coarsest: " + rule},
+       {ok + "adapt: {strategy: coarsen, start: finest}", "scene: adapt.start = finest: " + rule},
+       {ok + "adapt: {start: coarse}", "scene: adapt.start = coarse: must be one of finest, coarsest"}});
+  Scene scene = parse(ok);
+  scene.adapt.start = Start::Coarsest;
+  EXPECT_NO_THROW(validateScene(scene, "scene"));
+  scene.adapt.strategy = Strategy::Finest;
+  EXPECT_THROW(validateScene(scene, "scene"), InputError);
+}
+
 TEST(Scene, NamedPinsAreCornersAndEdgesOfTheGrid) {
   const Scene scene =
       parse(withCloth("particles: [5, 9], pins: [corner_00, corner_10, corner_01, corner_11, "
@@ -200,7 +217,7 @@ TEST(Scene, UnknownAndDuplicateKeysAreNamed) {
         "scene: solver.dt: unknown key; known here: time_step, cost, preconditioner, tolerance, "
         "max_iterations, time_budget, sleep_speed, threads"},
        {ok + "adapt: {level: 1}",
-        "scene: adapt.level: unknown key; known here: strategy, levels, interval, refine_above, "
+        "scene: adapt.level: unknown key; known here: strategy, start, levels, interval, refine_above, "
         "coarsen_below, refine_above_strain, coarsen_below_strain, minimum_age"},
        {ok + "probe: {r: 1}",
         "scene: probe.r: unknown key; known here: shape, radius, length, friction, "
