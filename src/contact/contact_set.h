@@ -76,6 +76,7 @@ class ContactSet {
 
   /// Length of the range that evaluate() and curvature() share out, in steps of kLanes.
   int size() const { return static_cast<int>(samples_.size()); }
+  int capacity() const { return static_cast<int>(samples_.capacity()); }  ///< for which there is room
 
   /// A node of the cell that sample k of the range lies in.
   int firstNode(int k) const { return samples_[k].nodes[0]; }

@@ -72,7 +72,9 @@ ClothWorld::ClothWorld(const Scene& s)
     joint_.emplace(objective, mesh, internal, contacts, team);
     joint_x_.resize(joint_->capacity());
   }
-  minimizer_.reserve(joint_ ? joint_->capacity() : objective.capacity());
+  const int unknowns = joint_ ? joint_->capacity() : objective.capacity();
+  minimizer_.reserve(unknowns);
+  team.reserve(std::max(unknowns, NodeGather::capacity(mesh) + contacts.capacity()));
   gatherNodes();
   internal.setNormals(nodes_);
   reach_.assign(mesh.nodes(), 0.0);

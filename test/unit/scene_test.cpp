@@ -120,23 +120,6 @@ stop: {time: 4, rest_speed: 0.001}
   EXPECT_EQ(scene.stop.rest_speed, 0.001);
 }
 
-TEST(Scene, AmrcStartsAsItIsTold) {
-  const std::string ok = kCloth;
-  EXPECT_EQ(parse(ok).adapt.start, Start::Finest);
-  EXPECT_EQ(parse(ok + "adapt: {start: finest}").adapt.start, Start::Finest);
-  EXPECT_EQ(parse(ok + "adapt: {strategy: amrc, start: coarsest}").adapt.start, Start::Coarsest);
-  const std::string rule = "is for adapt.strategy: amrc";
-  expectMessages(
-      {{ok + "adapt: {strategy: refine, start: coarsest}", "scene: adapt.start = coarsest: " + rule},
-       {ok + "adapt: {strategy: coarsen, start: finest}", "scene: adapt.start = finest: " + rule},
-       {ok + "adapt: {start: coarse}", "scene: adapt.start = coarse: must be one of finest, coarsest"}});
-  Scene scene = parse(ok);
-  scene.adapt.start = Start::Coarsest;
-  EXPECT_NO_THROW(validateScene(scene, "scene"));
-  scene.adapt.strategy = Strategy::Finest;
-  EXPECT_THROW(validateScene(scene, "scene"), InputError);
-}
-
 TEST(Scene, NamedPinsAreCornersAndEdgesOfTheGrid) {
   const Scene scene =
       parse(withCloth("particles: [5, 9], pins: [corner_00, corner_10, corner_01, corner_11, "
