@@ -6,6 +6,7 @@ namespace haptic_cloth {
 enum class Cost { Condensed, Joint };
 enum class Preconditioner { None, Jacobi, Multilevel };
 enum class Strategy { Finest, Coarsest, Refine, Coarsen, Amrc };
+enum class Start { Finest, Coarsest };
 
 /// When the minimizer stops, and what it may cost.
 struct MinimizerOptions {
@@ -31,6 +32,7 @@ struct SolverOptions {
 /// How the mesh follows the shape.
 struct AdaptOptions {
   Strategy strategy = Strategy::Amrc;
+  Start start = Start::Finest;  ///< mesh that `Amrc` begins with; the others begin as they must
   int levels = 2;               ///< L: the coarsest cell is 2^L finest cells wide
   int interval = 3;             ///< steps between two looks at the mesh
   double refine_above = 0.60;   ///< turning angle at a triple above which its cells split [rad]

@@ -7,7 +7,9 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr int kChunk = 512;  // of places that are made room for at a time
+constexpr int kChunk = 512;            // of places that are made room for at a time
+constexpr double kCut = 0.5;           ///< of the range: so deep a sharp edge may cut into an obstacle's cell
+constexpr double kProbeSpacing = 3.0;  ///< samples in a probe's half width, at least
 
 }  // namespace
 
@@ -21,8 +23,7 @@ ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
   for (const Obstacle& obstacle : obstacles) targets_.push_back(obstacle.pose);
   for (const ProbeOptions& probe : probes) solids_.emplace_back(probe);
   before_ = solids_;
-  const int solids = static_cast<int>(solids_.size());
-  const int capacity = 4 * grid.particles() * solids + 4 * grid.cells() + 2 * kLanes * solids;
+  const int solids = static_cast<int>(solids_.size()), capacity = sampleCapacity();
   for (auto* samples : {&samples_, &apart_}) samples->reserve(capacity);
   groups_.reserve(2 * solids);
   packs_.reserve(capacity / kLanes + 1);
@@ -37,6 +38,17 @@ ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
   places_.reserve(capacity + kChunk);
   for (auto& gaps : sample_gaps_) gaps.reserve(padded(capacity));
   for (Field& normals : sample_normals_) normals.reserve(capacity);
+}
+
+/// Places for samples. Where no finest cell has more than one of a solid, coarse cells under one that is
+/// uneven have most: two wide, five and one of a node in four finest cells. Else about as many as there are.
+int ContactSet::sampleCapacity() const {
+  const int particles = grid_.particles(), solids = static_cast<int>(solids_.size());
+  const double spacing = std::max(grid_.dx, grid_.dy);
+  bool fine = chord(2.0) <= kCut * law_.range();
+  for (int k = obstacles_; k < solids; ++k) fine = fine && spacing <= solids_[k].halfWidth() / kProbeSpacing;
+  const int places = fine ? (particles + particles / 2) * solids : 4 * particles * (solids + 1);
+  return places + 2 * kLanes * solids;
 }
 
 void ContactSet::serialize(Archive& archive) {
@@ -175,7 +187,7 @@ bool ContactSet::mayReach(const Patch& patch, const Field& nodes, double near) c
 /// there are finest cells, and more where a sharp edge would cut into these by more than a share of the
 /// range.
 int ContactSet::partsOf(const Patch& patch) const {
-  constexpr double kSameNormal = 1e-3, kShareOfRange = 0.1, kCut = 0.5, kMostParts = 4.0;
+  constexpr double kSameNormal = 1e-3, kShareOfRange = 0.1, kMostParts = 4.0;
   const int first = patch.nodes[0];
   double gaps = 0.0, turn = 0.0;
   for (int c = 1; c < 4; ++c) {
@@ -186,9 +198,8 @@ int ContactSet::partsOf(const Patch& patch) const {
   turn = std::sqrt(turn);
   const bool uneven = gaps > kShareOfRange * law_.range() || turn > kSameNormal;
   const int finest = uneven ? patch.cell.span() : 1;
-  // A chord of length l under an arc that turns by θ is l θ / 8 away from it.
-  const double cut = turn * std::max(grid_.dx, grid_.dy) / 8.0;
-  return finest * static_cast<int>(std::clamp(std::ceil(cut / (kCut * law_.range())), 1.0, kMostParts));
+  const double parts = std::ceil(chord(turn) / (kCut * law_.range()));
+  return finest * static_cast<int>(std::clamp(parts, 1.0, kMostParts));
 }
 
 /// Samples a cell at parts x parts points but its corners; each stands for the area around it within the
@@ -210,7 +221,7 @@ void ContactSet::sampleProbe(const ActiveMesh& mesh, const Field& nodes, const s
                              const Reach& touching) {
   const int index = obstacles_ + touching.probe;
   const Solid& solid = solids_[index];
-  const double spacing = solid.halfWidth() / 3.0;
+  const double spacing = solid.halfWidth() / kProbeSpacing;
   measureNodes(index, nodes);
   for (const Patch& patch : mesh.patches) {
     const double near = margin(patch, reach) + touching.distance, from_centre = solid.extent() + near;

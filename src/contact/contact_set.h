@@ -1,6 +1,7 @@
 /// Contact of the cloth's surface with solids: samples, their energy, forces and stiffness.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -80,6 +81,7 @@ class ContactSet {
 
   /// Length of the range that evaluate() and curvature() share out, in steps of kLanes.
   int size() const { return static_cast<int>(samples_.size()); }
+  int capacity() const { return static_cast<int>(samples_.capacity()); }  ///< for which there is room
 
   /// A node of the cell that sample k of the range lies in.
   int firstNode(int k) const { return samples_[k].nodes[0]; }
@@ -163,6 +165,10 @@ class ContactSet {
   void measureNodes(int solid, const Field& nodes);
   bool mayReach(const Patch& patch, const Field& nodes, double near) const;
   int partsOf(const Patch& patch) const;
+  int sampleCapacity() const;
+  /// How far a finest cell's chord is from an arc that turns by `turn` [rad]: its length times that over 8
+  /// [m].
+  double chord(double turn) const { return turn * std::max(grid_.dx, grid_.dy) / 8.0; }
   void sampleCell(const Patch& patch, int parts, const Field& nodes, double margin);
   void sampleProbe(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
                    const Reach& touching);

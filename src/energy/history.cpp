@@ -10,15 +10,18 @@ enum Side { kBelow, kAbove, kLeft, kRight };
 }  // namespace
 
 ForceHistory::ForceHistory(const Grid& grid)
-    : grid_(grid), sides_(grid.cells(), Sides{}), shear_(grid.cells(), 0.0) {
-  for (auto* field : {&moment_, &curvature_}) {
-    for (auto& values : *field) values.assign(grid.particles(), 0.0);
-  }
-}
+    : grid_(grid),
+      sides_(grid.cells()),
+      shear_(grid.cells()),
+      bending_(grid.particles()),
+      used_(grid.particles() / kBlock + 1, 0) {}
 
 void ForceHistory::clearBending() {
-  for (auto* field : {&moment_, &curvature_}) {
-    for (auto& values : *field) std::fill(values.begin(), values.end(), 0.0);
+  for (int block = 0; block < static_cast<int>(used_.size()); ++block) {
+    if (!used_[block]) continue;
+    const int begin = kBlock * block, end = std::min(begin + kBlock, grid_.particles());
+    std::fill(bending_.data() + begin, bending_.data() + end, Bending{});
+    used_[block] = 0;
   }
 }
 
@@ -57,17 +60,16 @@ void ForceHistory::merge(const Cell& parent) {
 void ForceHistory::mergeBending(const Cell& parent) {
   constexpr double kShare = 0.25 * 0.5;
   const auto p = parent.corners(grid_);
-  const auto average = [](std::vector<double>& m, int a, int b) {
-    const double middle = m[(a + b) / 2];
-    m[a] += kShare * (middle - m[a]);
-    m[b] += kShare * (middle - m[b]);
+  const auto average = [this](int direction, int a, int b) {
+    const Bending& middle = bending((a + b) / 2);
+    for (Bending* end : {&bending(a), &bending(b)}) {
+      for (const int k : {direction, 2 + direction}) (*end)[k] += kShare * (middle[k] - (*end)[k]);
+    }
   };
-  for (auto* field : {&moment_, &curvature_}) {
-    average((*field)[kWarp], p[0], p[1]);
-    average((*field)[kWarp], p[2], p[3]);
-    average((*field)[kWeft], p[0], p[2]);
-    average((*field)[kWeft], p[1], p[3]);
-  }
+  average(kWarp, p[0], p[1]);
+  average(kWarp, p[2], p[3]);
+  average(kWeft, p[0], p[2]);
+  average(kWeft, p[1], p[3]);
 }
 
 void ForceHistory::split(const Cell& parent) {
@@ -82,12 +84,12 @@ void ForceHistory::split(const Cell& parent) {
     shear(c[k]) = force;
   }
   const auto p = parent.corners(grid_);
-  for (auto* field : {&moment_[kWarp], &moment_[kWeft], &curvature_[kWarp], &curvature_[kWeft]}) {
-    std::vector<double>& m = *field;
+  for (std::size_t k = 0; k < Bending().size(); ++k) {
+    const auto m = [this, k](int particle) -> double& { return bending(particle)[k]; };
     for (const auto& [a, b] : {std::pair(p[0], p[1]), {p[2], p[3]}, {p[0], p[2]}, {p[1], p[3]}}) {
-      m[(a + b) / 2] = 0.5 * (m[a] + m[b]);
+      m((a + b) / 2) = 0.5 * (m(a) + m(b));
     }
-    m[(p[0] + p[3]) / 2] = 0.25 * (m[p[0]] + m[p[1]] + m[p[2]] + m[p[3]]);
+    m((p[0] + p[3]) / 2) = 0.25 * (m(p[0]) + m(p[1]) + m(p[2]) + m(p[3]));
   }
 }
 

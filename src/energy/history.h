@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mesh/active_mesh.h"
+#include "mesh/zeros.h"
 
 namespace haptic_cloth {
 
@@ -22,11 +23,11 @@ class ForceHistory {
 
   Sides& sides(const Cell& cell) { return sides_[grid_.cell(cell.i, cell.j)]; }
   double& shear(const Cell& cell) { return shear_[grid_.cell(cell.i, cell.j)]; }        ///< [N/m]
-  double& moment(int particle, int direction) { return moment_[direction][particle]; }  ///< [N·m/m]
+  double& moment(int particle, int direction) { return bending(particle)[direction]; }  ///< [N·m/m]
 
   /// At which the moment was [1/m]: right after a split the new triples have quite another curvature, that of
   /// a kinked surface, at which the loop would not allow the moment and forget it.
-  double& curvature(int particle, int direction) { return curvature_[direction][particle]; }
+  double& curvature(int particle, int direction) { return bending(particle)[2 + direction]; }
 
   /// To be called before moments are written down: free borders have none, but merges leave some there.
   void clearBending();
@@ -36,13 +37,21 @@ class ForceHistory {
   void split(const Cell& parent);
 
  private:
+  using Bending = std::array<double, 4>;  ///< moments of warp and weft, curvatures of warp and weft
+  static constexpr int kBlock = 128;      ///< particles: those of a page of memory
+
+  Bending& bending(int particle) {
+    used_[particle / kBlock] = 1;
+    return bending_[particle];
+  }
   void mergeBending(const Cell& parent);
   std::array<Cell, 4> children(const Cell& parent) const;
 
   Grid grid_;
-  std::vector<Sides> sides_;
-  std::vector<double> shear_;
-  std::array<std::vector<double>, 2> moment_, curvature_;
+  Zeros<Sides> sides_;
+  Zeros<double> shear_;
+  Zeros<Bending> bending_;
+  std::vector<char> used_;  ///< blocks of bending_ in which something may be other than zero
 };
 
 }  // namespace haptic_cloth

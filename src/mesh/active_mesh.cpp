@@ -103,7 +103,7 @@ void ActiveMesh::lumpMass() {
 
 /// Every cell gives half of its width to each of its sides; sides of equal cells on both sides are one edge.
 void ActiveMesh::buildEdges() {
-  for (auto& widths : side_width_) std::fill(widths.begin(), widths.end(), 0.0);
+  for (auto& widths : side_width_) std::fill(widths.begin(), widths.end(), 0.0F);
   const auto forSides = [&](const Cell& cell, const auto& visit) {
     const int s = cell.span();
     visit(0, kWarp, sideSlot(cell.level, cell.i, cell.j));
@@ -112,7 +112,9 @@ void ActiveMesh::buildEdges() {
     visit(3, kWeft, sideSlot(cell.level, cell.i + s, cell.j));
   };
   for (const Cell& cell : cells_) {
-    forSides(cell, [&](int, int direction, int slot) { side_width_[direction][slot] += 0.5 * cell.span(); });
+    forSides(cell, [&](int, int direction, int slot) {
+      side_width_[direction][slot] += 0.5F * static_cast<float>(cell.span());
+    });
   }
   edges.clear();
   numberEdges(kWarp);

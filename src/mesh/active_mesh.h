@@ -96,8 +96,9 @@ class ActiveMesh {
 
   double areal_density_;
   std::vector<Cell> cells_;
-  std::vector<char> role_;                         ///< of a particle: not in the mesh, corner, ghost
-  std::array<std::vector<double>, 2> side_width_;  ///< by direction; slots of all levels [finest spacings]
+  std::vector<char> role_;  ///< of a particle: not in the mesh, corner, ghost
+  /// By direction; slots of all levels; halves of finest spacings, so a float holds them.
+  std::array<std::vector<float>, 2> side_width_;
   std::array<std::vector<int>, 2> side_edge_;
   std::vector<int> level_offset_;  ///< first side slot of a level
 };

@@ -32,48 +32,52 @@ void transferAfterSplit(const Grid& grid, const std::vector<Cell>& cells, Partic
   }
 }
 
-MergeTransfer::MergeTransfer(const Grid& grid)
-    : momentum_(grid.particles(), Vec3::Zero()), changed_(grid.particles(), 0) {
+MergeTransfer::MergeTransfer(const Grid& grid) {
   active_.reserve(grid.particles());
+  for (auto* list : {&before_, &momentum_}) list->reserve(grid.particles());
+  changed_.reserve(grid.particles());
 }
 
 void MergeTransfer::capture(const ActiveMesh& mesh, const ParticleState& state) {
   active_.assign(mesh.particle.begin(), mesh.particle.begin() + mesh.active());
-  std::fill(momentum_.begin(), momentum_.end(), Vec3::Zero());
-  for (int n = 0; n < mesh.active(); ++n) {
-    momentum_[mesh.particle[n]] = mesh.mass[n] * state.velocity[mesh.particle[n]];
-  }
+  before_.resize(mesh.active());
+  for (int n = 0; n < mesh.active(); ++n) before_[n] = mesh.mass[n] * state.velocity[mesh.particle[n]];
 }
 
-void MergeTransfer::give(int particle, const Vec3& momentum) {
-  momentum_[particle] += momentum;
-  changed_[particle] = 1;
+void MergeTransfer::give(int node, const Vec3& momentum) {
+  momentum_[node] += momentum;
+  changed_[node] = 1;
 }
 
 void MergeTransfer::apply(const LeafMesh& leaves, const ActiveMesh& mesh, ParticleState& state) {
   const Grid& grid = mesh.grid;
-  std::fill(changed_.begin(), changed_.end(), 0);
-  for (const int p : active_) {
+  momentum_.assign(mesh.nodes(), Vec3::Zero());
+  changed_.assign(mesh.nodes(), 0);
+  const int count = static_cast<int>(active_.size());
+  for (int k = 0; k < count; ++k) {
+    const int n = mesh.node[active_[k]];
+    if (n >= 0) momentum_[n] = before_[k];
+  }
+  for (int k = 0; k < count; ++k) {
+    const int p = active_[k];
     if (mesh.node[p] >= 0) continue;
-    const Vec3 momentum = momentum_[p];
     const int i = std::min(grid.column(p), grid.columns - 2), j = std::min(grid.row(p), grid.rows - 2);
     const Cell cell = leaves.leafAt(i, j);
     const double s = cell.span(), u = (grid.column(p) - cell.i) / s, v = (grid.row(p) - cell.j) / s;
     const double weights[4] = {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v};
     const auto corners = cell.corners(grid);
-    for (int k = 0; k < 4; ++k) {
-      if (weights[k] > 0.0) give(corners[k], weights[k] * momentum);
+    for (int c = 0; c < 4; ++c) {
+      if (weights[c] > 0.0) give(mesh.node[corners[c]], weights[c] * before_[k]);
     }
   }
   for (auto g = mesh.ghosts.rbegin(); g != mesh.ghosts.rend(); ++g) {
-    const Vec3 half = 0.5 * momentum_[mesh.particle[g->node]];
+    const Vec3 half = 0.5 * momentum_[g->node];
     if (half.isZero(0.0)) continue;
-    give(mesh.particle[g->a], half);
-    give(mesh.particle[g->b], half);
+    give(g->a, half);
+    give(g->b, half);
   }
   for (int n = 0; n < mesh.free; ++n) {
-    const int p = mesh.particle[n];
-    if (changed_[p]) state.velocity[p] = momentum_[p] / mesh.mass[n];
+    if (changed_[n]) state.velocity[mesh.particle[n]] = momentum_[n] / mesh.mass[n];
   }
   for (const Ghost& g : mesh.ghosts) {
     const int p = mesh.particle[g.node], a = mesh.particle[g.a], b = mesh.particle[g.b];

@@ -40,11 +40,12 @@ class MergeTransfer {
   void apply(const LeafMesh& leaves, const ActiveMesh& mesh, ParticleState& state);
 
  private:
-  void give(int particle, const Vec3& momentum);
+  void give(int node, const Vec3& momentum);
 
   std::vector<int> active_;     ///< particles that were active before
-  std::vector<Vec3> momentum_;  ///< of a particle [kg·m/s]
-  std::vector<char> changed_;   ///< particles that received momentum
+  std::vector<Vec3> before_;    ///< their momentum [kg·m/s]
+  std::vector<Vec3> momentum_;  ///< of a node after [kg·m/s]
+  std::vector<char> changed_;   ///< nodes that received momentum
 };
 
 }  // namespace haptic_cloth

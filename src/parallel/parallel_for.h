@@ -33,6 +33,9 @@ class Team {
 
   int threads() const { return threads_; }
 
+  /// Makes room for sums over up to `count` items.
+  void reserve(int count) { partial_.reserve((count + kBlock - 1) / kBlock); }
+
   /// work(begin, end) for consecutive parts of [0, count), in parallel. @param item time of one [s]
   template <class Work>
   void forRange(int count, const Work& work, double item = kElement) {

@@ -6,19 +6,16 @@
 namespace haptic_cloth {
 
 Adaptation::Adaptation(const AdaptOptions& options, const Grid& grid)
-    : options_(options),
-      grid_(grid),
-      curvature_(grid.particles(), 0.0),
-      edges_(grid.particles(), 0),
-      born_(grid.cells(), -options.minimum_age),
-      merge_transfer_(grid) {
+    : options_(options), grid_(grid), born_(grid.cells(), -options.minimum_age), merge_transfer_(grid) {
   for (auto* list : {&leaves_, &marked_, &merged_, &split_}) list->reserve(grid.cells());
-  for (auto& strains : strain_) strains.assign(grid.particles(), 0.0);
+  for (auto* list : {&curvature_, &strain_[kWarp], &strain_[kWeft]}) list->reserve(grid.particles());
+  edges_.reserve(grid.particles());
 }
 
 int Adaptation::startLevel(const AdaptOptions& options) {
+  const bool chosen = options.strategy == Strategy::Amrc && options.start == Start::Coarsest;
   const bool coarse = options.strategy == Strategy::Coarsest || options.strategy == Strategy::Refine;
-  return coarse ? options.levels : 0;
+  return chosen || coarse ? options.levels : 0;
 }
 
 bool Adaptation::refines() const {
@@ -38,13 +35,13 @@ bool Adaptation::plan(long step, const Field& nodes, const InternalEnergy& inter
   marked_.clear();
   for (const Cell& cell : leaves_) {
     if (!refines() || cell.level == 0) continue;
-    const bool varies =
-        turning(cell, 1) > options_.refine_above || strainDifference(cell, 1) > options_.refine_above_strain;
+    const bool varies = turning(cell, 1, mesh) > options_.refine_above ||
+                        strainDifference(cell, 1, mesh) > options_.refine_above_strain;
     if (varies || touches(fine, cell, state.position)) marked_.push_back(cell);
   }
   if (!marked_.empty()) return true;
   return coarsens() && std::any_of(leaves_.begin(), leaves_.end(), [&](const Cell& cell) {
-           return parentToMerge(cell, step, fine, leaves, state).level > 0;
+           return parentToMerge(cell, step, fine, leaves, mesh, state).level > 0;
          });
 }
 
@@ -71,9 +68,9 @@ bool Adaptation::touches(const FineRegions& fine, const Cell& cell,
 
 void Adaptation::measureCurvature(const Field& nodes, const InternalEnergy& internal,
                                   const ActiveMesh& mesh) {
-  std::fill(curvature_.begin(), curvature_.end(), 0.0);
+  curvature_.assign(mesh.nodes(), 0.0);
   for (int t = 0; t < static_cast<int>(mesh.triples.size()); ++t) {
-    double& largest = curvature_[mesh.particle[mesh.triples[t].c]];
+    double& largest = curvature_[mesh.triples[t].c];
     largest = std::max(largest, std::abs(internal.curvature(t, nodes)));
   }
 }
@@ -81,42 +78,43 @@ void Adaptation::measureCurvature(const Field& nodes, const InternalEnergy& inte
 void Adaptation::measureStrain(const Field& nodes, const ActiveMesh& mesh) {
   for (const int direction : {kWarp, kWeft}) {
     std::vector<double>& strains = strain_[direction];
-    std::fill(strains.begin(), strains.end(), 0.0);
-    std::fill(edges_.begin(), edges_.end(), 0);
+    strains.assign(mesh.nodes(), 0.0);
+    edges_.assign(mesh.nodes(), 0);
     for (const Edge& edge : mesh.edges) {
       if (edge.direction != direction) continue;
       const double strain = std::max(0.0, (nodes[edge.b] - nodes[edge.a]).norm() / edge.length - 1.0);
-      for (const int p : {mesh.particle[edge.a], mesh.particle[edge.b]}) {
-        strains[p] += strain;
-        ++edges_[p];
+      for (const int n : {edge.a, edge.b}) {
+        strains[n] += strain;
+        ++edges_[n];
       }
     }
-    for (const int p : mesh.particle) strains[p] /= std::max(1, edges_[p]);
+    for (int n = 0; n < mesh.nodes(); ++n) strains[n] /= std::max(1, edges_[n]);
   }
 }
 
 /// Turning angle over the whole cell [rad], from the particles at its corners (parts 1) or also at those of
 /// its four children (parts 2).
-double Adaptation::turning(const Cell& cell, int parts) const {
+double Adaptation::turning(const Cell& cell, int parts, const ActiveMesh& mesh) const {
   double largest = 0.0;
   const int step = cell.span() / parts;
   for (int j = 0; j <= parts; ++j) {
     for (int i = 0; i <= parts; ++i) {
-      largest = std::max(largest, curvature_[grid_.particle(cell.i + i * step, cell.j + j * step)]);
+      largest =
+          std::max(largest, curvature_[mesh.node[grid_.particle(cell.i + i * step, cell.j + j * step)]]);
     }
   }
   return largest * length(cell);
 }
 
 /// Largest minus smallest strain of one direction among the same particles.
-double Adaptation::strainDifference(const Cell& cell, int parts) const {
+double Adaptation::strainDifference(const Cell& cell, int parts, const ActiveMesh& mesh) const {
   double difference = 0.0;
   const int step = cell.span() / parts;
   for (const std::vector<double>& strains : strain_) {
-    double least = strains[grid_.particle(cell.i, cell.j)], most = least;
+    double least = strains[mesh.node[grid_.particle(cell.i, cell.j)]], most = least;
     for (int j = 0; j <= parts; ++j) {
       for (int i = 0; i <= parts; ++i) {
-        const double strain = strains[grid_.particle(cell.i + i * step, cell.j + j * step)];
+        const double strain = strains[mesh.node[grid_.particle(cell.i + i * step, cell.j + j * step)]];
         least = std::min(least, strain);
         most = std::max(most, strain);
       }
@@ -129,18 +127,18 @@ double Adaptation::strainDifference(const Cell& cell, int parts) const {
 /// Parent that may take the place of `cell` and its three siblings, of level 0 where there is none; seen from
 /// its lower left child only.
 Cell Adaptation::parentToMerge(const Cell& cell, long step, const FineRegions& fine, const LeafMesh& leaves,
-                               const ParticleState& state) const {
+                               const ActiveMesh& mesh, const ParticleState& state) const {
   const Cell parent{cell.i, cell.j, cell.level + 1};
   const int mask = parent.span() - 1;
   const bool aligned = (cell.i & mask) == 0 && (cell.j & mask) == 0;
-  const bool may = cell.level < grid_.levels && aligned && mayMerge(parent, step, fine, leaves, state);
+  const bool may = cell.level < grid_.levels && aligned && mayMerge(parent, step, fine, leaves, mesh, state);
   return may ? parent : Cell{cell.i, cell.j, 0};
 }
 
 void Adaptation::mergeCells(long step, const FineRegions& fine, LeafMesh& leaves, ActiveMesh& mesh,
                             ParticleState& state) {
   for (const Cell& cell : leaves_) {
-    const Cell parent = parentToMerge(cell, step, fine, leaves, state);
+    const Cell parent = parentToMerge(cell, step, fine, leaves, mesh, state);
     if (parent.level == 0) continue;
     if (merged_.empty()) merge_transfer_.capture(mesh, state);
     leaves.merge(parent);
@@ -153,15 +151,15 @@ void Adaptation::mergeCells(long step, const FineRegions& fine, LeafMesh& leaves
 }
 
 bool Adaptation::mayMerge(const Cell& parent, long step, const FineRegions& fine, const LeafMesh& leaves,
-                          const ParticleState& state) const {
+                          const ActiveMesh& mesh, const ParticleState& state) const {
   const int half = parent.span() / 2;
   for (const int j : {parent.j, parent.j + half}) {
     for (const int i : {parent.i, parent.i + half}) {
       if (step - born_[grid_.cell(i, j)] < options_.minimum_age) return false;
     }
   }
-  return leaves.canMerge(parent) && turning(parent, 2) < options_.coarsen_below &&
-         strainDifference(parent, 2) < options_.coarsen_below_strain &&
+  return leaves.canMerge(parent) && turning(parent, 2, mesh) < options_.coarsen_below &&
+         strainDifference(parent, 2, mesh) < options_.coarsen_below_strain &&
          !touches(fine, parent, state.position);
 }
 

@@ -53,25 +53,25 @@ class Adaptation {
  private:
   void measureCurvature(const Field& nodes, const InternalEnergy& internal, const ActiveMesh& mesh);
   void measureStrain(const Field& nodes, const ActiveMesh& mesh);
-  double turning(const Cell& cell, int parts) const;
-  double strainDifference(const Cell& cell, int parts) const;
+  double turning(const Cell& cell, int parts, const ActiveMesh& mesh) const;
+  double strainDifference(const Cell& cell, int parts, const ActiveMesh& mesh) const;
   void mergeCells(long step, const FineRegions& fine, LeafMesh& leaves, ActiveMesh& mesh,
                   ParticleState& state);
   void splitCells(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
   Cell parentToMerge(const Cell& cell, long step, const FineRegions& fine, const LeafMesh& leaves,
-                     const ParticleState& state) const;
+                     const ActiveMesh& mesh, const ParticleState& state) const;
   bool refines() const;
   bool coarsens() const;
   bool mayMerge(const Cell& parent, long step, const FineRegions& fine, const LeafMesh& leaves,
-                const ParticleState& state) const;
+                const ActiveMesh& mesh, const ParticleState& state) const;
   bool touches(const FineRegions& fine, const Cell& cell, const std::vector<Vec3>& positions) const;
   double length(const Cell& cell) const;
 
   AdaptOptions options_;
   Grid grid_;
-  std::vector<double> curvature_;              ///< largest |κ| at a particle [1/m]
-  std::array<std::vector<double>, 2> strain_;  ///< mean of a particle's edges by direction, 0 where slack [-]
-  std::vector<int> edges_;                     ///< of a particle, scratch of measureStrain()
+  std::vector<double> curvature_;              ///< largest |κ| at a node [1/m]
+  std::array<std::vector<double>, 2> strain_;  ///< mean of a node's edges by direction, 0 where slack [-]
+  std::vector<int> edges_;                     ///< of a node, scratch of measureStrain()
   std::vector<long> born_;                     ///< step a leaf came to be, at its lower left finest cell
   std::vector<Cell> leaves_, marked_, merged_, split_;
   MergeTransfer merge_transfer_;

@@ -39,11 +39,10 @@ ClothObjective::ClothObjective(const Scene& scene, const ActiveMesh& mesh, Inter
   awake_elements_.reserve(mesh.grid.particles());
   awake_nodes_.reserve(mesh.grid.particles() / kLanes + 1);
   for (auto* list : {&mass_, &moving_mass_}) list->reserve(padded(mesh.grid.particles()));
-  inverse_diagonal_.setZero(capacity());
+  for (Vector* v : {&inverse_diagonal_, &residual_weight_}) v->resize(capacity());
   proxy_unknowns_.reserve(probes_.size());
   if (preconditioner_ == Preconditioner::Multilevel)
     multilevel_.emplace(mesh_, static_cast<int>(probes_.size()), team_);
-  residual_weight_.setZero(capacity());
 }
 
 template <class Visit>

@@ -65,13 +65,16 @@ ClothWorld::ClothWorld(const Scene& s)
   reach_.reserve(grid.particles());
   forces_.reserve(grid.particles());
   velocities_.reserve(grid.particles());
+  // Room alone: what no mesh gets to stays unwritten, and takes no memory.
   for (Vector* v : {&x_, &start_, &ways_[0], &ways_[1], &motion_, &gradient_})
-    v->setZero(objective.capacity());
+    v->resize(objective.capacity());
   if (s.solver.cost == Cost::Joint) {
     joint_.emplace(objective, mesh, internal, contacts, team);
-    joint_x_.setZero(joint_->capacity());
+    joint_x_.resize(joint_->capacity());
   }
-  minimizer_.reserve(joint_ ? joint_->capacity() : objective.capacity());
+  const int unknowns = joint_ ? joint_->capacity() : objective.capacity();
+  minimizer_.reserve(unknowns);
+  team.reserve(std::max(unknowns, NodeGather::capacity(mesh) + contacts.capacity()));
   gatherNodes();
   internal.setNormals(nodes_);
   reach_.assign(mesh.nodes(), 0.0);

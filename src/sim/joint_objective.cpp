@@ -11,7 +11,7 @@ JointObjective::JointObjective(ClothObjective& step, const ActiveMesh& mesh, con
     list->reserve(mesh.grid.particles());
   }
   weight_.reserve(mesh.grid.particles());
-  inverse_diagonal_.setZero(capacity());
+  inverse_diagonal_.resize(capacity());
   proxy_weight_.assign(step.probeSteps().size(), 0.0);
   for (Proxies* list : {&proxies_, &proxy_motions_, &proxy_residuals_, &hold_}) {
     list->assign(step.probeSteps().size(), Vec3::Zero());

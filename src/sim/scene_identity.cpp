@@ -96,6 +96,7 @@ void serializeSolver(Archive& archive, const SolverOptions& solver) {
   archive.same("solver.sleep_speed", solver.sleep_speed);
 }
 
+/// Not where the mesh started: a state holds the mesh it has got to.
 void serializeAdapt(Archive& archive, const AdaptOptions& adapt) {
   archive.same("adapt.strategy", nameOf(strategyNames(), adapt.strategy));
   archive.same("adapt.levels", adapt.levels);

@@ -171,9 +171,12 @@ void readSolver(const YamlValue& value, SolverOptions& solver) {
 }
 
 void readAdapt(const YamlValue& value, AdaptOptions& adapt) {
-  const YamlMap map(value, {"strategy", "levels", "interval", "refine_above", "coarsen_below",
+  const YamlMap map(value, {"strategy", "start", "levels", "interval", "refine_above", "coarsen_below",
                             "refine_above_strain", "coarsen_below_strain", "minimum_age"});
   map.readChoice("strategy", adapt.strategy, strategyNames());
+  map.readChoice("start", adapt.start, startNames());
+  const auto start = map.find("start");
+  if (start && adapt.strategy != Strategy::Amrc) start->fail(kStartIsForAmrc);
   map.read("levels", adapt.levels);
   map.read("interval", adapt.interval);
   map.read("refine_above", adapt.refine_above);

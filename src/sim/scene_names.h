@@ -28,6 +28,8 @@ inline Names<Strategy> strategyNames() {
           {"amrc", Strategy::Amrc}};
 }
 
+inline Names<Start> startNames() { return {{"finest", Start::Finest}, {"coarsest", Start::Coarsest}}; }
+
 inline Names<Shape> shapeNames() {
   return {{"box", Shape::Box},
           {"sphere", Shape::Sphere},

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "haptic_cloth/error.h"
+#include "sim/scene_names.h"
 
 namespace haptic_cloth {
 namespace {
@@ -189,6 +190,8 @@ void checkOptions(const Check& check, const Scene& scene) {
   check.within("solver.threads", solver.threads, 0, kMostThreads);
 
   const AdaptOptions& adapt = scene.adapt;
+  check.that(adapt.start == Start::Finest || adapt.strategy == Strategy::Amrc, "adapt.start",
+             nameOf(startNames(), adapt.start), kStartIsForAmrc);
   check.atLeast("adapt.interval", adapt.interval, 1);
   check.positive("adapt.refine_above", adapt.refine_above);
   check.notNegative("adapt.coarsen_below", adapt.coarsen_below);

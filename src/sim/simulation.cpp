@@ -65,6 +65,7 @@ void Simulation::setOptions(const SolverOptions& solver, const AdaptOptions& ada
               "solver.preconditioner");
   requireSame(solver.threads == changed.solver.threads, "solver.threads");
   requireSame(adapt.strategy == changed.adapt.strategy, "adapt.strategy");
+  requireSame(adapt.start == changed.adapt.start, "adapt.start");
   requireSame(adapt.levels == changed.adapt.levels, "adapt.levels");
   changed.solver = solver;
   changed.adapt = adapt;

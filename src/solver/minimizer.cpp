@@ -31,7 +31,7 @@ const char* toString(Termination why) {
 
 void Minimizer::reserve(int size) {
   for (Vector* v : {&gradient_, &previous_, &preconditioned_, &direction_, &trial_, &trial_gradient_}) {
-    v->setZero(size);
+    v->resize(size);
   }
 }
 

@@ -18,7 +18,7 @@ class Minimizer {
 
   void setOptions(const MinimizerOptions& options) { options_ = options; }
 
-  /// Allocates scratch for problems of up to `size` unknowns.
+  /// Allocates scratch for problems of up to `size` unknowns; what they do not use stays unwritten.
   void reserve(int size);
 
   /// The time budget runs from here on, over all solves until the next call.

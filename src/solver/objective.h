@@ -8,8 +8,8 @@ namespace haptic_cloth {
 using Vector = Eigen::VectorXd;
 
 /// A potential Φ(x) of the first size() entries of x; vectors may be longer, so that a changing problem needs
-/// no new memory. evaluate() is the only call that moves the point; curvature() refers to the last one
-/// evaluated.
+/// no new memory, and what lies past the end is not written and has no meaning. evaluate() is the only call
+/// that moves the point; curvature() refers to the last one evaluated.
 class Objective {
  public:
   virtual ~Objective() = default;

@@ -177,12 +177,15 @@ class Writer {
           << ", sleep_speed: " << dice_.choice(std::vector<double>{0.0, 3e-4, 3e-4, 0.1}) << "}\n";
     const double turn = dice_.logUniform(0.02, 1.0), strain = dice_.logUniform(5e-4, 0.05);
     const std::vector<std::string> strategies{"finest", "coarsest", "refine", "coarsen", "amrc", "amrc"};
-    text_ << "adapt: {strategy: " << dice_.choice(strategies) << ", levels: " << levels_
+    const std::string strategy = dice_.choice(strategies);
+    text_ << "adapt: {strategy: " << strategy << ", levels: " << levels_
           << ", interval: " << dice_.within(1, 5) << ", " << number("refine_above", turn) << ", "
           << number("coarsen_below", turn * dice_.uniform(0.0, 0.99)) << ", "
           << number("refine_above_strain", strain) << ", "
           << number("coarsen_below_strain", strain * dice_.uniform(0.0, 0.99))
-          << ", minimum_age: " << dice_.choice(std::vector<int>{0, 1, 3, 30}) << "}\n";
+          << ", minimum_age: " << dice_.choice(std::vector<int>{0, 1, 3, 30});
+    if (strategy == "amrc" && dice_.chance(0.3)) text_ << ", start: coarsest";
+    text_ << "}\n";
     text_ << "stop: {" << number("time", step * steps) << "}\n";
   }
 

@@ -76,9 +76,11 @@ void writeOptions(std::ostream& out, const Scene& scene) {
       << ", time_budget: " << solver.minimizer.time_budget << ", sleep_speed: " << solver.sleep_speed
       << ", threads: " << solver.threads << "}\n";
   const AdaptOptions& adapt = scene.adapt;
-  out << "adapt: {strategy: " << name(adapt.strategy) << ", levels: " << adapt.levels
-      << ", interval: " << adapt.interval << ", refine_above: " << adapt.refine_above
-      << ", coarsen_below: " << adapt.coarsen_below << ", refine_above_strain: " << adapt.refine_above_strain
+  out << "adapt: {strategy: " << name(adapt.strategy);
+  if (adapt.strategy == Strategy::Amrc) out << ", start: " << nameOf(startNames(), adapt.start);
+  out << ", levels: " << adapt.levels << ", interval: " << adapt.interval
+      << ", refine_above: " << adapt.refine_above << ", coarsen_below: " << adapt.coarsen_below
+      << ", refine_above_strain: " << adapt.refine_above_strain
       << ", coarsen_below_strain: " << adapt.coarsen_below_strain << ", minimum_age: " << adapt.minimum_age
       << "}\nstop: {time: " << scene.stop.time << ", rest_speed: " << scene.stop.rest_speed << "}\n";
 }

@@ -107,10 +107,13 @@ TEST_P(SimulationTest, StepsWithoutAllocating) {
 INSTANTIATE_TEST_SUITE_P(Costs, SimulationTest, testing::Values(Cost::Condensed, Cost::Joint),
                          [](const auto& info) { return info.param == Cost::Joint ? "joint" : "condensed"; });
 
-TEST(Drape, FallsOverABoxWithoutAllocating) {
+class Drape : public ::testing::TestWithParam<Start> {};
+
+TEST_P(Drape, FallsOverABoxWithoutAllocating) {
   // From the first touch on: contacts grow from none to all that there will be, and hysteresis is handed over
   // at each change of the mesh.
   Scene scene = boxDrape(41);
+  scene.adapt.start = GetParam();
   scene.cloth.fabric = loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/winter_suiting.yaml");
   Simulation simulation(scene);
   for (int k = 0; k < 5; ++k) simulation.step();
@@ -126,6 +129,11 @@ TEST(Drape, FallsOverABoxWithoutAllocating) {
   EXPECT_GT(changes, 100);
   EXPECT_GT(simulation.supportForce().norm(), 0.0);
 }
+
+INSTANTIATE_TEST_SUITE_P(Starts, Drape, testing::Values(Start::Finest, Start::Coarsest),
+                         [](const auto& info) {
+                           return info.param == Start::Finest ? "finest" : "coarsest";
+                         });
 
 }  // namespace
 }  // namespace haptic_cloth

@@ -200,7 +200,7 @@ TEST(Scene, UnknownAndDuplicateKeysAreNamed) {
         "scene: solver.dt: unknown key; known here: time_step, cost, preconditioner, tolerance, "
         "max_iterations, time_budget, sleep_speed, threads"},
        {ok + "adapt: {level: 1}",
-        "scene: adapt.level: unknown key; known here: strategy, levels, interval, refine_above, "
+        "scene: adapt.level: unknown key; known here: strategy, start, levels, interval, refine_above, "
         "coarsen_below, refine_above_strain, coarsen_below_strain, minimum_age"},
        {ok + "probe: {r: 1}",
         "scene: probe.r: unknown key; known here: shape, radius, length, friction, "

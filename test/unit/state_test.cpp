@@ -89,6 +89,19 @@ TEST_F(State, EntriesAreAsDocumented) {
   EXPECT_NO_THROW(other.loadState(sealState(stateEntries(saved_)), "state"));
 }
 
+TEST_F(State, OfAnotherStartOfTheMeshFits) {
+  Scene scene = run_.scene;
+  ASSERT_EQ(scene.adapt.strategy, Strategy::Amrc);
+  scene.adapt.start = Start::Coarsest;
+  Simulation other(scene);
+  ASSERT_NE(other.activeParticles(), simulation_.activeParticles());
+  other.loadState(saved_, "state");
+  EXPECT_EQ(readings(other), readings(simulation_));
+  advance(run_, other, run_.steps);
+  advance(run_, simulation_, run_.steps);
+  EXPECT_EQ(readings(other), readings(simulation_));
+}
+
 TEST_F(State, WhatIsCutOffOrDamagedIsRefused) {
   expectRefused("", {"does not begin"});
   expectRefused("cloth: {fabric: linear}\n", {"does not begin"});

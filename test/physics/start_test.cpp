@@ -1,0 +1,100 @@
+/// AMRC that starts with the coarsest mesh.
+/// Criteria. Flat cloth without strain has nothing to split: its mesh is the coarsest, but for the leaves
+/// that pins ask for, and stays so. Draped, it comes to rest where AMRC does that starts with the finest
+/// mesh, within AMRC's own error. Of a curvature κ, a leaf that comes from above is the largest with κl below
+/// `refine_above`, one that comes from below the largest with κl below `coarsen_below`, half of that here:
+/// the cells of the two meshes differ by a factor of two at most, and the error of elements with linear sides
+/// goes with the square of their length. So what starts coarsest is at most four times as far from the finest
+/// mesh's rest as what starts finest. The coarsest mesh itself is farther off, or that would say nothing.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "support/scenes.h"
+#include "support/tolerance.h"
+
+namespace haptic_cloth {
+namespace {
+
+/// Flat, held nowhere, with 16 x 8 coarsest cells of 8 finest ones a side; nothing pulls at it.
+Scene flatCloth(Strategy strategy) {
+  Scene scene = sheetScene(makeFabric({}), 129, 65, 0.256, 0.128);
+  setStrategy(scene, strategy, 3);
+  scene.gravity = Vec3::Zero();
+  if (strategy == Strategy::Amrc) scene.adapt.start = Start::Coarsest;
+  return scene;
+}
+
+TEST(Start, FlatClothIsTheCoarsestMesh) {
+  Simulation simulation(flatCloth(Strategy::Amrc));
+  EXPECT_EQ(simulation.activeParticles(), 17 * 9);
+  for (int step = 0; step < 40; ++step) EXPECT_EQ(simulation.step().refined, 0);
+  EXPECT_EQ(simulation.activeParticles(), 17 * 9);
+}
+
+/// A pinned particle is a corner of all leaves that it touches: at the middle of a side of two coarsest cells
+/// it has them split, once, and no other.
+TEST(Start, PinsHaveLeavesSplit) {
+  Scene scene = flatCloth(Strategy::Amrc);
+  pin(scene, 0, 0, 0, 0);
+  EXPECT_EQ(Simulation(scene).activeParticles(), 17 * 9);
+  pin(scene, 44, 44, 32, 32);
+  Simulation simulation(scene);
+  std::vector<CellView> cells;
+  simulation.cells(cells);
+  EXPECT_EQ(cells.size(), 16U * 8 + 2 * 3);
+  std::vector<char> active;
+  simulation.activeFlags(active);
+  EXPECT_TRUE(active[32 * 129 + 44]);
+  // The two middles of those cells; those of their other sides hang, but the pinned one is all leaves'
+  // corner.
+  EXPECT_EQ(simulation.activeParticles(), 17 * 9 + 2 + 1);
+}
+
+Scene drape(Strategy strategy, Start start) {
+  Scene scene = boxDrape(49);
+  quasiStatic(scene, 10.0, 4e-3, 0.02);
+  setStrategy(scene, strategy, 3);
+  scene.adapt.start = start;
+  return scene;
+}
+
+struct Rest {
+  std::vector<Vec3> positions;
+  int first = 0, most = 0;  ///< active particles in the first step, and in the one that has most
+};
+
+Rest rest(const Scene& scene) {
+  Simulation simulation(scene);
+  Rest rest;
+  while (simulation.time() < 2.0) {
+    const int active = simulation.step().active_particles;
+    if (rest.first == 0) rest.first = active;
+    rest.most = std::max(rest.most, active);
+  }
+  simulation.positions(rest.positions);
+  return rest;
+}
+
+/// rms distance of what is seen [m]
+double distance(const Rest& a, const Rest& b) {
+  double sum = 0.0;
+  for (std::size_t p = 0; p < a.positions.size(); ++p) sum += (a.positions[p] - b.positions[p]).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(a.positions.size()));
+}
+
+TEST(Start, DrapeComesToTheSameRest) {
+  const Rest finest = rest(drape(Strategy::Finest, Start::Finest)),
+             coarsest = rest(drape(Strategy::Coarsest, Start::Finest)),
+             from_below = rest(drape(Strategy::Amrc, Start::Finest)),
+             from_above = rest(drape(Strategy::Amrc, Start::Coarsest));
+  const double below = distance(from_below, finest), above = distance(from_above, finest);
+  EXPECT_EQ(from_above.first, 7 * 7);
+  EXPECT_LT(from_above.most, finest.first);
+  EXPECT_LT(above, tolerance(4.0) * below);
+  EXPECT_GT(distance(coarsest, finest), 4.0 * below);
+}
+
+}  // namespace
+}  // namespace haptic_cloth

@@ -1,0 +1,55 @@
+/// Which mesh AMRC starts with. Criterion: docs/formats.md.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "haptic_cloth/error.h"
+#include "haptic_cloth/scene.h"
+#include "haptic_cloth/simulation.h"
+
+namespace haptic_cloth {
+namespace {
+
+Scene parse(const std::string& adapt) {
+  return parseScene("cloth: {fabric: linear}\nadapt: {" + adapt + "}\n", "scene", ".");
+}
+
+std::string message(const std::string& adapt) {
+  try {
+    parse(adapt);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(SceneStart, ArrivesAndIsTheFinestMeshIfNotSaid) {
+  EXPECT_EQ(parse("strategy: amrc").adapt.start, Start::Finest);
+  EXPECT_EQ(parse("start: finest").adapt.start, Start::Finest);
+  EXPECT_EQ(parse("strategy: amrc, start: coarsest").adapt.start, Start::Coarsest);
+}
+
+TEST(SceneStart, IsForAmrcAlone) {
+  EXPECT_EQ(message("start: coarse"), "scene: adapt.start = coarse: must be one of finest, coarsest");
+  for (const std::string strategy : {"finest", "coarsest", "refine", "coarsen"}) {
+    for (const std::string start : {"finest", "coarsest"}) {
+      EXPECT_EQ(message("start: " + start + ", strategy: " + strategy),
+                "scene: adapt.start = " + start + ": is for adapt.strategy: amrc");
+    }
+  }
+  Scene scene = parse("start: coarsest");
+  EXPECT_NO_THROW(validateScene(scene, "scene"));
+  scene.adapt.strategy = Strategy::Refine;
+  EXPECT_THROW(validateScene(scene, "scene"), InputError);
+}
+
+TEST(SceneStart, CannotChangeInARun) {
+  Simulation simulation(parse("start: coarsest"));
+  AdaptOptions other = simulation.scene().adapt;
+  EXPECT_NO_THROW(simulation.setOptions(simulation.scene().solver, other, 0.5));
+  other.start = Start::Finest;
+  EXPECT_THROW(simulation.setOptions(simulation.scene().solver, other, 0.5), InputError);
+}
+
+}  // namespace
+}  // namespace haptic_cloth
