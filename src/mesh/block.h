@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "haptic_cloth/types.h"
@@ -51,5 +52,28 @@ inline Block inverse(const Block& m) {
   const bool definite = m[0] > 0.0 && cofactors[2] > 0.0 && determinant > 0.0;
   return definite ? Block(cofactors / determinant) : Block(Block::Zero());
 }
+
+/// Blocks at nodes, one array an entry, as loops over lanes want them.
+class BlockField {
+ public:
+  void reserve(int capacity) {
+    for (auto& list : entries_) list.reserve(capacity);
+  }
+  void resize(int size) {
+    for (auto& list : entries_) list.resize(size);
+  }
+  Block operator[](int n) const {
+    Block block;
+    for (int k = 0; k < 6; ++k) block[k] = entries_[k][n];
+    return block;
+  }
+  void set(int n, const Block& block) {
+    for (int k = 0; k < 6; ++k) entries_[k][n] = block[k];
+  }
+  const std::vector<double>& entry(int k) const { return entries_[k]; }
+
+ private:
+  std::array<std::vector<double>, 6> entries_;
+};
 
 }  // namespace haptic_cloth
