@@ -11,9 +11,9 @@ constexpr double kOverlap = 2.0;
 
 constexpr double kHat = 1e-8;  // about what a hat or a child takes one core [s]
 
-/// Adds a share of ghosts' blocks to their masters', which leaves none to the ghosts.
-void handOver(const ActiveMesh& mesh, double share, Blocks& blocks) {
-  mesh.handOverGhosts(blocks, share);
+/// Adds half of each ghost's block to its masters', which leaves none to the ghosts.
+void handOver(const ActiveMesh& mesh, Blocks& blocks) {
+  mesh.handOverGhosts(blocks);
   std::fill(blocks.begin() + mesh.active(), blocks.begin() + mesh.nodes(), Block::Zero());
 }
 
@@ -28,8 +28,8 @@ HAPTIC_CLOTH_CLONES void loadValues(const double* __restrict__ gradient, int fre
 
 /// Direction of nodes begin..end: the hats' part and what their own blocks make of the gradient. What does
 /// not move has none.
-HAPTIC_CLOTH_CLONES void addOwn(const std::array<const double*, 6>& own, const double* gradient,
-                                const float* values, int free, int begin, int end, double* __restrict__ z) {
+HAPTIC_CLOTH_CLONES void addOwn(const BlockArrays& own, const double* gradient, const float* values, int free,
+                                int begin, int end, double* __restrict__ z) {
   for (int n = begin; n < end; ++n) {
     const double xx = own[0][n], yy = own[1][n], zz = own[2][n], yz = own[3][n], xz = own[4][n],
                  xy = own[5][n];
@@ -48,7 +48,7 @@ MultilevelPreconditioner::MultilevelPreconditioner(const ActiveMesh& mesh, int p
     : mesh_(mesh), team_(team), hats_(mesh) {
   const int particles = mesh.grid.particles();
   for (Blocks* list : {&between_, &points_}) list->reserve(hats_.pointCapacity());
-  node_inverse_.reserve(particles);
+  for (BlockField* field : {&elements_, &node_inverse_}) field->reserve(particles);
   touch_.reserve(particles);
   hat_inverse_.reserve(hats_.hatCapacity());
   springs_.reserve(particles);
@@ -63,8 +63,7 @@ void MultilevelPreconditioner::fit(const InternalEnergy& internal, const Contact
                                    const std::vector<char>& awake, const std::vector<HeldNode>& held,
                                    const std::vector<ProxyUnknown>& proxies) {
   for (Blocks* list : {&between_, &points_}) list->assign(hats_.points(), Block::Zero());
-  internal.addBlocks(between_);
-  handOver(mesh_, 0.25, between_);
+  addElements(internal);
   addContacts(contacts, proxies);
   for (int n = 0; n < mesh_.nodes(); ++n) points_[n] += isotropic(inertia * mesh_.mass[n]);
   invertNodes(awake, held);
@@ -72,10 +71,17 @@ void MultilevelPreconditioner::fit(const InternalEnergy& internal, const Contact
   invertHats();
 }
 
+void MultilevelPreconditioner::addElements(const InternalEnergy& internal) {
+  elements_.clear(mesh_.nodes());
+  internal.addBlocks(elements_);
+  for (int k = 0; k < 6; ++k) mesh_.handOverGhosts(elements_.entry(k), 0.25);
+  for (int n = 0; n < mesh_.active(); ++n) between_[n] = elements_[n];
+}
+
 void MultilevelPreconditioner::addContacts(const ContactSet& contacts,
                                            const std::vector<ProxyUnknown>& proxies) {
   contacts.addSprings(ContactSet::kObstacles, points_);
-  handOver(mesh_, 0.5, points_);
+  handOver(mesh_, points_);
   springs_.clear();
   proxies_.clear();
   for (const ProxyUnknown& unknown : proxies) {
@@ -83,7 +89,7 @@ void MultilevelPreconditioner::addContacts(const ContactSet& contacts,
                 isotropic(unknown.stiffness)};
     touch_.assign(mesh_.nodes(), Block::Zero());
     contacts.addSprings(unknown.probe, touch_);
-    handOver(mesh_, 0.5, touch_);
+    handOver(mesh_, touch_);
     for (int n = 0; n < mesh_.free; ++n) {
       if (touch_[n].isZero(0.0)) continue;
       points_[n] += touch_[n];
@@ -141,9 +147,7 @@ void MultilevelPreconditioner::apply(const Vector& gradient, Vector& z) {
   loadValues(gradient.data(), mesh_.free, values_.data()->data());
   std::fill(values_.begin() + mesh_.free, values_.end(), HatValue::Zero());
   applyHats();
-  const std::array<const double*, 6> own{node_inverse_.entry(0).data(), node_inverse_.entry(1).data(),
-                                         node_inverse_.entry(2).data(), node_inverse_.entry(3).data(),
-                                         node_inverse_.entry(4).data(), node_inverse_.entry(5).data()};
+  const BlockArrays own = node_inverse_.arrays();
   team_.forRange(
       mesh_.free,
       [&](int begin, int end) {

@@ -61,6 +61,7 @@ class MultilevelPreconditioner {
     Block inverse;  ///< [m/N], of the stiffness until it is bound
   };
 
+  void addElements(const InternalEnergy& internal);
   void addContacts(const ContactSet& contacts, const std::vector<ProxyUnknown>& proxies);
   void bind(Proxy& proxy) const;
   void invertNodes(const std::vector<char>& awake, const std::vector<HeldNode>& held);
@@ -74,6 +75,7 @@ class MultilevelPreconditioner {
   const ActiveMesh& mesh_;
   Team& team_;
   HatLevels hats_;
+  BlockField elements_;                ///< their own part, at the nodes [N/m]
   Blocks between_, points_;            ///< of elements; of inertia and contact; at all points [N/m]
   BlockField node_inverse_;            ///< of the free; zero for those that do not move [m/N]
   std::vector<HatBlock> hat_inverse_;  ///< the same
