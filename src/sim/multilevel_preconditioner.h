@@ -46,7 +46,7 @@ class MultilevelPreconditioner {
   void apply(const Vector& gradient, Vector& z);
 
  private:
-  // Of hats, padded to what one instruction takes, in single precision: what is approximate needs no more.
+  // In single precision, as what is approximate needs no more; x, y, z and a zero are one instruction's load.
   using HatValue = Eigen::Vector4f;
   using HatBlock = Eigen::Matrix<float, 4, 3>;
 
@@ -75,7 +75,7 @@ class MultilevelPreconditioner {
   const ActiveMesh& mesh_;
   Team& team_;
   HatLevels hats_;
-  BlockField elements_;                ///< their own part, at the nodes [N/m]
+  BlockField elements_;                ///< of elements, at the nodes [N/m]
   Blocks between_, points_;            ///< of elements; of inertia and contact; at all points [N/m]
   BlockField node_inverse_;            ///< of the free; zero for those that do not move [m/N]
   std::vector<HatBlock> hat_inverse_;  ///< the same

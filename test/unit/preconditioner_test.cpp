@@ -70,6 +70,7 @@ TEST(HatLevelsTest, ChildrenGiveAllToTheirParents) {
     EXPECT_NEAR(given, children, tolerance(1e-12) * total);
     EXPECT_EQ(shares, level.children_end - level.children);
   }
+  EXPECT_EQ(values[hats.nowhere()], 0.0);
   double left = 0.0;
   for (const double value : values) left += value;
   EXPECT_NEAR(left, total, tolerance(1e-12) * total);
