@@ -87,8 +87,7 @@ void HatLevels::addChildren(Level& level, int span) {
 }
 
 void HatLevels::addHats(Level& level) {
-  const Hat empty{
-      nowhere_, {nowhere_, nowhere_, nowhere_, nowhere_}, {nowhere_, nowhere_, nowhere_, nowhere_}};
+  const std::array<int, 4> none{nowhere_, nowhere_, nowhere_, nowhere_};
   hat_of_.resize(points(), -1);
   level.hats = static_cast<int>(hats_.size());
   for (int k = level.children; k < level.children_end; ++k) {
@@ -99,22 +98,15 @@ void HatLevels::addHats(Level& level) {
       int& hat = hat_of_[child.parents[c]];
       if (hat < 0) {
         hat = static_cast<int>(hats_.size());
-        hats_.push_back(empty);
-        hats_[hat].point = child.parents[c];
+        hats_.push_back({child.parents[c], none, none, 0.0});
       }
+      hats_[hat].shares += two ? 0.5 : 0.25;
       auto& list = two ? hats_[hat].of_two : hats_[hat].of_four;
       *std::find(list.begin(), list.end(), nowhere_) = child.point;
     }
   }
   level.hats_end = static_cast<int>(hats_.size());
   for (int hat = level.hats; hat < level.hats_end; ++hat) hat_of_[hats_[hat].point] = -1;
-}
-
-double HatLevels::shares(const Hat& hat) const {
-  const auto count = [this](const std::array<int, 4>& list) {
-    return 4 - std::count(list.begin(), list.end(), nowhere_);
-  };
-  return 0.5 * count(hat.of_two) + 0.25 * count(hat.of_four);
 }
 
 }  // namespace haptic_cloth

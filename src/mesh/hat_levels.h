@@ -26,6 +26,7 @@ class HatLevels {
   struct Hat {
     int point;
     std::array<int, 4> of_two, of_four;  ///< points: its children that have two parents, and four
+    double shares;                       ///< sum of those in which they are its
   };
 
   /// Ranges of children() and hats(); children before `fours` have two parents, the others four.
@@ -59,7 +60,6 @@ class HatLevels {
                 fours = values[four[0]] + values[four[1]] + values[four[2]] + values[four[3]];
     values[hat.point] += 0.5f * (twos + 0.5f * fours);
   }
-  double shares(const Hat& hat) const;  ///< sum of them
 
   /// Sets the values of children begin..end, counted in their level, by those of their parents.
   template <class Value>

@@ -135,7 +135,7 @@ void MultilevelPreconditioner::invertHats() {
       const int point = hat.point;
       hats_.addChildren(hat, between_.data());
       hats_.addChildren(hat, points_.data());
-      between_[point] /= 1.0 + hats_.shares(hat);
+      between_[point] /= 1.0 + hat.shares;
       const bool held = point >= mesh_.free && point < mesh_.active();
       const Block own = held ? Block(Block::Zero()) : inverse(kOverlap * (between_[point] + points_[point]));
       hat_inverse_[k] << matrix(own).cast<float>(), Eigen::RowVector3f::Zero();

@@ -64,7 +64,7 @@ TEST(HatLevelsTest, ChildrenGiveAllToTheirParents) {
       const double before = values[hat.point];
       hats.addChildren(hat, values.data());
       given += values[hat.point] - before;
-      shares += hats.shares(hat);
+      shares += hat.shares;
     }
     for (int k = level.children; k < level.children_end; ++k) values[hats.children()[k].point] = 0.0;
     EXPECT_NEAR(given, children, tolerance(1e-12) * total);
