@@ -218,45 +218,23 @@ double InternalEnergy::curvature(int begin, int end, const Field& d) const {
   return sum;
 }
 
-template <class Visit>
-void InternalEnergy::forBlocks(const Visit& visit) const {
-  for (int e = 0; e < edge_count_; ++e) {
-    const int place = gather_.edges().place(e), l = place % kLanes;
-    const EdgePack& pack = edge_packs_[place / kLanes];
-    const Block axis = square({pack.axis_x[l], pack.axis_y[l], pack.axis_z[l]});
-    const Block value = isotropic(pack.across[l]) + (pack.along[l] - pack.across[l]) * axis;
-    visit(mesh_.edges[e].a, value);
-    visit(mesh_.edges[e].b, value);
-  }
-  for (int k = 0; k < triple_count_; ++k) {
-    const Triple& t = mesh_.triples[k];
-    const int place = gather_.triples().place(k);
-    const Block value = triple_packs_[place / kLanes].stiffness[place % kLanes] * square(normal(t.c));
-    visit(t.l, t.left * t.left * value);
-    visit(t.r, t.right * t.right * value);
-    visit(t.c, (t.left + t.right) * (t.left + t.right) * value);
-  }
-  for (int k = 0; k < patch_count_; ++k) {
-    const PatchPack& pack = patch_packs_[k / kLanes];
-    const int l = k % kLanes;
-    const auto& n = mesh_.patches[k].nodes;
-    const Block rising = pack.stiffness[l] * square({pack.rising_x[l], pack.rising_y[l], pack.rising_z[l]}),
-                falling =
-                    pack.stiffness[l] * square({pack.falling_x[l], pack.falling_y[l], pack.falling_z[l]});
-    for (const int node : {n[0], n[3]}) visit(node, rising);
-    for (const int node : {n[1], n[2]}) visit(node, falling);
-    if (!(twist_rigidity_ > 0.0)) continue;
-    const Block twist = twistStiffness(twist_rigidity_, mesh_.patches[k].area) * square(patchNormal(k));
-    for (const int node : n) visit(node, twist);
-  }
-}
-
 void InternalEnergy::addDiagonal(Field& diagonal) const {
-  forBlocks([&](int node, const Block& block) { diagonal.add(node, block.head<3>()); });
+  BlockField blocks;
+  blocks.clear(mesh_.nodes());
+  addBlocks(blocks);
+  for (int n = 0; n < mesh_.nodes(); ++n) diagonal.add(n, blocks[n].head<3>());
 }
 
-void InternalEnergy::addBlocks(Blocks& blocks) const {
-  forBlocks([&](int node, const Block& block) { blocks[node] += block; });
+void InternalEnergy::addBlocks(BlockField& blocks) const {
+  const ConstArrays normals = node_normals_.arrays();
+  const BlockArrays to = blocks.arrays();
+  const auto count = [](const auto& packs) { return static_cast<int>(packs.size()); };
+  addEdgeBlocks(edge_packs_.data(), count(edge_packs_), to);
+  addTripleBlocks(triple_packs_.data(), count(triple_packs_), normals, to);
+  if (!shear_.isZero()) addShearBlocks(patch_packs_.data(), count(patch_packs_), to);
+  if (twist_rigidity_ > 0.0) {
+    addTwistBlocks(patch_packs_.data(), count(patch_packs_), twist_rigidity_, patch_normals_.arrays(), to);
+  }
 }
 
 }  // namespace haptic_cloth

@@ -98,11 +98,11 @@ class InternalEnergy {
   void addGradient(int begin, int end, Field& gradient) const { gather_.add(begin, end, slots_, gradient); }
   const NodeGather& gather() const { return gather_; }
 
-  /// Diagonal of H⁺ [N/m] at all nodes, added to `diagonal`, from the last evaluation.
+  /// Diagonal of H⁺ [N/m] at all nodes, added to `diagonal`, from the last evaluation. Allocates.
   void addDiagonal(Field& diagonal) const;
 
   /// The same with what couples a node's coordinates.
-  void addBlocks(Blocks& blocks) const;
+  void addBlocks(BlockField& blocks) const;
 
   /// For display, at positions `x`: largest |ε| of the edges, and values of one element.
   double maxStrain(const Field& x) const;
@@ -163,10 +163,6 @@ class InternalEnergy {
   /// Calls edge(e), triple(t), patch(k) for elements begin..end.
   template <class OnEdge, class OnTriple, class OnPatch>
   void forEach(int begin, int end, OnEdge edge, OnTriple triple, OnPatch patch) const;
-
-  /// Calls visit(node, block) for each block of H⁺ that an element has at one of its nodes [N/m].
-  template <class Visit>
-  void forBlocks(const Visit& visit) const;
 
   const ActiveMesh& mesh_;
   std::array<Loop, 2> stretch_, bend_;

@@ -6,6 +6,7 @@
 
 #include "energy/law_table.h"
 #include "mesh/active_mesh.h"
+#include "mesh/block.h"
 #include "mesh/field.h"
 
 namespace haptic_cloth {
@@ -53,5 +54,13 @@ double tripleCurvature(const TriplePack* packs, int begin, int end, const ConstA
 double shearCurvature(const PatchPack* packs, int begin, int end, const ConstArrays& d);
 double twistCurvature(const PatchPack* packs, int begin, int end, double rigidity, const ConstArrays& d,
                       const ConstArrays& normals);
+
+/// Adds what the packs have of H⁺ at each of their nodes [N/m], from the last evaluation.
+void addEdgeBlocks(const EdgePack* packs, int count, const BlockArrays& blocks);
+void addTripleBlocks(const TriplePack* packs, int count, const ConstArrays& normals,
+                     const BlockArrays& blocks);
+void addShearBlocks(const PatchPack* packs, int count, const BlockArrays& blocks);
+void addTwistBlocks(const PatchPack* packs, int count, double rigidity, const ConstArrays& normals,
+                    const BlockArrays& blocks);
 
 }  // namespace haptic_cloth

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "haptic_cloth/types.h"
+#include "mesh/field.h"
 
 namespace haptic_cloth {
 
@@ -51,5 +53,67 @@ inline Block inverse(const Block& m) {
   const bool definite = m[0] > 0.0 && cofactors[2] > 0.0 && determinant > 0.0;
   return definite ? Block(cofactors / determinant) : Block(Block::Zero());
 }
+
+/// Eight blocks.
+struct BlockLanes {
+  Lanes entries[6];
+};
+
+static HAPTIC_CLOTH_INLINE BlockLanes square(const Lanes3& a) {
+  return {{a.x * a.x, a.y * a.y, a.z * a.z, a.y * a.z, a.x * a.z, a.x * a.y}};
+}
+static HAPTIC_CLOTH_INLINE BlockLanes operator*(const Lanes& s, const BlockLanes& m) {
+  const Lanes(&e)[6] = m.entries;
+  return {{s * e[0], s * e[1], s * e[2], s * e[3], s * e[4], s * e[5]}};
+}
+
+/// Of each entry, for loops over lanes.
+using BlockArrays = std::array<double*, 6>;
+
+/// Adds to the blocks of eight nodes, of which some may be the same.
+static HAPTIC_CLOTH_INLINE void add(const BlockArrays& blocks, const NodeLanes& nodes,
+                                    const BlockLanes& value) {
+  if (nodes.in_row) {
+    for (int k = 0; k < 6; ++k) {
+      double* const at = blocks[k] + nodes.index[0];
+      store(at, load(at) + value.entries[k]);
+    }
+    return;
+  }
+  for (int l = 0; l < kLanes; ++l) {
+    for (int k = 0; k < 6; ++k) blocks[k][nodes.index[l]] += value.entries[k][l];
+  }
+}
+
+/// Blocks at nodes, one array an entry.
+class BlockField {
+ public:
+  void reserve(int capacity) {
+    for (auto& list : entries_) list.reserve(padded(capacity));
+  }
+  void resize(int size) {
+    for (auto& list : entries_) list.resize(padded(size));
+  }
+  /// To `size` zeros.
+  void clear(int size) {
+    for (auto& list : entries_) list.assign(padded(size), 0.0);
+  }
+  Block operator[](int n) const {
+    Block block;
+    for (int k = 0; k < 6; ++k) block[k] = entries_[k][n];
+    return block;
+  }
+  void set(int n, const Block& block) {
+    for (int k = 0; k < 6; ++k) entries_[k][n] = block[k];
+  }
+  std::vector<double>& entry(int k) { return entries_[k]; }
+  BlockArrays arrays() {
+    return {entries_[0].data(), entries_[1].data(), entries_[2].data(),
+            entries_[3].data(), entries_[4].data(), entries_[5].data()};
+  }
+
+ private:
+  std::array<std::vector<double>, 6> entries_;
+};
 
 }  // namespace haptic_cloth

@@ -21,7 +21,7 @@ HatLevels::HatLevels(const ActiveMesh& mesh) : levels_(levelsOf(mesh.grid)) {
   };
   columns_ = (last(mesh.grid.columns, levels_.size()) << levels_.size()) + 1;
   number_.resize(columns_ * ((last(mesh.grid.rows, levels_.size()) << levels_.size()) + 1));
-  std::size_t hats = 0, points = mesh.grid.particles();
+  std::size_t hats = 0, points = mesh.grid.particles() + 1;
   for (std::size_t level = 1; level <= levels_.size(); ++level) {
     const std::size_t columns = last(mesh.grid.columns, level) + 1, rows = last(mesh.grid.rows, level) + 1;
     hats += columns * rows;
@@ -30,28 +30,26 @@ HatLevels::HatLevels(const ActiveMesh& mesh) : levels_(levelsOf(mesh.grid)) {
   for (auto* list : {&place_, &remaining_, &hat_of_}) list->reserve(points);
   children_.reserve(points);
   hats_.reserve(hats);
-  rows_.reserve(hats + 1);
-  entries_.reserve(4 * points);
   rebuild(mesh);
 }
 
 void HatLevels::rebuild(const ActiveMesh& mesh) {
   std::fill(number_.begin(), number_.end(), -1);
-  for (auto* list : {&place_, &remaining_, &hat_of_, &hats_, &rows_, &entries_}) list->clear();
+  for (auto* list : {&place_, &remaining_, &hat_of_}) list->clear();
   children_.clear();
+  hats_.clear();
   const Grid& grid = mesh.grid;
   for (int n = 0; n < mesh.nodes(); ++n) {
     place_.push_back(grid.row(mesh.particle[n]) * columns_ + grid.column(mesh.particle[n]));
     number_[place_[n]] = n;
     remaining_.push_back(n);
   }
+  nowhere_ = points();
+  place_.push_back(-1);
   for (std::size_t l = 0; l < levels_.size(); ++l) {
-    levels_[l].children = static_cast<int>(children_.size());
-    addChildren(1 << l);
-    levels_[l].children_end = static_cast<int>(children_.size());
+    addChildren(levels_[l], 1 << l);
     addHats(levels_[l]);
   }
-  rows_.push_back(static_cast<int>(entries_.size()));
 }
 
 int HatLevels::pointAt(int i, int j) {
@@ -65,45 +63,50 @@ int HatLevels::pointAt(int i, int j) {
 }
 
 /// Of the lattice with that span between points; keeps those that remain on the next one.
-void HatLevels::addChildren(int span) {
+void HatLevels::addChildren(Level& level, int span) {
   const int count = static_cast<int>(remaining_.size());
-  int kept = 0;
-  for (int k = 0; k < count; ++k) {
-    const int point = remaining_[k], i = place_[point] % columns_, j = place_[point] / columns_;
-    const int di = i & span, dj = j & span;
-    if (di == 0 && dj == 0) {
-      remaining_[kept++] = point;
-      continue;
+  const auto add = [&](bool four) {
+    for (int k = 0; k < count; ++k) {
+      const int point = remaining_[k], i = place_[point] % columns_, j = place_[point] / columns_;
+      const int di = i & span, dj = j & span;
+      if (four ? !(di && dj) : !di == !dj) continue;
+      children_.push_back({point,
+                           {pointAt(i - di, j - dj), pointAt(i + di, j - dj), pointAt(i - di, j + dj),
+                            pointAt(i + di, j + dj)}});
     }
-    children_.push_back({point,
-                         {pointAt(i - di, j - dj), pointAt(i + di, j - dj), pointAt(i - di, j + dj),
-                          pointAt(i + di, j + dj)}});
-  }
-  remaining_.erase(remaining_.begin() + kept, remaining_.begin() + count);
+    return static_cast<int>(children_.size());
+  };
+  level.children = static_cast<int>(children_.size());
+  level.fours = add(false);
+  level.children_end = add(true);
+  const auto is_child = [&](int point) {
+    return ((place_[point] % columns_ | place_[point] / columns_) & span) != 0;
+  };
+  const auto end = remaining_.begin() + count;
+  remaining_.erase(std::remove_if(remaining_.begin(), end, is_child), end);
 }
 
-/// Counts each hat's children, then lists them, the last first.
 void HatLevels::addHats(Level& level) {
+  const std::array<int, 4> none{nowhere_, nowhere_, nowhere_, nowhere_};
   hat_of_.resize(points(), -1);
   level.hats = static_cast<int>(hats_.size());
   for (int k = level.children; k < level.children_end; ++k) {
-    for (const int parent : children_[k].parents) {
-      if (hat_of_[parent] < 0) {
-        hat_of_[parent] = static_cast<int>(hats_.size());
-        hats_.push_back(parent);
-        rows_.push_back(0);
+    const Child& child = children_[k];
+    for (int c = 0; c < 4; ++c) {
+      const bool two = k < level.fours;
+      if (two && (c == 1 || c == 2)) continue;
+      int& hat = hat_of_[child.parents[c]];
+      if (hat < 0) {
+        hat = static_cast<int>(hats_.size());
+        hats_.push_back({child.parents[c], none, none, 0.0});
       }
-      ++rows_[hat_of_[parent]];
+      hats_[hat].shares += two ? 0.5 : 0.25;
+      auto& list = two ? hats_[hat].of_two : hats_[hat].of_four;
+      *std::find(list.begin(), list.end(), nowhere_) = child.point;
     }
   }
   level.hats_end = static_cast<int>(hats_.size());
-  int end = static_cast<int>(entries_.size());
-  for (int hat = level.hats; hat < level.hats_end; ++hat) rows_[hat] = end += rows_[hat];
-  entries_.resize(end);
-  for (int k = level.children_end - 1; k >= level.children; --k) {
-    for (const int parent : children_[k].parents) entries_[--rows_[hat_of_[parent]]] = children_[k].point;
-  }
-  for (int hat = level.hats; hat < level.hats_end; ++hat) hat_of_[hats_[hat]] = -1;
+  for (int hat = level.hats; hat < level.hats_end; ++hat) hat_of_[hats_[hat].point] = -1;
 }
 
 }  // namespace haptic_cloth

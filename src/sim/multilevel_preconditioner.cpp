@@ -9,12 +9,38 @@ namespace {
 // blocks needs the fewest iterations (docs/design.md).
 constexpr double kOverlap = 2.0;
 
-constexpr double kHat = 1e-8;  // about what a hat or a child takes one core [s]
+// About what a hat or a child takes one core, and a node's own block [s].
+constexpr double kHat = 4e-9, kOwn = 2e-9;
 
-/// Adds a share of ghosts' blocks to their masters', which leaves none to the ghosts.
-void handOver(const ActiveMesh& mesh, double share, Blocks& blocks) {
-  mesh.handOverGhosts(blocks, share);
+/// Adds half of each ghost's block to its masters', which leaves none to the ghosts.
+void handOver(const ActiveMesh& mesh, Blocks& blocks) {
+  mesh.handOverGhosts(blocks);
   std::fill(blocks.begin() + mesh.active(), blocks.begin() + mesh.nodes(), Block::Zero());
+}
+
+/// Points' values from a vector of the unknowns, of which `free` nodes have x, then y, then z.
+HAPTIC_CLOTH_CLONES void loadValues(const double* __restrict__ gradient, int free,
+                                    float* __restrict__ values) {
+  for (int n = 0; n < free; ++n) {
+    for (int c = 0; c < 3; ++c) values[4 * n + c] = static_cast<float>(gradient[c * free + n]);
+    values[4 * n + 3] = 0.0f;
+  }
+}
+
+/// Direction of nodes begin..end: the hats' part and what their own blocks make of the gradient. What does
+/// not move has none.
+HAPTIC_CLOTH_CLONES void addOwn(const BlockArrays& own, const double* gradient, const float* values, int free,
+                                int begin, int end, double* __restrict__ z) {
+  for (int n = begin; n < end; ++n) {
+    const double xx = own[0][n], yy = own[1][n], zz = own[2][n], yz = own[3][n], xz = own[4][n],
+                 xy = own[5][n];
+    const double gx = gradient[n], gy = gradient[free + n], gz = gradient[2 * free + n];
+    const float* const hats = values + 4 * n;
+    const double moves = xx > 0.0 ? 1.0 : 0.0;
+    z[n] = moves * (hats[0] + xx * gx + xy * gy + xz * gz);
+    z[free + n] = moves * (hats[1] + xy * gx + yy * gy + yz * gz);
+    z[2 * free + n] = moves * (hats[2] + xz * gx + yz * gy + zz * gz);
+  }
 }
 
 }  // namespace
@@ -23,7 +49,8 @@ MultilevelPreconditioner::MultilevelPreconditioner(const ActiveMesh& mesh, int p
     : mesh_(mesh), team_(team), hats_(mesh) {
   const int particles = mesh.grid.particles();
   for (Blocks* list : {&between_, &points_}) list->reserve(hats_.pointCapacity());
-  for (Blocks* list : {&node_inverse_, &touch_}) list->reserve(particles);
+  for (BlockField* field : {&elements_, &node_inverse_}) field->reserve(particles);
+  touch_.reserve(particles);
   hat_inverse_.reserve(hats_.hatCapacity());
   springs_.reserve(particles);
   proxies_.reserve(probes);
@@ -37,8 +64,7 @@ void MultilevelPreconditioner::fit(const InternalEnergy& internal, const Contact
                                    const std::vector<char>& awake, const std::vector<HeldNode>& held,
                                    const std::vector<ProxyUnknown>& proxies) {
   for (Blocks* list : {&between_, &points_}) list->assign(hats_.points(), Block::Zero());
-  internal.addBlocks(between_);
-  handOver(mesh_, 0.25, between_);
+  addElements(internal);
   addContacts(contacts, proxies);
   for (int n = 0; n < mesh_.nodes(); ++n) points_[n] += isotropic(inertia * mesh_.mass[n]);
   invertNodes(awake, held);
@@ -46,10 +72,17 @@ void MultilevelPreconditioner::fit(const InternalEnergy& internal, const Contact
   invertHats();
 }
 
+void MultilevelPreconditioner::addElements(const InternalEnergy& internal) {
+  elements_.clear(mesh_.nodes());
+  internal.addBlocks(elements_);
+  for (int k = 0; k < 6; ++k) mesh_.handOverGhosts(elements_.entry(k), 0.25);
+  for (int n = 0; n < mesh_.active(); ++n) between_[n] = elements_[n];
+}
+
 void MultilevelPreconditioner::addContacts(const ContactSet& contacts,
                                            const std::vector<ProxyUnknown>& proxies) {
   contacts.addSprings(ContactSet::kObstacles, points_);
-  handOver(mesh_, 0.5, points_);
+  handOver(mesh_, points_);
   springs_.clear();
   proxies_.clear();
   for (const ProxyUnknown& unknown : proxies) {
@@ -57,7 +90,7 @@ void MultilevelPreconditioner::addContacts(const ContactSet& contacts,
                 isotropic(unknown.stiffness)};
     touch_.assign(mesh_.nodes(), Block::Zero());
     contacts.addSprings(unknown.probe, touch_);
-    handOver(mesh_, 0.5, touch_);
+    handOver(mesh_, touch_);
     for (int n = 0; n < mesh_.free; ++n) {
       if (touch_[n].isZero(0.0)) continue;
       points_[n] += touch_[n];
@@ -73,10 +106,10 @@ void MultilevelPreconditioner::invertNodes(const std::vector<char>& awake,
                                            const std::vector<HeldNode>& held) {
   node_inverse_.resize(mesh_.free);
   for (int n = 0; n < mesh_.free; ++n) {
-    node_inverse_[n] = awake[n] ? inverse(between_[n] + points_[n]) : Block(Block::Zero());
+    node_inverse_.set(n, awake[n] ? inverse(between_[n] + points_[n]) : Block(Block::Zero()));
   }
   for (const HeldNode& node : held) {
-    node_inverse_[node.node].setZero();
+    node_inverse_.set(node.node, Block::Zero());
     for (Proxy& proxy : proxies_) {
       if (proxy.probe == node.probe) proxy.inverse += between_[node.node] + points_[node.node];
     }
@@ -97,60 +130,54 @@ void MultilevelPreconditioner::bind(Proxy& proxy) const {
 void MultilevelPreconditioner::invertHats() {
   hat_inverse_.resize(hats_.hats().size());
   for (const HatLevels::Level& level : hats_.levels()) {
-    for (int hat = level.hats; hat < level.hats_end; ++hat) {
-      const int point = hats_.hats()[hat];
-      between_[point] = (between_[point] + hats_.sumOfChildren(hat, between_)) / (1.0 + hats_.shares(hat));
-      points_[point] += hats_.sumOfChildren(hat, points_);
+    for (int k = level.hats; k < level.hats_end; ++k) {
+      const HatLevels::Hat& hat = hats_.hats()[k];
+      const int point = hat.point;
+      hats_.addChildren(hat, between_.data());
+      hats_.addChildren(hat, points_.data());
+      between_[point] /= 1.0 + hat.shares;
       const bool held = point >= mesh_.free && point < mesh_.active();
-      hat_inverse_[hat] =
-          held ? Block(Block::Zero()) : inverse(kOverlap * (between_[point] + points_[point]));
+      const Block own = held ? Block(Block::Zero()) : inverse(kOverlap * (between_[point] + points_[point]));
+      hat_inverse_[k] << matrix(own).cast<float>(), Eigen::RowVector3f::Zero();
     }
   }
 }
 
 void MultilevelPreconditioner::apply(const Vector& gradient, Vector& z) {
-  values_.assign(hats_.points(), Vec3::Zero());
-  for (int n = 0; n < mesh_.free; ++n) values_[n] = entry(gradient, n);
+  values_.resize(hats_.points());
+  loadValues(gradient.data(), mesh_.free, values_.data()->data());
+  std::fill(values_.begin() + mesh_.free, values_.end(), HatValue::Zero());
   applyHats();
+  const BlockArrays own = node_inverse_.arrays();
   team_.forRange(
-      mesh_.free, [&](int begin, int end) { applyNodes(gradient, z, begin, end); }, Team::kNode);
+      mesh_.free,
+      [&](int begin, int end) {
+        addOwn(own, gradient.data(), values_.data()->data(), mesh_.free, begin, end, z.data());
+      },
+      kOwn);
   for (const Proxy& proxy : proxies_) applyProxy(proxy, gradient, z);
 }
 
-/// Of the gradient in values_, all hats' part of the direction, there too.
+/// Of the gradient in values_, all hats' part of the direction, there too. The values that children gave to
+/// their parents have no more use: they are set anew on the way back.
 void MultilevelPreconditioner::applyHats() {
   corrections_.resize(hats_.hats().size());
+  HatValue* const values = values_.data();
   for (const HatLevels::Level& level : hats_.levels()) {
-    const auto restrict = [&](int begin, int end) {
-      for (int hat = level.hats + begin; hat < level.hats + end; ++hat) {
-        Vec3& value = values_[hats_.hats()[hat]];
-        value += hats_.sumOfChildren(hat, values_);
-        corrections_[hat] = product(hat_inverse_[hat], value);
+    const auto restrict = [&, values](int begin, int end) {
+      for (int k = level.hats + begin; k < level.hats + end; ++k) {
+        const HatLevels::Hat& hat = hats_.hats()[k];
+        hats_.addChildren(hat, values);
+        corrections_[k] = hat_inverse_[k].lazyProduct(values[hat.point].head<3>());
       }
     };
     team_.forRange(level.hats_end - level.hats, restrict, kHat);
   }
-  std::fill(values_.begin(), values_.end(), Vec3::Zero());
+  for (const int top : hats_.tops()) values[top].setZero();
   for (auto level = hats_.levels().rbegin(); level != hats_.levels().rend(); ++level) {
-    for (int hat = level->hats; hat < level->hats_end; ++hat) values_[hats_.hats()[hat]] += corrections_[hat];
-    const auto interpolate = [&](int begin, int end) {
-      for (int k = level->children + begin; k < level->children + end; ++k) {
-        const HatLevels::Child& child = hats_.children()[k];
-        const auto& p = child.parents;
-        values_[child.point] =
-            HatLevels::kShare * (values_[p[0]] + values_[p[1]] + values_[p[2]] + values_[p[3]]);
-      }
-    };
+    for (int k = level->hats; k < level->hats_end; ++k) values[hats_.hats()[k].point] += corrections_[k];
+    const auto interpolate = [&](int begin, int end) { hats_.interpolate(*level, begin, end, values); };
     team_.forRange(level->children_end - level->children, interpolate, kHat);
-  }
-}
-
-void MultilevelPreconditioner::applyNodes(const Vector& gradient, Vector& z, int begin, int end) const {
-  for (int n = begin; n < end; ++n) {
-    const Block& own = node_inverse_[n];
-    const bool moves = own[0] > 0.0;
-    const Vec3 value = moves ? Vec3(values_[n] + product(own, entry(gradient, n))) : Vec3(Vec3::Zero());
-    for (int c = 0; c < 3; ++c) z[c * mesh_.free + n] = value[c];
   }
 }
 

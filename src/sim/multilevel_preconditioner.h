@@ -46,6 +46,10 @@ class MultilevelPreconditioner {
   void apply(const Vector& gradient, Vector& z);
 
  private:
+  // In single precision, as what is approximate needs no more; x, y, z and a zero are one instruction's load.
+  using HatValue = Eigen::Vector4f;
+  using HatBlock = Eigen::Matrix<float, 4, 3>;
+
   /// Contact between a node and a proxy.
   struct Spring {
     int node;
@@ -57,6 +61,7 @@ class MultilevelPreconditioner {
     Block inverse;  ///< [m/N], of the stiffness until it is bound
   };
 
+  void addElements(const InternalEnergy& internal);
   void addContacts(const ContactSet& contacts, const std::vector<ProxyUnknown>& proxies);
   void bind(Proxy& proxy) const;
   void invertNodes(const std::vector<char>& awake, const std::vector<HeldNode>& held);
@@ -65,18 +70,19 @@ class MultilevelPreconditioner {
   Vec3 entry(const Vector& gradient, int node) const {
     return {gradient[node], gradient[mesh_.free + node], gradient[2 * mesh_.free + node]};
   }
-  void applyNodes(const Vector& gradient, Vector& z, int begin, int end) const;
   void applyProxy(const Proxy& proxy, const Vector& gradient, Vector& z) const;
 
   const ActiveMesh& mesh_;
   Team& team_;
   HatLevels hats_;
+  BlockField elements_;                ///< of elements, at the nodes [N/m]
   Blocks between_, points_;            ///< of elements; of inertia and contact; at all points [N/m]
-  Blocks node_inverse_, hat_inverse_;  ///< zero for those that do not move [m/N]
+  BlockField node_inverse_;            ///< of the free; zero for those that do not move [m/N]
+  std::vector<HatBlock> hat_inverse_;  ///< the same
   Blocks touch_;                       ///< of one proxy's contacts, at the nodes [N/m]
   std::vector<Spring> springs_;
   std::vector<Proxy> proxies_;
-  std::vector<Vec3> values_, corrections_;  ///< at the points; of the hats
+  std::vector<HatValue> values_, corrections_;  ///< at the points; of the hats
 };
 
 }  // namespace haptic_cloth

@@ -1,9 +1,10 @@
 // The multilevel preconditioner and the hats it is made of.
 // Criteria: that children lie at the mean of their parents and give all of their entries to them is the
-// definition; symmetry and the exact inverse of one free node's block hold to round-off; the condition number
-// grows at most as the square of the number of levels, so the iterations as that number [Bramble, Pasciak &
-// Xu, Parallel multilevel preconditioners, Math. Comp. 55 (1990)]; those of Jacobi's grow as the particles
-// along a side [Saad, Iterative Methods for Sparse Linear Systems, 2003].
+// definition; symmetry holds to what one number of single precision is rounded by, 2^-24, as the hats' part
+// is of these; the exact inverse of one free node's block holds to round-off; the condition number grows at
+// most as the square of the number of levels, so the iterations as that number [Bramble, Pasciak & Xu,
+// Parallel multilevel preconditioners, Math. Comp. 55 (1990)]; those of Jacobi's grow as the particles along
+// a side [Saad, Iterative Methods for Sparse Linear Systems, 2003].
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -58,16 +59,18 @@ TEST(HatLevelsTest, ChildrenGiveAllToTheirParents) {
   for (const HatLevels::Level& level : hats.levels()) {
     double children = 0.0, given = 0.0, shares = 0.0;
     for (int k = level.children; k < level.children_end; ++k) children += values[hats.children()[k].point];
-    for (int hat = level.hats; hat < level.hats_end; ++hat) {
-      const double part = hats.sumOfChildren(hat, values);
-      given += part;
-      shares += hats.shares(hat);
-      values[hats.hats()[hat]] += part;
+    for (int k = level.hats; k < level.hats_end; ++k) {
+      const HatLevels::Hat& hat = hats.hats()[k];
+      const double before = values[hat.point];
+      hats.addChildren(hat, values.data());
+      given += values[hat.point] - before;
+      shares += hat.shares;
     }
     for (int k = level.children; k < level.children_end; ++k) values[hats.children()[k].point] = 0.0;
     EXPECT_NEAR(given, children, tolerance(1e-12) * total);
     EXPECT_EQ(shares, level.children_end - level.children);
   }
+  EXPECT_EQ(values[hats.nowhere()], 0.0);
   double left = 0.0;
   for (const double value : values) left += value;
   EXPECT_NEAR(left, total, tolerance(1e-12) * total);
@@ -87,7 +90,7 @@ TEST_F(MultilevelTest, IsSymmetricAndPositive) {
     objective_.precondition(b, pb);
     const double scale = std::sqrt(a.head(n).dot(pa.head(n)) * b.head(n).dot(pb.head(n)));
     EXPECT_GT(a.head(n).dot(pa.head(n)), 0.0);
-    EXPECT_NEAR(a.head(n).dot(pb.head(n)), b.head(n).dot(pa.head(n)), tolerance(1e-12) * scale);
+    EXPECT_NEAR(a.head(n).dot(pb.head(n)), b.head(n).dot(pa.head(n)), tolerance(6e-8) * scale);
   }
 }
 
