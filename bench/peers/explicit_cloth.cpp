@@ -93,12 +93,12 @@ class ExplicitCloth : public Peer {
   double stableStep() {
     internal_.setNormals(x_);
     internal_.evaluate(0, internal_.size(), x_);
-    Field diagonal;
-    diagonal.clear(mesh_.nodes());
-    internal_.addDiagonal(diagonal);
+    BlockField blocks;
+    blocks.clear(mesh_.nodes());
+    internal_.addBlocks(blocks);
     double largest = 0.0;
     for (int n = 0; n < mesh_.free; ++n) {
-      largest = std::max(largest, 2.0 * diagonal[n].maxCoeff() / mesh_.mass[n]);
+      largest = std::max(largest, 2.0 * blocks[n].head<3>().maxCoeff() / mesh_.mass[n]);
     }
     return largest > 0.0 ? kSafety * 2.0 / std::sqrt(largest) : scene_.solver.time_step;
   }

@@ -6,7 +6,7 @@ namespace haptic_cloth {
 enum class Cost { Condensed, Joint };
 enum class Preconditioner { None, Jacobi, Multilevel };
 enum class Strategy { Finest, Coarsest, Refine, Coarsen, Amrc };
-enum class Start { Finest, Coarsest };
+enum class StartMesh { Finest, Coarsest };
 
 /// When the minimizer stops, and what it may cost.
 struct MinimizerOptions {
@@ -14,9 +14,8 @@ struct MinimizerOptions {
   double tolerance =
       0.1;  ///< stop when rms_m(|∇Φ|/m) <= tolerance · |gravity| (9.80665 m/s² where there is none)  [-]
   int max_iterations = 200;  ///< [-]
-  double time_budget =
-      0.0;  ///< wall clock of one step [s], but one iteration at least; 0: none. The best
-            ///< state so far is kept. What follows the solve, some 8 % of a step, comes on top.
+  double time_budget = 0.0;  ///< wall clock of one step [s], but one iteration at least; 0: none. The best
+                             ///< state so far is kept. What follows the solve comes on top.
 };
 
 /// How a step is made.
@@ -32,10 +31,10 @@ struct SolverOptions {
 /// How the mesh follows the shape.
 struct AdaptOptions {
   Strategy strategy = Strategy::Amrc;
-  Start start = Start::Finest;  ///< mesh that `Amrc` begins with; the others begin as they must
-  int levels = 2;               ///< L: the coarsest cell is 2^L finest cells wide
-  int interval = 3;             ///< steps between two looks at the mesh
-  double refine_above = 0.60;   ///< turning angle at a triple above which its cells split [rad]
+  StartMesh start = StartMesh::Finest;  ///< mesh that `Amrc` begins with; the others begin as they must
+  int levels = 2;                       ///< L: the coarsest cell is 2^L finest cells wide
+  int interval = 3;                     ///< steps between two looks at the mesh
+  double refine_above = 0.60;           ///< turning angle at a triple above which its cells split [rad]
   double coarsen_below = 0.30;  ///< turning angle below which four siblings merge, as on their parent [rad]
   double refine_above_strain = 0.005;  ///< cells split where tensile strain differs more between corners [-]
   double coarsen_below_strain = 0.0025;  ///< siblings merge where it differs less, as on their parent [-]

@@ -28,7 +28,7 @@ ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
   groups_.reserve(2 * solids);
   packs_.reserve(capacity / kLanes + 1);
   for (Field* field : {&gradient_, &change_}) field->reserve(capacity);
-  entries_.reserve(4 * capacity);
+  entries_.reserve(4 * static_cast<std::size_t>(capacity));
   rows_.reserve(grid.particles() + 1);
   for (auto* list : {&node_area_, &still_}) list->reserve(grid.particles());
   node_gaps_.reserve(padded(grid.particles()));
@@ -41,7 +41,8 @@ ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
 }
 
 /// Places for samples. Where no finest cell has more than one of a solid, coarse cells under one that is
-/// uneven have most: two wide, five and one of a node in four finest cells. Else about as many as there are.
+/// uneven have most: two wide, five and one of a node in four finest cells. Else what scenes were seen to
+/// need: where one needs more, a step allocates.
 int ContactSet::sampleCapacity() const {
   const int particles = grid_.particles(), solids = static_cast<int>(solids_.size());
   const double spacing = std::max(grid_.dx, grid_.dy);
@@ -184,8 +185,8 @@ bool ContactSet::mayReach(const Patch& patch, const Field& nodes, double near) c
 
 /// How many parts of a cell's side are to be sampled: 1 where an obstacle presses as evenly as the corners
 /// say, with one normal and gaps that differ by less than what the pressure hardly notices; else as many as
-/// there are finest cells, and more where a sharp edge would cut into these by more than a share of the
-/// range.
+/// there are finest cells, but none smaller than a share of the range, over which the pressure hardly
+/// changes, and more where a sharp edge would cut into these by more than that share.
 int ContactSet::partsOf(const Patch& patch) const {
   constexpr double kSameNormal = 1e-3, kShareOfRange = 0.1, kMostParts = 4.0;
   const int first = patch.nodes[0];
@@ -197,9 +198,10 @@ int ContactSet::partsOf(const Patch& patch) const {
   }
   turn = std::sqrt(turn);
   const bool uneven = gaps > kShareOfRange * law_.range() || turn > kSameNormal;
-  const int finest = uneven ? patch.cell.span() : 1;
-  const double parts = std::ceil(chord(turn) / (kCut * law_.range()));
-  return finest * static_cast<int>(std::clamp(parts, 1.0, kMostParts));
+  const int span = patch.cell.span();
+  const double smallest = kCut * law_.range(), side = span * std::max(grid_.dx, grid_.dy);
+  const int finest = uneven ? std::min<int>(span, std::ceil(side / smallest)) : 1;
+  return finest * static_cast<int>(std::clamp(std::ceil(chord(turn) / smallest), 1.0, kMostParts));
 }
 
 /// Samples a cell at parts x parts points but its corners; each stands for the area around it within the

@@ -41,9 +41,7 @@ HAPTIC_CLOTH_CLONES void addShearBlocks(const PatchPack* packs, int count, const
 HAPTIC_CLOTH_CLONES void addTwistBlocks(const PatchPack* packs, int count, double rigidity,
                                         const ConstArrays& normals, const BlockArrays& blocks) {
   for (int p = 0; p < count; ++p) {
-    const Lanes area = load(packs[p].area);
-    const Lanes stiffness = ifPositive(area, 2.0 * rigidity / area, Lanes{});
-    const BlockLanes value = stiffness * square(load(normals, kLanes * p));
+    const BlockLanes value = twistStiffness(packs[p], rigidity) * square(load(normals, kLanes * p));
     for (const NodeLanes& nodes : packs[p].corners) add(blocks, nodes, value);
   }
 }

@@ -14,12 +14,12 @@ ForceHistory::ForceHistory(const Grid& grid)
       sides_(grid.cells()),
       shear_(grid.cells()),
       bending_(grid.particles()),
-      used_(grid.particles() / kBlock + 1, 0) {}
+      used_(grid.particles() / kPage + 1, 0) {}
 
 void ForceHistory::clearBending() {
   for (int block = 0; block < static_cast<int>(used_.size()); ++block) {
     if (!used_[block]) continue;
-    const int begin = kBlock * block, end = std::min(begin + kBlock, grid_.particles());
+    const int begin = kPage * block, end = std::min(begin + kPage, grid_.particles());
     std::fill(bending_.data() + begin, bending_.data() + end, Bending{});
     used_[block] = 0;
   }

@@ -38,10 +38,10 @@ class ForceHistory {
 
  private:
   using Bending = std::array<double, 4>;  ///< moments of warp and weft, curvatures of warp and weft
-  static constexpr int kBlock = 128;      ///< particles: those of a page of memory
+  static constexpr int kPage = 128;       ///< particles: those of a page of memory
 
   Bending& bending(int particle) {
-    used_[particle / kBlock] = 1;
+    used_[particle / kPage] = 1;
     return bending_[particle];
   }
   void mergeBending(const Cell& parent);

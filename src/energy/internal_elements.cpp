@@ -17,11 +17,6 @@ double curvatureOf(const Triple& t, const Vec3& normal, const Field& x) {
   return normal.dot(t.left * (x[t.l] - x[t.c]) + t.right * (x[t.r] - x[t.c]));
 }
 
-std::array<Vec3, 4> cornersOf(const Patch& patch, const Field& x) {
-  const auto& n = patch.nodes;
-  return {x[n[0]], x[n[1]], x[n[2]], x[n[3]]};
-}
-
 }  // namespace
 
 double InternalEnergy::strain(int edge, const Field& x) const { return strainOf(mesh_.edges[edge], x); }
@@ -31,7 +26,7 @@ double InternalEnergy::curvature(int triple, const Field& x) const {
 }
 
 double InternalEnergy::shearAngle(int patch, const Field& x) const {
-  return haptic_cloth::shearAngle(cornersOf(mesh_.patches[patch], x));
+  return haptic_cloth::shearAngle(corners(mesh_.patches[patch], x));
 }
 
 double InternalEnergy::stored(const Edge& edge, double play, const Field& x) const {
@@ -44,10 +39,10 @@ double InternalEnergy::stored(const Triple& triple, double play, const Vec3& nor
 
 InternalEnergy::Energy InternalEnergy::stored(const Patch& patch, double play, const Vec3& normal,
                                               const Field& x) const {
-  const auto corners = cornersOf(patch, x);
+  const auto at = corners(patch, x);
   Energy energy;
-  energy.shear = patch.area * shear_.stored(play, haptic_cloth::shearAngle(corners));
-  if (twist_rigidity_ > 0.0) energy.bend = evaluateTwist(corners, normal, twist_rigidity_, patch.area).energy;
+  energy.shear = patch.area * shear_.stored(play, haptic_cloth::shearAngle(at));
+  if (twist_rigidity_ > 0.0) energy.bend = evaluateTwist(at, normal, twist_rigidity_, patch.area).energy;
   return energy;
 }
 

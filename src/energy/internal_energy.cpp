@@ -218,13 +218,6 @@ double InternalEnergy::curvature(int begin, int end, const Field& d) const {
   return sum;
 }
 
-void InternalEnergy::addDiagonal(Field& diagonal) const {
-  BlockField blocks;
-  blocks.clear(mesh_.nodes());
-  addBlocks(blocks);
-  for (int n = 0; n < mesh_.nodes(); ++n) diagonal.add(n, blocks[n].head<3>());
-}
-
 void InternalEnergy::addBlocks(BlockField& blocks) const {
   const ConstArrays normals = node_normals_.arrays();
   const BlockArrays to = blocks.arrays();

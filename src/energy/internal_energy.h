@@ -98,10 +98,7 @@ class InternalEnergy {
   void addGradient(int begin, int end, Field& gradient) const { gather_.add(begin, end, slots_, gradient); }
   const NodeGather& gather() const { return gather_; }
 
-  /// Diagonal of H⁺ [N/m] at all nodes, added to `diagonal`, from the last evaluation. Allocates.
-  void addDiagonal(Field& diagonal) const;
-
-  /// The same with what couples a node's coordinates.
+  /// Blocks of H⁺ [N/m] at all nodes, added to `blocks`, from the last evaluation.
   void addBlocks(BlockField& blocks) const;
 
   /// For display, at positions `x`: largest |ε| of the edges, and values of one element.

@@ -11,11 +11,6 @@ namespace {
 
 using Kind = InternalEnergy::Kind;
 
-std::array<Vec3, 4> corners(const Patch& patch, const Field& x) {
-  const auto& n = patch.nodes;
-  return {x[n[0]], x[n[1]], x[n[2]], x[n[3]]};
-}
-
 }  // namespace
 
 JointEnergy::JointEnergy(const InternalEnergy& laws, const ActiveMesh& mesh) : laws_(laws), mesh_(mesh) {

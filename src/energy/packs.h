@@ -34,6 +34,12 @@ struct PatchPack {
   double stiffness[kLanes];  ///< [N·m]
 };
 
+/// Of twist, d²E/d(height)² of eight patches; zero for lanes that hold none [N/m].
+static HAPTIC_CLOTH_INLINE Lanes twistStiffness(const PatchPack& pack, double rigidity) {
+  const Lanes area = load(pack.area);
+  return ifPositive(area, 2.0 * rigidity / area, Lanes{});
+}
+
 /// Evaluates packs begin..end at x: forces into slots first, first + 1, ..., eight a pack. @return energy [J]
 /// @param steps memory of the packs, null where the law has none
 double evaluateEdges(EdgePack* packs, int begin, int end, const LawTable& law, const StepLanes* steps,

@@ -84,12 +84,6 @@ HAPTIC_CLOTH_INLINE Lanes saddleHeight(const PatchPack& pack, const ConstArrays&
                          (gather(x, pack.corners[2]) - gather(x, pack.corners[0])));
 }
 
-/// Of dE²/d(height)², zero for lanes that hold no patch [N/m].
-HAPTIC_CLOTH_INLINE Lanes twistStiffness(const PatchPack& pack, double rigidity) {
-  const Lanes area = load(pack.area);
-  return ifPositive(area, 2.0 * rigidity / area, Lanes{});
-}
-
 }  // namespace
 
 HAPTIC_CLOTH_CLONES double evaluateTwists(const PatchPack* packs, int begin, int end, double rigidity,

@@ -36,6 +36,12 @@ struct Patch {
   std::array<int, 4> sides;  ///< edges below and above (warp), left and right (weft)
 };
 
+/// Values at a leaf's corners.
+inline std::array<Vec3, 4> corners(const Patch& patch, const Field& x) {
+  const auto& n = patch.nodes;
+  return {x[n[0]], x[n[1]], x[n[2]], x[n[3]]};
+}
+
 /// A hanging corner: the mean of two masters, which may be ghosts of a coarser side.
 struct Ghost {
   int node, a, b;

@@ -14,7 +14,7 @@ namespace haptic_cloth {
 /// children: their values are the means of the two or four points next to them there, their parents. A hat is
 /// one at a point with children and falls linearly to zero at the points around it; where the mesh is no
 /// finer than the lattice there are none. Points may lie past the cloth's end; they are numbered after the
-/// nodes.
+/// nodes, and last comes nowhere().
 /// Going from children to parents and back is most of what a preconditioner takes: children of two and of
 /// four parents stand apart, and every hat has places for as many as there can be.
 class HatLevels {
@@ -53,7 +53,7 @@ class HatLevels {
 
   /// Adds to the value at a hat's point those of its children, in the shares in which they are its.
   template <class Value>
-  void addChildren(const Hat& hat, Value* values) const {
+  void gatherChildren(const Hat& hat, Value* values) const {
     const auto& two = hat.of_two;
     const auto& four = hat.of_four;
     const Value twos = values[two[0]] + values[two[1]] + values[two[2]] + values[two[3]],

@@ -9,14 +9,14 @@
 
 namespace haptic_cloth {
 
+constexpr int kNew = -1;  ///< in place of the index before a change: there was none
+
 /// The elements of one kind on both sides of a change.
 template <class Element>
 struct Followed {
   std::vector<Element> before;  ///< by the nodes of then
   std::vector<char> stays;      ///< of an element before: it is still there
   std::vector<int> was;         ///< of an element of now: its index before, kNew: it was not there
-
-  static constexpr int kNew = -1;
 
   /// Of an element of now. Without a look at the change all are new.
   bool isNew(int now) const { return now >= static_cast<int>(was.size()) || was[now] == kNew; }
@@ -58,7 +58,6 @@ class MeshChange {
   const Field& positions() const { return positions_; }  ///< of the nodes before [m]
 
  private:
-  static constexpr int kNone = -1;
   void followNodes(const ActiveMesh& mesh, const Field& x);
   int find(const Edge& edge) const;
   int find(const Triple& triple) const;
@@ -72,7 +71,7 @@ class MeshChange {
   std::vector<int> number_;    ///< node of then of a particle, where particle_ says the same
   std::array<std::vector<int>, 2> first_edge_, triple_at_;  ///< by direction and node of then
   std::vector<int> patch_at_;                               ///< by its lower left node of then
-  std::vector<int> node_was_;                               ///< of a node of now; kNone also if it moved
+  std::vector<int> node_was_;                               ///< of a node of now; kNew also if it moved
 };
 
 }  // namespace haptic_cloth

@@ -13,7 +13,7 @@ Adaptation::Adaptation(const AdaptOptions& options, const Grid& grid)
 }
 
 int Adaptation::startLevel(const AdaptOptions& options) {
-  const bool chosen = options.strategy == Strategy::Amrc && options.start == Start::Coarsest;
+  const bool chosen = options.strategy == Strategy::Amrc && options.start == StartMesh::Coarsest;
   const bool coarse = options.strategy == Strategy::Coarsest || options.strategy == Strategy::Refine;
   return chosen || coarse ? options.levels : 0;
 }

@@ -32,6 +32,7 @@ ClothObjective::ClothObjective(const Scene& scene, const ActiveMesh& mesh, Inter
   for (Proxies* list : {&proxies_, &proxy_motions_, &hold_forces_})
     list->assign(probes_.size(), Vec3::Zero());
   held_.reserve(mesh.grid.particles());
+  if (preconditioner_ == Preconditioner::Jacobi) blocks_.reserve(mesh.grid.particles());
   for (auto* list : {&start_, &inertial_, &nodes_, &motion_, &gradient_, &diagonal_}) {
     list->reserve(mesh.grid.particles());
   }
@@ -284,7 +285,9 @@ void ClothObjective::fitPreconditioner() {
   if (multilevel_) return fitMultilevel();
   diagonal_.fill(0.0);
   if (preconditioner_ == Preconditioner::Jacobi) {
-    internal_.addDiagonal(diagonal_);
+    blocks_.clear(mesh_.nodes());
+    internal_.addBlocks(blocks_);
+    for (int n = 0; n < mesh_.nodes(); ++n) diagonal_.add(n, blocks_[n].head<3>());
     contacts_.addDiagonal(diagonal_);
     mesh_.handOverGhosts(diagonal_, 0.25);
   }

@@ -190,6 +190,7 @@ class ClothObjective : public Objective {
   Field start_, inertial_;                  ///< x⁰ and x⁰ + h v⁰/(1 + c h) of the nodes [m]
   std::vector<double> mass_, moving_mass_;  ///< of all nodes; of the free ones, zero for others; padded [kg]
   Field nodes_, motion_, gradient_, diagonal_;
+  BlockField blocks_;  ///< of the Jacobi preconditioner
   Proxies proxies_, proxy_motions_, hold_forces_;
   Sums energies_ = Sums::Zero();
   Vector inverse_diagonal_, residual_weight_;

@@ -133,8 +133,8 @@ void MultilevelPreconditioner::invertHats() {
     for (int k = level.hats; k < level.hats_end; ++k) {
       const HatLevels::Hat& hat = hats_.hats()[k];
       const int point = hat.point;
-      hats_.addChildren(hat, between_.data());
-      hats_.addChildren(hat, points_.data());
+      hats_.gatherChildren(hat, between_.data());
+      hats_.gatherChildren(hat, points_.data());
       between_[point] /= 1.0 + hat.shares;
       const bool held = point >= mesh_.free && point < mesh_.active();
       const Block own = held ? Block(Block::Zero()) : inverse(kOverlap * (between_[point] + points_[point]));
@@ -167,7 +167,7 @@ void MultilevelPreconditioner::applyHats() {
     const auto restrict = [&, values](int begin, int end) {
       for (int k = level.hats + begin; k < level.hats + end; ++k) {
         const HatLevels::Hat& hat = hats_.hats()[k];
-        hats_.addChildren(hat, values);
+        hats_.gatherChildren(hat, values);
         corrections_[k] = hat_inverse_[k].lazyProduct(values[hat.point].head<3>());
       }
     };

@@ -96,9 +96,9 @@ void serializeSolver(Archive& archive, const SolverOptions& solver) {
   archive.same("solver.sleep_speed", solver.sleep_speed);
 }
 
-/// Not where the mesh started: a state holds the mesh it has got to.
 void serializeAdapt(Archive& archive, const AdaptOptions& adapt) {
   archive.same("adapt.strategy", nameOf(strategyNames(), adapt.strategy));
+  archive.same("adapt.start", nameOf(startNames(), adapt.start));  // the work done is counted from there
   archive.same("adapt.levels", adapt.levels);
   archive.same("adapt.interval", adapt.interval);
   archive.same("adapt.refine_above", adapt.refine_above);

@@ -175,8 +175,6 @@ void readAdapt(const YamlValue& value, AdaptOptions& adapt) {
                             "refine_above_strain", "coarsen_below_strain", "minimum_age"});
   map.readChoice("strategy", adapt.strategy, strategyNames());
   map.readChoice("start", adapt.start, startNames());
-  const auto start = map.find("start");
-  if (start && adapt.strategy != Strategy::Amrc) start->fail(kStartIsForAmrc);
   map.read("levels", adapt.levels);
   map.read("interval", adapt.interval);
   map.read("refine_above", adapt.refine_above);

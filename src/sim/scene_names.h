@@ -28,7 +28,9 @@ inline Names<Strategy> strategyNames() {
           {"amrc", Strategy::Amrc}};
 }
 
-inline Names<Start> startNames() { return {{"finest", Start::Finest}, {"coarsest", Start::Coarsest}}; }
+inline Names<StartMesh> startNames() {
+  return {{"finest", StartMesh::Finest}, {"coarsest", StartMesh::Coarsest}};
+}
 
 inline Names<Shape> shapeNames() {
   return {{"box", Shape::Box},

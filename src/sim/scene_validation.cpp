@@ -190,8 +190,6 @@ void checkOptions(const Check& check, const Scene& scene) {
   check.within("solver.threads", solver.threads, 0, kMostThreads);
 
   const AdaptOptions& adapt = scene.adapt;
-  check.that(adapt.start == Start::Finest || adapt.strategy == Strategy::Amrc, "adapt.start",
-             nameOf(startNames(), adapt.start), kStartIsForAmrc);
   check.atLeast("adapt.interval", adapt.interval, 1);
   check.positive("adapt.refine_above", adapt.refine_above);
   check.notNegative("adapt.coarsen_below", adapt.coarsen_below);

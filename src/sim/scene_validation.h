@@ -11,9 +11,6 @@ namespace haptic_cloth {
 /// Place of a key in its source, for messages ("cloth.size[0]" → "scene.yaml:3").
 using Locate = std::function<std::string(const std::string& key)>;
 
-/// Rule of a key that other strategies leave no choice.
-constexpr const char* kStartIsForAmrc = "is for adapt.strategy: amrc";
-
 /// The rules of validateScene(). @throws InputError with locate(key) as file
 void checkScene(const Scene& scene, const Locate& locate);
 

@@ -22,7 +22,7 @@ Scene flatCloth(Strategy strategy) {
   Scene scene = sheetScene(makeFabric({}), 129, 65, 0.256, 0.128);
   setStrategy(scene, strategy, 3);
   scene.gravity = Vec3::Zero();
-  if (strategy == Strategy::Amrc) scene.adapt.start = Start::Coarsest;
+  if (strategy == Strategy::Amrc) scene.adapt.start = StartMesh::Coarsest;
   return scene;
 }
 
@@ -52,7 +52,7 @@ TEST(Start, PinsHaveLeavesSplit) {
   EXPECT_EQ(simulation.activeParticles(), 17 * 9 + 2 + 1);
 }
 
-Scene drape(Strategy strategy, Start start) {
+Scene drape(Strategy strategy, StartMesh start) {
   Scene scene = boxDrape(49);
   quasiStatic(scene, 10.0, 4e-3, 0.02);
   setStrategy(scene, strategy, 3);
@@ -85,10 +85,10 @@ double distance(const Rest& a, const Rest& b) {
 }
 
 TEST(Start, DrapeComesToTheSameRest) {
-  const Rest finest = rest(drape(Strategy::Finest, Start::Finest)),
-             coarsest = rest(drape(Strategy::Coarsest, Start::Finest)),
-             from_below = rest(drape(Strategy::Amrc, Start::Finest)),
-             from_above = rest(drape(Strategy::Amrc, Start::Coarsest));
+  const Rest finest = rest(drape(Strategy::Finest, StartMesh::Finest)),
+             coarsest = rest(drape(Strategy::Coarsest, StartMesh::Finest)),
+             from_below = rest(drape(Strategy::Amrc, StartMesh::Finest)),
+             from_above = rest(drape(Strategy::Amrc, StartMesh::Coarsest));
   const double below = distance(from_below, finest), above = distance(from_above, finest);
   EXPECT_EQ(from_above.first, 7 * 7);
   EXPECT_LT(from_above.most, finest.first);

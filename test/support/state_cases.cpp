@@ -165,7 +165,7 @@ class Hash {
 
 void add(Hash& hash, const EnergyReport& energy) {
   for (const double part : {energy.kinetic, energy.gravity, energy.stretch, energy.bend, energy.shear,
-                            energy.contact, energy.coupling, energy.dissipated}) {
+                            energy.contact, energy.coupling, energy.work, energy.dissipated}) {
     hash.add(part);
   }
 }

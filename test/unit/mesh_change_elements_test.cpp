@@ -106,12 +106,27 @@ TEST_F(MeshChangeTest, WhatMovedIsNew) {
   EXPECT_TRUE(change_->patches().isNew(0));
 }
 
-TEST_F(MeshChangeTest, FabricKeepsWhatStaysAndCountsWhatItMade) {
-  Fabric fabric = makeFabric({});
+enum class Kind { Elastic, Hysteretic, Twisting };
+
+Fabric fabricOf(Kind kind) {
+  LinearFabric linear;
+  linear.rigidity = 1e-5;
+  Fabric fabric = makeFabric(linear);
+  if (kind == Kind::Twisting) fabric.twist_rigidity = 2e-5;
+  if (kind != Kind::Hysteretic) return fabric;
   fabric.tensile[kWarp] = Loop(-0.05, 0.05, {-50.0, 0.0, 60.0}, {-50.0, 0.0, 40.0}, 3.0);
   fabric.bending = {Loop(-256.0, 256.0, {-2e-3, 5e-4, 3e-3}, {-3e-3, -5e-4, 2e-3}, 30.0),
                     Loop(Curve::linear(1e-5))};
   fabric.shear = Loop(-0.1, 0.1, {-2.0, 1.0, 4.0}, {-4.0, -1.0, 2.0}, 30.0);
+  return fabric;
+}
+
+/// Of fabrics with and without memory, where a cell splits and where four merge.
+class FabricChange : public MeshChangeTest, public testing::WithParamInterface<std::tuple<Kind, bool>> {};
+
+TEST_P(FabricChange, KeepsWhatStaysAndCountsWhatItMade) {
+  const auto [kind, splits] = GetParam();
+  const Fabric fabric = fabricOf(kind);
   InternalEnergy internal(fabric, mesh_);
   ForceHistory history(kGrid);
   internal.setNormals(x_);
@@ -131,15 +146,19 @@ TEST_F(MeshChangeTest, FabricKeepsWhatStaysAndCountsWhatItMade) {
   internal.beginChange(x_);
   internal.remember(x_, history);
   std::vector<Cell> done;
-  const Cell parent = leaves_.leafAt(12, 0);
-  leaves_.split(parent, done);
-  ASSERT_EQ(done.size(), 1u);
+  const Cell parent = splits ? leaves_.leafAt(12, 0) : Cell{8, 4, 2};
+  if (splits) {
+    leaves_.split(parent, done);
+    ASSERT_EQ(done.size(), 1u);
+  } else {
+    leaves_.merge(parent);
+  }
   mesh_.rebuild(leaves_);
   x_ = flat();
   internal.resize();
   internal.setNormals(x_);
   internal.endChange(x_);
-  history.split(parent);
+  splits ? history.split(parent) : history.merge(parent);
   internal.recall(x_, history);
   change_->end(mesh_, x_);
   EXPECT_NEAR(internal.madeByChange(x_), total(internal.stored(x_)) - before, tolerance(1e-12) * before);
@@ -157,6 +176,10 @@ TEST_F(MeshChangeTest, FabricKeepsWhatStaysAndCountsWhatItMade) {
   }
   EXPECT_GT(kept, internal.elements() / 2);
 }
+
+INSTANTIATE_TEST_SUITE_P(Kinds, FabricChange,
+                         testing::Combine(testing::Values(Kind::Elastic, Kind::Hysteretic, Kind::Twisting),
+                                          testing::Bool()));
 
 }  // namespace
 }  // namespace haptic_cloth

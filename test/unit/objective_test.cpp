@@ -3,6 +3,7 @@
 // 1e-5 relative; the tabulated law's and contact's kinks are finer than the step.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 
 #include "haptic_cloth/simulation.h"
@@ -78,11 +79,18 @@ TEST_F(ObjectiveTest, CurvatureIsPositiveAndBoundsTheStep) {
   EXPECT_LT(step, 0.9 * 0.0006);  // 0.3 mm of gap over flat cloth, up to 0.1 mm of noise
 }
 
-class SimulationTest : public ::testing::TestWithParam<Cost> {};
+struct Solver {
+  const char* name;
+  Cost cost;
+  Preconditioner preconditioner;
+};
+
+class SimulationTest : public ::testing::TestWithParam<Solver> {};
 
 TEST_P(SimulationTest, StepsWithoutAllocating) {
   Scene scene = pressedSheet();
-  scene.solver.cost = GetParam();
+  scene.solver.cost = GetParam().cost;
+  scene.solver.minimizer.preconditioner = GetParam().preconditioner;
   scene.cloth.pose.position.z() = 0.001;
   scene.adapt.strategy = Strategy::Amrc;
   scene.adapt.minimum_age = 3;
@@ -104,10 +112,26 @@ TEST_P(SimulationTest, StepsWithoutAllocating) {
   EXPECT_GT(changes, 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Costs, SimulationTest, testing::Values(Cost::Condensed, Cost::Joint),
-                         [](const auto& info) { return info.param == Cost::Joint ? "joint" : "condensed"; });
+INSTANTIATE_TEST_SUITE_P(Solvers, SimulationTest,
+                         testing::Values(Solver{"condensed", Cost::Condensed, Preconditioner::Multilevel},
+                                         Solver{"jacobi", Cost::Condensed, Preconditioner::Jacobi},
+                                         Solver{"joint", Cost::Joint, Preconditioner::Multilevel}),
+                         [](const auto& info) { return info.param.name; });
 
-class Drape : public ::testing::TestWithParam<Start> {};
+TEST(Simulation, BudgetCountsFromTheStepsStart) {
+  // A budget that was spent before the step began must not count: only then is more than the one iteration
+  // made that every solve is allowed.
+  Scene scene = pressedSheet();
+  scene.solver.minimizer.tolerance = 1e-9;
+  scene.solver.minimizer.max_iterations = 5;
+  scene.solver.minimizer.time_budget = 0.2;
+  Simulation simulation(scene);
+  const auto built = std::chrono::steady_clock::now();
+  while (std::chrono::steady_clock::now() - built < std::chrono::milliseconds(250)) simulation.maxSpeed();
+  EXPECT_EQ(simulation.step().minimizer.iterations, 5);
+}
+
+class Drape : public ::testing::TestWithParam<StartMesh> {};
 
 TEST_P(Drape, FallsOverABoxWithoutAllocating) {
   // From the first touch on: contacts grow from none to all that there will be, and hysteresis is handed over
@@ -130,9 +154,9 @@ TEST_P(Drape, FallsOverABoxWithoutAllocating) {
   EXPECT_GT(simulation.supportForce().norm(), 0.0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Starts, Drape, testing::Values(Start::Finest, Start::Coarsest),
+INSTANTIATE_TEST_SUITE_P(Starts, Drape, testing::Values(StartMesh::Finest, StartMesh::Coarsest),
                          [](const auto& info) {
-                           return info.param == Start::Finest ? "finest" : "coarsest";
+                           return info.param == StartMesh::Finest ? "finest" : "coarsest";
                          });
 
 }  // namespace

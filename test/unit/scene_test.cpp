@@ -439,7 +439,7 @@ TEST(ShippedScenes, AllLoad) {
     EXPECT_NO_THROW(loadScene(entry.path().string()));
     ++count;
   }
-  EXPECT_GE(count, 5);
+  EXPECT_GE(count, 7);
 }
 
 }  // namespace

@@ -1,0 +1,68 @@
+/// Points at which contact of coarse cells is counted.
+/// Criteria: energy of a cell tilted over a plane is ∫ψ(gap) dA; the trapezoidal rule of spacing δ is off by
+/// at most δ²/12 · max|d²ψ/ds²| · A, d²ψ/ds² = slope² · stiffness. Numbers of points are counted.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact/contact_set.h"
+#include "support/tolerance.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kRange = 5e-4, kLow = 2e-4, kHigh = 7e-4;  // gaps at both ends of the cell [m]
+
+struct Tilted {
+  double energy, bound;  ///< measured less exact, and what it may be [J]
+  int samples;
+};
+
+/// One coarse cell of 2^levels finest cells of a spacing [m], which rises from one gap to the other.
+Tilted tilted(int levels, double spacing) {
+  const int side = 1 << levels;
+  const Grid grid{side + 1, side + 1, levels, spacing, spacing};
+  const LeafMesh leaves(grid, {}, levels);
+  const ActiveMesh mesh(leaves, 0.15);
+  Obstacle floor;
+  floor.shape = Shape::Plane;
+  ContactSet contacts(grid, {floor}, {}, {kRange, 1e-3, 1e-3});
+  Field nodes;
+  nodes.clear(mesh.nodes());
+  for (int n = 0; n < mesh.nodes(); ++n) {
+    const int p = mesh.particle[n];
+    const double share = static_cast<double>(grid.column(p)) / side;
+    nodes.set(n, Vec3(spacing * grid.column(p), spacing * grid.row(p), kLow + share * (kHigh - kLow)));
+  }
+  contacts.collect(mesh, nodes, std::vector<double>(mesh.nodes(), kHigh), {});
+  const double measured = contacts.evaluate(0, contacts.size(), nodes).contact;
+
+  const ContactLaw law(kRange);
+  constexpr int kParts = 100000;
+  double mean = 0.0, stiffest = 0.0;
+  for (int k = 0; k < kParts; ++k) {
+    const ContactLaw::Point at = law(kLow + (k + 0.5) / kParts * (kHigh - kLow));
+    mean += at.energy / kParts;
+    stiffest = std::max(stiffest, at.stiffness);
+  }
+  const double area = std::pow(side * spacing, 2), parts = std::ceil(side * spacing / (0.5 * kRange));
+  const double most = std::min<double>(side, parts);
+  return {measured - mean * area, std::pow((kHigh - kLow) / most, 2) / 12.0 * stiffest * area,
+          contacts.size()};
+}
+
+TEST(Samples, OfACoarseCellStandAtTheFinestSpacing) {
+  const Tilted cell = tilted(3, 4e-4);
+  EXPECT_LT(std::abs(cell.energy), tolerance(cell.bound));
+  EXPECT_GE(cell.samples, 81) << "all points of the finest grid";
+}
+
+TEST(Samples, OfAVeryFineGridStandNoCloserThanThePressureAsks) {
+  const Tilted cell = tilted(6, 2.5e-5);  // 1.6 mm in 64 parts; half of the range goes 7 times into it
+  EXPECT_LT(std::abs(cell.energy), tolerance(cell.bound));
+  EXPECT_LE(cell.samples, 64 + 2 * kLanes);
+}
+
+}  // namespace
+}  // namespace haptic_cloth
