@@ -287,8 +287,11 @@ void judge(const Torture& wanted, const TortureResult& result) {
        "-");
   keep("made by a mesh change / turned over", result.created, limits.created, "-");
   keep("made by turning normals / turned over", result.turned / result.energy, limits.turned, "-");
-  keep("largest strain", result.strain,
-       limits.strain > 0.0 ? limits.strain : strainLimit(result, wanted.scene, limits.pushed), "-");
+  keep("largest strain", limits.pushed ? result.stretched : result.strain,
+       limits.strain > 0.0 ? limits.strain : strainLimit(result, wanted.scene, false), "-");
+  if (limits.pushed) {
+    keep("pushed together", result.shortened, std::min(1.0, strainLimit(result, wanted.scene, true)), "-");
+  }
   keep("fastest particle", result.speed, speedLimit(result, wanted.scene) + limits.thrown, "m/s");
   EXPECT_LE(result.unexplained, tolerance(kRoundOff * (1.0 + result.force))) << wanted.name << ": force [N]";
   keep("failed steps", static_cast<double>(result.failed), limits.failed, "");
