@@ -97,7 +97,10 @@ class Run {
   TortureResult run() {
     const double h = world_.scene.solver.time_step;
     const long steps = std::lround(world_.scene.stop.time / h);
-    while (result_.steps < steps && result_.finite) step();
+    while (result_.steps < steps && result_.finite) {
+      step();
+      if (result_.steps % kTell == 0) tell();
+    }
     for (const ProbeReport& probe : world_.probes) {
       if (probe.present) result_.left = std::max(result_.left, (probe.proxy - probe.device).norm());
     }
@@ -119,6 +122,16 @@ class Run {
   const std::string& probeRows() const { return rows_; }
 
  private:
+  static constexpr long kTell =
+      600000;  ///< steps after which a long run says where it is: ten minutes at 1 kHz
+
+  void tell() const {
+    std::cout << "  " << wanted_.name << ", " << world_.time() << " s: gain " << result_.gain << " J of "
+              << result_.energy << " J (allowed " << result_.allowed << " J), stretched " << result_.stretched
+              << ", shortened " << result_.shortened << ", speed " << result_.speed << " m/s, " << result_.cut
+              << " cut short, " << result_.failed << " failed" << std::endl;
+  }
+
   void drive(long step) {
     followPaths(world_);
     if (wanted_.before) wanted_.before(world_, step);
