@@ -5,6 +5,7 @@
 /// amplitude; backward Euler's amplitude over a period, from its pole z = 1/(1 - iωh).
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <random>
 
@@ -16,7 +17,17 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr int kStepsPerCycle = 20;
+/// The strip of the cycles is the smallest that stretches and bends between two grips: of its four cells
+/// along warp the first is clamped (two columns of pins), the last lies under the grip; two edges a row
+/// stretch freely, and three triples a row bend, at the clamp, in the middle and at the grip. The grip is as
+/// thick as the default probe: with half its radius, sampled four times as densely, a cycle costs half as
+/// much again. It costs 0.2 to 0.3 ms, against 8 to 30 ms of 17 x 3 particles in 20 steps: a million can run.
+constexpr int kColumns = 5, kRows = 2;
+constexpr double kCell = 0.01, kGrip = 0.008;  // [m]
+
+/// Play knows no time and forgets all of a monotone way but its turning points [Visintin 1994]: steps that
+/// meet both of these, at 1/4 and 3/4 of a cycle, close the same loops as any number of steps.
+constexpr int kStepsPerCycle = 4;
 
 /// What is compared at the same phase of each cycle.
 struct Phase {
@@ -27,10 +38,12 @@ struct Phase {
 /// A strip of suiting, one end held, the other in a grip that goes to `bias` and then moves by
 /// ± `amplitude` around it.
 Torture cycledStrip(const std::string& name, const Vec3& bias, const Vec3& amplitude) {
-  Torture strip = tortureSheet(name, shippedFabric("winter_suiting"), 17, 3, 0.08, 0.01);
-  pin(strip.scene, 0, 1, 0, 2);
+  Torture strip = tortureSheet(name, shippedFabric("winter_suiting"), kColumns, kRows, (kColumns - 1) * kCell,
+                               (kRows - 1) * kCell);
+  pin(strip.scene, 0, 1, 0, kRows - 1);
   strip.scene.gravity.setZero();
   strip.scene.probes = {gripper(0.02, 2e4)};
+  strip.scene.probes[0].radius = kGrip;
   strip.scene.air_damping = 5.0;
   strip.scene.solver.time_step = 0.01;
   strip.scene.solver.minimizer.tolerance = 1e-3;
@@ -38,12 +51,13 @@ Torture cycledStrip(const std::string& name, const Vec3& bias, const Vec3& ampli
   strip.scene.solver.sleep_speed = 0.0;
   strip.before = [bias, amplitude](ClothWorld& world, long step) {
     constexpr long kReach = 50, kGo = 100;
-    const double h = world.scene.solver.time_step;
-    const Vec3 start(0.0375, 0.0, 0.008), touch(0.0375, 0.0, 0.0042);
+    const double h = world.scene.solver.time_step, end = 0.5 * (kColumns - 1) * kCell - 0.0025;
+    const Vec3 start(end, 0.0, kGrip + 0.004), touch(end, 0.0, kGrip + 0.0002);
     const auto at = [&](long n) -> Vec3 {
       if (n < kReach) return start + (touch - start) * static_cast<double>(n) / kReach;
       if (n < kReach + kGo) return touch + bias * static_cast<double>(n - kReach) / kGo;
-      return touch + bias + amplitude * std::sin(2.0 * EIGEN_PI * (n - kReach - kGo) / kStepsPerCycle);
+      const double turns = static_cast<double>((n - kReach - kGo) % kStepsPerCycle) / kStepsPerCycle;
+      return touch + bias + amplitude * std::sin(2.0 * EIGEN_PI * turns);
     };
     world.setDevice(0, {at(step + 1), (at(step + 1) - at(step)) / h, world.scene.probes[0].orientation});
     world.setGrasp(0, true);
@@ -51,38 +65,62 @@ Torture cycledStrip(const std::string& name, const Vec3& bias, const Vec3& ampli
   return strip;
 }
 
-/// Runs the cycles and compares the last one with the one after which all should have closed.
+/// What the cycles do to a strip: how far it ever was, at the end of a cycle, from where it was after the
+/// first ones, beside a cycle's own extent.
+class Drift {
+ public:
+  static constexpr long kSettle = 20, kStart = 150;  // [cycles], [steps]
+
+  explicit Drift(std::string name) : name_(std::move(name)) {}
+
+  void note(const ClothWorld& world, long steps) {
+    if (steps <= kStart) return;
+    const long cycle = (steps - kStart) / kStepsPerCycle;
+    const Phase now{world.state.position[world.grid.particle(kColumns / 2, 0)], world.probes[0].force.norm()};
+    if (cycle == kSettle) {
+      force_.extend(Vec1(now.force));
+      middle_.extend(now.middle);
+    }
+    if ((steps - kStart) % kStepsPerCycle != 0 || cycle < kSettle) return;
+    if (cycle == kSettle) settled_ = now;
+    moved_ = std::max(moved_, (now.middle - settled_.middle).norm());
+    changed_ = std::max(changed_, std::abs(now.force - settled_.force));
+    if (cycle != next_) return;
+    next_ *= 10;
+    print(cycle);
+  }
+
+  void print(long cycles) const {
+    std::cout << "  " << name_ << ": " << cycles << " cycles, drift of the middle " << middle()
+              << ", of the force " << force() << " of a cycle's own " << middle_.diagonal().norm() << " m, "
+              << force_.diagonal().norm() << " N" << std::endl;
+  }
+
+  double middle() const { return moved_ / middle_.diagonal().norm(); }
+  double force() const { return changed_ / force_.diagonal().norm(); }
+
+ private:
+  using Vec1 = Eigen::Matrix<double, 1, 1>;
+  std::string name_;
+  Phase settled_;
+  Eigen::AlignedBox<double, 1> force_;  ///< of one cycle [N]
+  Eigen::AlignedBox3d middle_;          ///< the same [m]
+  double moved_ = 0.0, changed_ = 0.0;
+  long next_ = 1000;
+};
+
 void expectNoRatchet(Torture strip) {
-  constexpr long kSettle = 20, kStart = 150;
-  const long cycles = std::lround(tortureLength("HAPTIC_CLOTH_TORTURE_CYCLES", 100.0));
-  strip.scene.stop.time = strip.scene.solver.time_step * (kStart + kStepsPerCycle * cycles);
-  Phase settled, last;
-  double least = 1e300, most = -1e300;
-  Vec3 low = Vec3::Constant(1e300), high = -low;
-  strip.after = [&](const ClothWorld& world, long step) {
-    const long cycle = (step + 1 - kStart) / kStepsPerCycle;
-    const int middle = world.grid.particle(8, 1);
-    const Phase now{world.state.position[middle], world.probes[0].force.norm()};
-    const bool end = step + 1 > kStart && (step + 1 - kStart) % kStepsPerCycle == 0;
-    if (end && cycle == kSettle) settled = now;
-    if (end) last = now;
-    if (cycle != kSettle) return;
-    least = std::min(least, now.force);
-    most = std::max(most, now.force);
-    low = low.cwiseMin(now.middle);
-    high = high.cwiseMax(now.middle);
-  };
+  const long cycles = std::lround(tortureLength("HAPTIC_CLOTH_TORTURE_CYCLES", 1000.0));
+  strip.scene.stop.time =
+      strip.scene.solver.time_step * static_cast<double>(Drift::kStart + kStepsPerCycle * cycles);
+  Drift drift(strip.name);
+  strip.after = [&](const ClothWorld& world, long step) { drift.note(world, step + 1); };
   strip.limits.pushed = true;
   torture(strip);
-  const double moved = (last.middle - settled.middle).norm() / (high - low).norm();
-  const double weaker = std::abs(last.force - settled.force) / (most - least);
-  recordMargin(strip.name, "drift of the middle / cycle", moved, 0.01, "-");
-  recordMargin(strip.name, "drift of the force / cycle", weaker, 0.01, "-");
-  std::cout << "  " << strip.name << ": " << cycles << " cycles, drift of the middle " << moved
-            << ", of the force " << weaker << " of a cycle's own " << (high - low).norm() << " m, "
-            << most - least << " N\n";
-  EXPECT_LT(moved, tolerance(0.01));
-  EXPECT_LT(weaker, tolerance(0.01));
+  recordMargin(strip.name, "drift of the middle / cycle", drift.middle(), 0.01, "-");
+  recordMargin(strip.name, "drift of the force / cycle", drift.force(), 0.01, "-");
+  EXPECT_LT(drift.middle(), tolerance(0.01));
+  EXPECT_LT(drift.force(), tolerance(0.01));
 }
 
 TEST(Torture, StretchCyclesDoNotRatchet) {
@@ -90,7 +128,7 @@ TEST(Torture, StretchCyclesDoNotRatchet) {
 }
 
 TEST(Torture, BendCyclesDoNotRatchet) {
-  expectNoRatchet(cycledStrip("cycles_bend", Vec3(-0.02, 0, 0.01), Vec3(0, 0, 2e-4)));
+  expectNoRatchet(cycledStrip("cycles_bend", Vec3(-0.01, 0, 0.005), Vec3(0, 0, 2e-4)));
 }
 
 TEST(Torture, Soak) {
@@ -112,6 +150,7 @@ TEST(Torture, Soak) {
         {t, Vec3(0.08 * share(generator), 0.08 * share(generator), 0.01 + 0.02 * share(generator))});
   }
   drape.scene.stop.time = time;
+  drape.limits.pushed = true;  // against the corners of the box: 3 N on a probe's width shorten cells by 30 %
   torture(drape);
 }
 

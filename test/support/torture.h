@@ -30,9 +30,10 @@ namespace haptic_cloth {
 /// with, k · distance + b · speeds of both ends; and what the residual leaves on the proxy, which counts with
 /// the mass h² k + h b.
 struct TortureLimits {
-  double strain = 0.0;   ///< largest |strain| of an edge in the whole run; 0: strainLimit() [-]
-  bool pushed = false;   ///< a grip pushes the cloth together as hard as it pulls, along its softer way
-  double thrown = 0.0;   ///< speed by what is not named above [m/s]
+  double strain = 0.0;  ///< largest |strain| of an edge in the whole run; 0: strainLimit() [-]
+  bool pushed = false;  ///< a probe pushes the cloth together as hard as it pulls, along its softer way: what
+                        ///< is stretched and what is shortened have limits of their own, the latter at most 1
+  double thrown = 0.0;  ///< speed by what is not named above [m/s]
   double created = 0.1;  ///< energy that one change of the mesh makes, over what was turned over [-]
   double turned = 0.01;  ///< bending energy that normals make by turning between steps, in all, likewise [-]
   int failed = 0;        ///< steps whose state had to be restored
