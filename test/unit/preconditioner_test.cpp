@@ -126,9 +126,10 @@ TEST(Multilevel, InvertsTheBlockOfASingleFreeNode) {
   objective.evaluate(x, gradient);
   objective.fitPreconditioner();
   for (unsigned seed = 1; seed <= 5; ++seed) {
-    gradient = fixedRandom(3, seed);
+    gradient.head(3) = fixedRandom(3, seed);
     objective.precondition(gradient, z);
-    EXPECT_NEAR(objective.along(z).curvature, z.dot(gradient), tolerance(1e-12) * z.dot(gradient));
+    const double work = z.head(3).dot(gradient.head(3));
+    EXPECT_NEAR(objective.along(z).curvature, work, tolerance(1e-12) * work);
   }
 }
 
