@@ -164,8 +164,7 @@ std::vector<Pass> passesOf(ClothCase& cloth) {
   // bytes, gradient and direction 72, values on the way up and down 96, a child's and a third of a hat's
   // numbers, blocks and corrections 68.
   const double nodes = counts.unknowns / 3.0;
-  passes.push_back({"preconditioner", "vectors", 50.0 * nodes, 284.0 * nodes,
-                    [&cloth, &world] {
+  passes.push_back({"preconditioner", "vectors", 50.0 * nodes, 284.0 * nodes, [&cloth, &world] {
                       world.objective.precondition(cloth.direction(), cloth.scratch());
                       return cloth.scratch()[0];
                     }});

@@ -41,8 +41,8 @@ struct NodeOptions {
   double max_pose_age = 0.2;              ///< a pose with an older stamp is dropped [s]; 0: never
   double probe_timeout = 1.0;             ///< without poses this long the probe leaves the scene [s]
   double velocity_time_constant = 0.005;  ///< low pass of the device's velocity [s]
-  double step_budget = 0.025;  ///< wall clock of one step, or the scene's if that is less [s]; the
-                               ///< force would time out while a hard step runs on; 0: none
+  double step_budget = 0.025;             ///< wall clock of one step, or the scene's if that is less [s]; the
+                                          ///< force would time out while a hard step runs on; 0: none
   double gain_ramp =
       0.5;  ///< in which live changes of couplings and force scales are reached [s]; 0: at once
   MarkerOptions markers;
