@@ -17,11 +17,11 @@ ForceHistory::ForceHistory(const Grid& grid)
       used_(grid.particles() / kPage + 1, 0) {}
 
 void ForceHistory::clearBending() {
-  for (int block = 0; block < static_cast<int>(used_.size()); ++block) {
-    if (!used_[block]) continue;
-    const int begin = kPage * block, end = std::min(begin + kPage, grid_.particles());
+  for (int page = 0; page < static_cast<int>(used_.size()); ++page) {
+    if (!used_[page]) continue;
+    const int begin = kPage * page, end = std::min(begin + kPage, grid_.particles());
     std::fill(bending_.data() + begin, bending_.data() + end, Bending{});
-    used_[block] = 0;
+    used_[page] = 0;
   }
 }
 

@@ -51,9 +51,6 @@ void InternalEnergy::endChange(const Field& x) {
 double InternalEnergy::madeByChange(const Field& x) const {
   const Field& from = change_.positions();
   double made = 0.0;
-  const auto about = [this](const Field& normals, int patch) {
-    return twist_rigidity_ > 0.0 ? normals[patch] : Vec3(Vec3::Zero());
-  };
   const auto both = [](const Energy& patch) { return patch.bend + patch.shear; };
   forNew(change_.edges(), [&](int e) { made += stored(mesh_.edges[e], edgeStep(e).play, x); });
   forGone(change_.edges(), [&](int e, const Edge& edge) {
@@ -68,10 +65,10 @@ double InternalEnergy::madeByChange(const Field& x) const {
     made -= stored(triple, play, before_.normals[triple.c], from);
   });
   forNew(change_.patches(), [&](int k) {
-    made += both(stored(mesh_.patches[k], patchStep(k).play, about(patch_normals_, k), x));
+    made += both(stored(mesh_.patches[k], patchStep(k).play, twistAxis(patch_normals_, k), x));
   });
   forGone(change_.patches(), [&](int k, const Patch& patch) {
-    made -= both(stored(patch, before_.patches.get(k).play, about(before_.patch_normals, k), from));
+    made -= both(stored(patch, before_.patches.get(k).play, twistAxis(before_.patch_normals, k), from));
   });
   return made;
 }

@@ -152,6 +152,11 @@ class InternalEnergy {
     return laws[kWarp].hasMemory() || laws[kWeft].hasMemory();
   }
 
+  /// What a patch twists about, zero where there is no such term.
+  Vec3 twistAxis(const Field& patch_normals, int patch) const {
+    return twist_rigidity_ > 0.0 ? patch_normals[patch] : Vec3(Vec3::Zero());
+  }
+
   /// Energy that one element could give back.
   double stored(const Edge& edge, double play, const Field& x) const;
   double stored(const Triple& triple, double play, const Vec3& normal, const Field& x) const;

@@ -73,8 +73,7 @@ InternalEnergy::Energy InternalEnergy::stored(const Field& x) const {
         energy.bend += stored(triple, tripleStep(t).play, normal(triple.c), x);
       },
       [&](int k) {
-        const Vec3 about = twist_rigidity_ > 0.0 ? patchNormal(k) : Vec3::Zero();
-        const Energy patch = stored(mesh_.patches[k], patchStep(k).play, about, x);
+        const Energy patch = stored(mesh_.patches[k], patchStep(k).play, twistAxis(patch_normals_, k), x);
         energy.bend += patch.bend;
         energy.shear += patch.shear;
       });

@@ -330,17 +330,6 @@ std::string writeFabric(const LinearFabric& linear) {
   return name.str();
 }
 
-std::string shippedFabric(const std::string& name) {
-  return HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/" + name + ".yaml";
-}
-
-Torture tortureSheet(const std::string& name, const std::string& fabric_file, int warp, int weft,
-                     double length, double width) {
-  Torture wanted{name, fabric_file, sheetScene(loadFabric(fabric_file), warp, weft, length, width), {}};
-  wanted.scene.air_damping = 0.5;
-  return wanted;
-}
-
 std::string saveTorture(const Torture& wanted, const std::string& directory) {
   const fs::path scene = fs::path(directory) / "scene.yaml", fabric = fs::path(directory) / "fabric.yaml";
   writeText(scene, sceneText(wanted.scene, "fabric.yaml"));
@@ -389,22 +378,6 @@ void recordMargin(const std::string& test_case, const std::string& criterion, do
 double tortureLength(const char* variable, double short_form) {
   const char* length = std::getenv(variable);
   return length == nullptr ? short_form : std::strtod(length, nullptr);
-}
-
-std::string lightFabric() {
-  LinearFabric linear;
-  linear.rigidity = 1e-5;
-  linear.compression = 0.1;
-  return writeFabric(linear);
-}
-
-ProbeOptions gripper(double length, double coupling_stiffness) {
-  ProbeOptions probe;
-  probe.radius = 0.004;
-  probe.length = length;
-  probe.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY());
-  probe.coupling_stiffness = coupling_stiffness;
-  return probe;
 }
 
 }  // namespace haptic_cloth

@@ -288,6 +288,7 @@ TEST(Scene, ImpossibleValuesAreNamed) {
         "scene: cloth.pins[1] = [5, 3]: particles[1] must be a range [first, last] with 0 <= first <= last "
         "<= 76"},
        {ok + "air_damping: -1", "scene: air_damping = -1: must be >= 0"},
+       {ok + "adapt: {start: coarse}", "scene: adapt.start = coarse: must be one of finest, coarsest"},
        {ok + "adapt: {levels: 9}", "scene: adapt.levels = 9: must be in 0 to 8"},
        {ok + "adapt: {levels: -1}", "scene: adapt.levels = -1: must be in 0 to 8"},
        {ok + "adapt: {interval: 0}", "scene: adapt.interval = 0: must be >= 1"},
