@@ -136,7 +136,7 @@ TEST_F(ListenerFaultTest, ThousandsOfServiceCalls) {
   const std::uint32_t first_tick = reaction_.last().number;
   Presses presses(*hand_, reaction_);
   int answered = 0, made = 0;
-  std::vector<double> memory;  // after each tenth of the calls [MB]
+  std::vector<double> memory;  // after each tenth of the calls that are asked for, and on to the last [MB]
   {
     Caller caller(node_);
     // A quick machine makes more of them while the hand presses twice.
@@ -156,14 +156,14 @@ TEST_F(ListenerFaultTest, ThousandsOfServiceCalls) {
   RecordProperty("ticks_given_up", diagnostics_.value("haptic thread", "ticks given up"));
   RecordProperty("memory_MB_before", std::to_string(before));
   for (std::size_t k = 0; k < memory.size(); ++k) {
-    RecordProperty("memory_MB_at_" + std::to_string(10 * (k + 1)) + "_percent", std::to_string(memory[k]));
+    RecordProperty("memory_MB_at_" + std::to_string((k + 1) * calls / 10), std::to_string(memory[k]));
   }
   EXPECT_EQ(answered, made);
   EXPECT_GE(presses.pressed(), kPresses);
   EXPECT_GE(2 * presses.felt(), presses.pressed()) << "the hand does not feel the cloth";
-  ASSERT_EQ(memory.size(), 10U);
+  ASSERT_GE(memory.size(), 10U);
   EXPECT_LT(memory.back(), before + kMemory);
-  EXPECT_LT(memory.back() - memory[4], kArena + kLeftByACall * made / 2);
+  EXPECT_LT(memory.back() - memory[memory.size() / 2 - 1], kArena + kLeftByACall * made / 2);
   EXPECT_TRUE(waitFor([&] { return openFiles(pid) <= files; })) << "connections stay open";
   EXPECT_TRUE(recovers());
 }
