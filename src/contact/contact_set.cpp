@@ -32,6 +32,7 @@ ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
   rows_.reserve(grid.particles() + 1);
   for (auto* list : {&node_area_, &still_}) list->reserve(grid.particles());
   node_gaps_.reserve(padded(grid.particles()));
+  patch_margins_.reserve(padded(grid.cells()));
   node_normals_.reserve(grid.particles());
   margins_.reserve(capacity);
   points_.reserve(capacity);
@@ -127,22 +128,16 @@ struct Window {
 
 }  // namespace
 
-/// How near a cell's surface must be to a fixed solid to count [m].
-double ContactSet::margin(const Patch& patch, const std::vector<double>& reach) const {
-  double largest = 0.0;
-  for (const int corner : patch.nodes) largest = std::max(largest, reach[corner]);
-  return law_.range() + largest;
-}
-
 void ContactSet::sampleObstacles(const ActiveMesh& mesh, const Field& nodes,
                                  const std::vector<double>& reach) {
   for (int solid = 0; solid < obstacles_; ++solid) {
     node_area_.assign(mesh.nodes(), 0.0);
-    measureNodes(solid, nodes);
+    measure(solid, law_.range(), mesh, nodes, reach);
     beginGroup(solid);
-    for (const Patch& patch : mesh.patches) {
-      const double near = margin(patch, reach);
-      if (!mayReach(patch, nodes, near)) continue;
+    for (int k = 0; k < static_cast<int>(mesh.patches.size()); ++k) {
+      const double near = patch_margins_[k];
+      if (near < 0.0) continue;
+      const Patch& patch = mesh.patches[k];
       const int parts = partsOf(patch);
       const double corner_area = 0.25 * patch.area / (parts * parts);
       for (const int corner : patch.nodes) node_area_[corner] += corner_area;
@@ -159,28 +154,17 @@ void ContactSet::sampleObstacles(const ActiveMesh& mesh, const Field& nodes,
   }
 }
 
-/// How far the nodes are from a solid.
-void ContactSet::measureNodes(int solid, const Field& nodes) {
+/// How far the nodes are from a solid, and which patches may come within `range` of it [m].
+void ContactSet::measure(int solid, double range, const ActiveMesh& mesh, const Field& nodes,
+                         const std::vector<double>& reach) {
   node_gaps_.resize(padded(nodes.size()));
   node_normals_.resize(nodes.size());
   solidDistances(solids_[solid].lanes(), nodes.size(), nodes.arrays(), node_gaps_.data(),
                  node_normals_.arrays());
-}
-
-/// False where no point of a cell is within `near` of the solid measured last [m]: solids are convex, so the
-/// distance lies above its tangent at each corner, and a cell lies between its corners.
-bool ContactSet::mayReach(const Patch& patch, const Field& nodes, double near) const {
-  const std::array<Vec3, 4> x{nodes[patch.nodes[0]], nodes[patch.nodes[1]], nodes[patch.nodes[2]],
-                              nodes[patch.nodes[3]]};
-  for (int c = 0; c < 4; ++c) {
-    const double gap = node_gaps_[patch.nodes[c]];
-    if (!(gap > near)) return true;
-    const Vec3 normal = node_normals_[patch.nodes[c]];
-    double nearer = 0.0;
-    for (const Vec3& corner : x) nearer = std::min(nearer, normal.dot(corner - x[c]));
-    if (gap + nearer > near) return false;
-  }
-  return true;
+  const int packs = static_cast<int>(mesh.patch_corners.size());
+  patch_margins_.resize(kLanes * packs);
+  patchMargins(mesh.patch_corners.data(), packs, range, nodes.arrays(), reach.data(), node_gaps_.data(),
+               node_normals_.arrays(), patch_margins_.data());
 }
 
 /// How many parts of a cell's side are to be sampled: 1 where an obstacle presses as evenly as the corners
@@ -224,10 +208,11 @@ void ContactSet::sampleProbe(const ActiveMesh& mesh, const Field& nodes, const s
   const int index = obstacles_ + touching.probe;
   const Solid& solid = solids_[index];
   const double spacing = solid.halfWidth() / kProbeSpacing;
-  measureNodes(index, nodes);
-  for (const Patch& patch : mesh.patches) {
-    const double near = margin(patch, reach) + touching.distance, from_centre = solid.extent() + near;
-    if (!mayReach(patch, nodes, near)) continue;
+  measure(index, law_.range() + touching.distance, mesh, nodes, reach);
+  for (int k = 0; k < static_cast<int>(mesh.patches.size()); ++k) {
+    const double near = patch_margins_[k], from_centre = solid.extent() + near;
+    if (near < 0.0) continue;
+    const Patch& patch = mesh.patches[k];
     const auto count = [&](double length) {
       return std::max(1, static_cast<int>(std::ceil(length / spacing)));
     };

@@ -162,8 +162,8 @@ class ContactSet {
   Vec3 sumOf(int probe, const Value& value) const;
   static Vec3 at(const SurfacePoint& point, const Field& values);
   void sampleObstacles(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach);
-  void measureNodes(int solid, const Field& nodes);
-  bool mayReach(const Patch& patch, const Field& nodes, double near) const;
+  void measure(int solid, double range, const ActiveMesh& mesh, const Field& nodes,
+               const std::vector<double>& reach);
   int partsOf(const Patch& patch) const;
   int sampleCapacity() const;
   /// How far a finest cell's chord is from an arc that turns by `turn` [rad]: its length times that over 8
@@ -172,7 +172,6 @@ class ContactSet {
   void sampleCell(const Patch& patch, int parts, const Field& nodes, double margin);
   void sampleProbe(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
                    const Reach& touching);
-  double margin(const Patch& patch, const std::vector<double>& reach) const;
   static SurfacePoint nodePoint(int node, double area);
   static SurfacePoint surfacePoint(const Patch& patch, double u, double v, double area);
   double raise(int solid, double gap) const;
@@ -204,12 +203,13 @@ class ContactSet {
   Field gradient_;  ///< of the energy by the samples' positions [N]
   Field change_;    ///< of that along a direction [N]
   std::vector<int> rows_;
-  std::vector<double> node_area_;     ///< scratch of sampleObstacles() [m²]
-  std::vector<double> node_gaps_;     ///< by measureNodes() [m]
-  Field node_normals_;                ///< the same
-  std::vector<SurfacePoint> points_;  ///< that may become samples of the group in hand
-  std::vector<double> margins_;       ///< how near these must be [m]
-  Field places_;                      ///< where they are [m]
+  std::vector<double> node_area_;      ///< scratch of sampleObstacles() [m²]
+  std::vector<double> node_gaps_;      ///< by measure() [m]
+  Field node_normals_;                 ///< the same
+  std::vector<double> patch_margins_;  ///< the same [m]
+  std::vector<SurfacePoint> points_;   ///< that may become samples of the group in hand
+  std::vector<double> margins_;        ///< how near these must be [m]
+  Field places_;                       ///< where they are [m]
   /// Of these to the solid at the end of the step and at its start.
   std::array<std::vector<double>, 2> sample_gaps_;
   std::array<Field, 2> sample_normals_;

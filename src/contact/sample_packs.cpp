@@ -92,6 +92,32 @@ HAPTIC_CLOTH_CLONES void solidDistances(const SolidLanes& solid, int count, cons
   }
 }
 
+/// Solids are convex, so the distance lies above its tangent at each corner, and a patch lies between its
+/// corners.
+HAPTIC_CLOTH_CLONES void patchMargins(const PatchCorners* packs, int count, double range,
+                                      const ConstArrays& x, const double* reach, const double* gaps,
+                                      const ConstArrays& normals, double* margins) {
+  for (int p = 0; p < count; ++p) {
+    const PatchCorners& nodes = packs[p];
+    Lanes3 corners[4];
+    Lanes widest = gather(reach, nodes[0]), nearest = gather(gaps, nodes[0]), farthest = all(-1e300);
+    for (int c = 0; c < 4; ++c) {
+      corners[c] = gather(x, nodes[c]);
+      widest = larger(widest, gather(reach, nodes[c]));
+    }
+    for (int c = 0; c < 4; ++c) {
+      const Lanes gap = gather(gaps, nodes[c]);
+      const Lanes3 normal = gather(normals, nodes[c]);
+      Lanes nearer{};
+      for (const Lanes3& corner : corners) nearer = smaller(nearer, dot(normal, corner - corners[c]));
+      nearest = smaller(nearest, gap);
+      farthest = larger(farthest, gap + nearer);
+    }
+    const Lanes margin = range + widest, none = all(-1.0);
+    store(margins + kLanes * p, ifLess(margin, nearest, ifLess(margin, farthest, none, margin), margin));
+  }
+}
+
 HAPTIC_CLOTH_CLONES double sampleCurvature(const SamplePack* packs, int begin, int end, const ConstArrays& d,
                                            const double* d_origin, bool whole_way) {
   Lanes sum{};

@@ -3,7 +3,7 @@
 
 #include "contact/contact_law.h"
 #include "contact/solid_lanes.h"
-#include "mesh/field.h"
+#include "mesh/active_mesh.h"
 
 namespace haptic_cloth {
 
@@ -55,5 +55,10 @@ double largestStep(const SamplePack* packs, int begin, int end, double share, co
 /// Signed distances [m] and normals of points 0 .. count - 1. @pre all arrays are padded to whole lanes
 void solidDistances(const SolidLanes& solid, int count, const ConstArrays& x, double* distances,
                     const MutableArrays& normals);
+
+/// How near each of eight patches' surface must be to a solid to count: the largest reach of its corners and
+/// `range`; -1 where no point of it is so near [m]. @param gaps, normals of the nodes, by solidDistances()
+void patchMargins(const PatchCorners* packs, int count, double range, const ConstArrays& x,
+                  const double* reach, const double* gaps, const ConstArrays& normals, double* margins);
 
 }  // namespace haptic_cloth

@@ -103,14 +103,9 @@ void InternalEnergy::packTriples() {
 
 void InternalEnergy::packPatches() {
   patch_packs_.assign(gather_.patches().size() / kLanes, PatchPack{});
-  for (int k = 0; k < patch_count_; ++k) {
-    PatchPack& pack = patch_packs_[k / kLanes];
-    for (int c = 0; c < 4; ++c) pack.corners[c].index[k % kLanes] = mesh_.patches[k].nodes[c];
-    pack.area[k % kLanes] = mesh_.patches[k].area;
-  }
-  for (PatchPack& pack : patch_packs_) {
-    for (NodeLanes& nodes : pack.corners) nodes.finish();
-  }
+  for (int p = 0; p < static_cast<int>(patch_packs_.size()); ++p)
+    patch_packs_[p].corners = mesh_.patch_corners[p];
+  for (int k = 0; k < patch_count_; ++k) patch_packs_[k / kLanes].area[k % kLanes] = mesh_.patches[k].area;
 }
 
 void InternalEnergy::setNormals(const Field& positions) {
@@ -142,7 +137,7 @@ void InternalEnergy::appendAwake(const std::vector<char>& awake, Runs& runs) con
   for (const EdgePack& pack : edge_packs_) append(touches(pack.a) || touches(pack.b));
   for (const TriplePack& pack : triple_packs_) append(touches(pack.l) || touches(pack.c) || touches(pack.r));
   for (const PatchPack& pack : patch_packs_) {
-    append(std::any_of(pack.corners, pack.corners + 4, touches));
+    append(std::any_of(pack.corners.begin(), pack.corners.end(), touches));
   }
 }
 

@@ -26,7 +26,7 @@ struct TriplePack {
 };
 
 struct PatchPack {
-  NodeLanes corners[4];
+  PatchCorners corners;
   double area[kLanes];  ///< [m²]
   // left by the last evaluation:
   double rising_x[kLanes], rising_y[kLanes], rising_z[kLanes];

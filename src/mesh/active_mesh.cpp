@@ -27,6 +27,7 @@ ActiveMesh::ActiveMesh(const LeafMesh& leaves, double areal_density)
   edges.reserve(2 * n + n / 2);
   triples.reserve(2 * n);
   patches.reserve(grid.cells());
+  patch_corners.reserve(padded(grid.cells()) / kLanes);
   cells_.reserve(grid.cells());
   rebuild(leaves);
 }
@@ -35,16 +36,28 @@ void ActiveMesh::rebuild(const LeafMesh& leaves) {
   leaves.leaves(cells_);
   numberNodes(leaves);
   findGhosts();
-  patches.clear();
-  for (const Cell& cell : cells_) {
-    const double s = cell.span();
-    Patch patch{cell.corners(grid), cell, s * grid.dx * (s * grid.dy), {}};
-    for (int& corner : patch.nodes) corner = node[corner];
-    patches.push_back(patch);
-  }
+  listPatches();
   lumpMass();
   buildEdges();
   buildTriples(leaves);
+}
+
+void ActiveMesh::listPatches() {
+  patches.clear();
+  patch_corners.assign(padded(static_cast<int>(cells_.size())) / kLanes, PatchCorners{});
+  for (const Cell& cell : cells_) {
+    const double s = cell.span();
+    Patch patch{cell.corners(grid), cell, s * grid.dx * (s * grid.dy), {}};
+    const int k = static_cast<int>(patches.size());
+    for (int c = 0; c < 4; ++c) {
+      patch.nodes[c] = node[patch.nodes[c]];
+      patch_corners[k / kLanes][c].index[k % kLanes] = patch.nodes[c];
+    }
+    patches.push_back(patch);
+  }
+  for (PatchCorners& pack : patch_corners) {
+    for (NodeLanes& nodes : pack) nodes.finish();
+  }
 }
 
 void ActiveMesh::numberNodes(const LeafMesh& leaves) {

@@ -36,6 +36,9 @@ struct Patch {
   std::array<int, 4> sides;  ///< edges below and above (warp), left and right (weft)
 };
 
+/// As loops over lanes take them.
+using PatchCorners = std::array<NodeLanes, 4>;
+
 /// Values at a leaf's corners.
 inline std::array<Vec3, 4> corners(const Patch& patch, const Field& x) {
   const auto& n = patch.nodes;
@@ -69,6 +72,7 @@ class ActiveMesh {
   std::vector<Edge> edges;      ///< warp first, each direction in the order of its nodes a
   std::vector<Triple> triples;  ///< warp first, each direction in the order of its centres
   std::vector<Patch> patches;
+  std::vector<PatchCorners> patch_corners;  ///< of eight patches each; past the last, node 0
 
   /// Replaces each ghost's entry by the mean of its masters'.
   void interpolateGhosts(Field& values) const {
@@ -93,6 +97,7 @@ class ActiveMesh {
  private:
   void numberNodes(const LeafMesh& leaves);
   void findGhosts();
+  void listPatches();
   void lumpMass();
   void buildEdges();
   void numberEdges(int direction);
