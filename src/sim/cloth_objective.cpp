@@ -316,7 +316,17 @@ void ClothObjective::precondition(const Vector& gradient, Vector& z) {
 }
 
 double ClothObjective::residual(const Vector& gradient) const {
-  return std::sqrt(gradient.head(size()).cwiseAbs2().dot(residual_weight_.head(size())));
+  const Sums square = team_.sum(
+      size(),
+      [&](int begin, int end) {
+        Sums sums = Sums::Zero();
+        sums[0] = gradient.segment(begin, end - begin)
+                      .cwiseAbs2()
+                      .dot(residual_weight_.segment(begin, end - begin));
+        return sums;
+      },
+      Team::kEntry);
+  return std::sqrt(square[0]);
 }
 
 double ClothObjective::internalEnergy(Sums& parts) const {

@@ -9,8 +9,8 @@ namespace {
 // blocks needs the fewest iterations (docs/design.md).
 constexpr double kOverlap = 2.0;
 
-// About what a hat or a child takes one core, and a node's own block [s].
-constexpr double kHat = 4e-9, kOwn = 2e-9;
+// About what a hat or a child takes one core, a node's own block, and the inverse of either [s].
+constexpr double kHat = 4e-9, kOwn = 2e-9, kInverse = 2e-8;
 
 /// Adds half of each ghost's block to its masters', which leaves none to the ghosts.
 void handOver(const ActiveMesh& mesh, Blocks& blocks) {
@@ -105,9 +105,12 @@ void MultilevelPreconditioner::addContacts(const ContactSet& contacts,
 void MultilevelPreconditioner::invertNodes(const std::vector<char>& awake,
                                            const std::vector<HeldNode>& held) {
   node_inverse_.resize(mesh_.free);
-  for (int n = 0; n < mesh_.free; ++n) {
-    node_inverse_.set(n, awake[n] ? inverse(between_[n] + points_[n]) : Block(Block::Zero()));
-  }
+  const auto invert = [&](int begin, int end) {
+    for (int n = begin; n < end; ++n) {
+      node_inverse_.set(n, awake[n] ? inverse(between_[n] + points_[n]) : Block(Block::Zero()));
+    }
+  };
+  team_.forRange(mesh_.free, invert, kInverse);
   for (const HeldNode& node : held) {
     node_inverse_.set(node.node, Block::Zero());
     for (Proxy& proxy : proxies_) {
@@ -130,17 +133,22 @@ void MultilevelPreconditioner::bind(Proxy& proxy) const {
 void MultilevelPreconditioner::invertHats() {
   hat_inverse_.resize(hats_.hats().size());
   for (const HatLevels::Level& level : hats_.levels()) {
-    for (int k = level.hats; k < level.hats_end; ++k) {
-      const HatLevels::Hat& hat = hats_.hats()[k];
-      const int point = hat.point;
-      hats_.gatherChildren(hat, between_.data());
-      hats_.gatherChildren(hat, points_.data());
-      between_[point] /= 1.0 + hat.shares;
-      const bool held = point >= mesh_.free && point < mesh_.active();
-      const Block own = held ? Block(Block::Zero()) : inverse(kOverlap * (between_[point] + points_[point]));
-      hat_inverse_[k] << matrix(own).cast<float>(), Eigen::RowVector3f::Zero();
-    }
+    const auto invert = [&](int begin, int end) {
+      for (int k = level.hats + begin; k < level.hats + end; ++k) invertHat(k);
+    };
+    team_.forRange(level.hats_end - level.hats, invert, kInverse);
   }
+}
+
+void MultilevelPreconditioner::invertHat(int k) {
+  const HatLevels::Hat& hat = hats_.hats()[k];
+  const int point = hat.point;
+  hats_.gatherChildren(hat, between_.data());
+  hats_.gatherChildren(hat, points_.data());
+  between_[point] /= 1.0 + hat.shares;
+  const bool held = point >= mesh_.free && point < mesh_.active();
+  const Block own = held ? Block(Block::Zero()) : inverse(kOverlap * (between_[point] + points_[point]));
+  hat_inverse_[k] << matrix(own).cast<float>(), Eigen::RowVector3f::Zero();
 }
 
 void MultilevelPreconditioner::apply(const Vector& gradient, Vector& z) {

@@ -66,6 +66,7 @@ class MultilevelPreconditioner {
   void bind(Proxy& proxy) const;
   void invertNodes(const std::vector<char>& awake, const std::vector<HeldNode>& held);
   void invertHats();
+  void invertHat(int k);
   void applyHats();
   Vec3 entry(const Vector& gradient, int node) const {
     return {gradient[node], gradient[mesh_.free + node], gradient[2 * mesh_.free + node]};

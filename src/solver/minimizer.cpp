@@ -78,7 +78,7 @@ MinimizerReport Minimizer::minimize(Objective& objective, Vector& x, double valu
     }
     direction(objective, team, restart, report);
     const bool steepest = restart;
-    restart = !lineSearch(objective, x, value, report);
+    restart = !lineSearch(objective, team, x, value, report);
     if (restart && steepest) {
       report.why = Termination::LineSearchFailed;
       break;
@@ -132,13 +132,18 @@ void Minimizer::direction(Objective& objective, Team& team, bool restart, Minimi
 /// [Hager & Zhang 2005, approximate Wolfe]. Curvatures are second differences of positions, rounded by ε
 /// x/l²: so far more of Φ's digits are noise than its sum's rounding would say. On success the iterate, its
 /// value and gradient are the new ones.
-bool Minimizer::lineSearch(Objective& objective, Vector& x, double& value, MinimizerReport& report) {
+bool Minimizer::lineSearch(Objective& objective, Team& team, Vector& x, double& value,
+                           MinimizerReport& report) {
   constexpr double kSufficient = 1e-4, kRounding = 1e-10;
   constexpr int kTrials = 20;
   const Objective::Along along = objective.along(direction_);
   double step = std::min(along.curvature > 0.0 ? -slope_ / along.curvature : 1.0, along.max_step);
   for (int trial = 0; trial < kTrials; ++trial) {
-    trial_.head(size_) = x.head(size_) + step * direction_.head(size_);
+    const auto go = [&](int begin, int end) {
+      trial_.segment(begin, end - begin) =
+          x.segment(begin, end - begin) + step * direction_.segment(begin, end - begin);
+    };
+    team.forRange(size_, go, Team::kEntry);
     const double trial_value = objective.evaluate(trial_, trial_gradient_);
     ++report.evaluations;
     const double change = trial_value - value;

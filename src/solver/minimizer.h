@@ -34,7 +34,7 @@ class Minimizer {
   using Clock = std::chrono::steady_clock;
 
   void direction(Objective& objective, Team& team, bool restart, MinimizerReport& report);
-  bool lineSearch(Objective& objective, Vector& x, double& value, MinimizerReport& report);
+  bool lineSearch(Objective& objective, Team& team, Vector& x, double& value, MinimizerReport& report);
 
   MinimizerOptions options_;
   Vector gradient_, previous_, preconditioned_, direction_, trial_, trial_gradient_;
