@@ -6,8 +6,9 @@
 
 namespace haptic_cloth {
 
-/// What the hand wants and how firmly it wants it. Defaults fit config/scenes/box_drape.yaml: the draped top
-/// lies at about z = 0.055 m, so that the probe's centre first touches at about 0.063 m.
+/// What the hand wants and how firmly it wants it. Defaults fit haptic_1khz.yaml and box_drape.yaml of
+/// config/scenes: the draped top lies at about z = 0.055 m, so that the probe's centre first touches at about
+/// 0.063 m.
 struct HandOptions {
   Vec3 start{-0.03, 0.0, 0.14};    ///< where it waits above the cloth [m]
   Vec3 press{-0.03, 0.0, 0.050};   ///< where it aims when it presses [m]
