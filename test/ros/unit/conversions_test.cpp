@@ -134,6 +134,7 @@ TEST(NodeOptions, TheShippedSettingsAreTheDefaults) {
   const NodeOptions loaded = parseNodeOptions(parameters, "test");
   EXPECT_EQ(loaded.frame_id, plain.frame_id);
   EXPECT_EQ(loaded.scene_file, plain.scene_file);
+  EXPECT_EQ(loaded.scene_directory, plain.scene_directory);
   EXPECT_EQ(loaded.max_pose_age, plain.max_pose_age);
   EXPECT_EQ(loaded.probe_timeout, plain.probe_timeout);
   EXPECT_EQ(loaded.velocity_time_constant, plain.velocity_time_constant);
@@ -167,9 +168,9 @@ TEST(NodeOptions, TheShippedSettingsAreTheDefaults) {
   EXPECT_EQ(loaded.haptics.passivity.store, plain.haptics.passivity.store);
   EXPECT_EQ(loaded.haptics.passivity.device_damping, plain.haptics.passivity.device_damping);
   EXPECT_EQ(loaded.haptics.passivity.loop_delay, plain.haptics.passivity.loop_delay);
-  // Every key of the code stands in the file: 7 beside the groups, of which device has 11, devices 0, haptics
+  // Every key of the code stands in the file: 8 beside the groups, of which device has 11, devices 0, haptics
   // 9, among them passivity with 5 and admittance (admittance_options_test.cpp), markers 5, state 1.
-  EXPECT_EQ(shipped.size(), 12u);
+  EXPECT_EQ(shipped.size(), 13u);
   EXPECT_EQ(shipped["devices"].size(), 0u);
   EXPECT_EQ(shipped["device"].size(), 11u);
   EXPECT_EQ(shipped["haptics"].size(), 9u);
@@ -193,6 +194,15 @@ TEST(NodeOptions, SceneByParametersOrByFile) {
   EXPECT_EQ(loaded.scene.cloth.particles[0], 17);
   EXPECT_EQ(loaded.scene.probes[0].coupling_stiffness, 250.0);
   EXPECT_EQ(loaded.probes[0].haptics.coupling_stiffness, 250.0);
+}
+
+TEST(NodeOptions, AFabricBesideTheSceneIsFound) {
+  // The launch files load a scene as parameters, which do not say where it lay: scene_directory does.
+  XmlRpcValue parameters = sceneParameters();
+  parameters["cloth"]["fabric"] = "denim_a.yaml";
+  EXPECT_NE(messageOf(parameters).find("no such file: denim_a.yaml"), std::string::npos);
+  parameters["scene_directory"] = std::string(HAPTIC_CLOTH_SOURCE_DIR) + "/config/fabrics";
+  EXPECT_EQ(messageOf(parameters), "");
 }
 
 TEST(NodeOptions, EveryProbeHasItsOwnDeviceAndCoupling) {
@@ -244,10 +254,16 @@ TEST(NodeOptions, BadOnesAreNamed) {
   EXPECT_NE(with("max_pose_age", -1.0).find("max_pose_age = -1: must be finite and >= 0"), std::string::npos);
   EXPECT_NE(with("max_pose_age", kNaN).find("max_pose_age"), std::string::npos);
   EXPECT_NE(with("haptics", 3).find("must be a map"), std::string::npos);
-  EXPECT_NE(with("tpyo", 3).find("tpyo"), std::string::npos);
+  // What is known are the node's own parameters and the keys of a scene.
+  const std::string unknown = with("tpyo", 3);
+  EXPECT_NE(unknown.find("tpyo: unknown parameter; known here: "), std::string::npos) << unknown;
+  for (const char* known : {"max_pose_age", "haptics", "cloth", "probes"})
+    EXPECT_NE(unknown.find(known), std::string::npos) << unknown;
   XmlRpcValue group;
   group["max_farce"] = 3;
-  EXPECT_NE(with("haptics", group).find("haptics/max_farce: unknown parameter"), std::string::npos);
+  EXPECT_NE(with("haptics", group)
+                .find("haptics/max_farce: unknown parameter; known here: admittance, max_force, "),
+            std::string::npos);
   EXPECT_NE(messageOf(XmlRpcValue()).find("/cloth (parameters)"), std::string::npos);
 }
 
@@ -377,8 +393,16 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
   counters.received = 5;
   EXPECT_EQ(probe().level, DiagnosticStatus::OK);
   counters.late = 2;
-  counters.last_dropped = 9.0;
+  counters.last_dropped = 9.9;
   EXPECT_EQ(probe().level, DiagnosticStatus::WARN);
+  EXPECT_EQ(probe().message, "2 poses dropped, most late");
+  felt.status = HapticStatus::PoseStale;
+  counters.unknown_frame = 3;
+  EXPECT_EQ(probe().message, "5 poses dropped, most unknown frame; no force") << "they have not stopped";
+  counters.last_dropped = 9.0;
+  EXPECT_EQ(probe().message, "the poses stopped; no force");
+  felt.status = HapticStatus::Free;
+  EXPECT_EQ(probe().level, DiagnosticStatus::WARN) << "what was dropped lately must be seen";
   counters.last_dropped = 1.0;
   EXPECT_EQ(probe().level, DiagnosticStatus::OK) << "long ago";
   for (const HapticStatus stopped : {HapticStatus::PoseStale, HapticStatus::SnapshotStale}) {
