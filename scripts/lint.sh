@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Layout and package checks. Usage: scripts/lint.sh [--fix]     (structure rules are a unit test)
 set -euo pipefail
+case "${1:-}" in -h | --help) sed -n 2,2p "$0"; exit 0 ;; esac
 cd "$(dirname "$0")/.."
 mapfile -t files < <(git ls-files --cached --others --exclude-standard '*.h' '*.cpp')
 if [ "${1:-}" = --fix ]; then
