@@ -50,8 +50,9 @@ if(HAPTIC_CLOTH_SANITIZE STREQUAL "thread")  # of the unit tests those with thre
   haptic_cloth_test(exchange_tests test/unit/exchange_test.cpp test/unit/haptics_test.cpp test/support/scenes.cpp)
 endif()
 if(TARGET simulate)
-  target_compile_definitions(unit_tests PRIVATE HAPTIC_CLOTH_SIMULATE="$<TARGET_FILE:simulate>")
-  add_dependencies(unit_tests simulate)
+  target_compile_definitions(unit_tests PRIVATE HAPTIC_CLOTH_SIMULATE="$<TARGET_FILE:simulate>"
+    HAPTIC_CLOTH_KES_TEST="$<TARGET_FILE:kes_test>")
+  add_dependencies(unit_tests simulate kes_test)
 endif()
 
 add_test(NAME bench_z_width_smoke COMMAND "${PROJECT_SOURCE_DIR}/bench/z_width"

@@ -4,6 +4,7 @@
 #   --seconds N  ends after N seconds with a verdict; exit code 0 only if force, markers and state flowed at their
 #                rates and were finite
 set -euo pipefail
+case "${1:-}" in -h | --help) sed -n 2,5p "$0"; exit 0 ;; esac
 here="$(cd "$(dirname "$0")" && pwd)"
 
 seconds=0

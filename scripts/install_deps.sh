@@ -2,6 +2,7 @@
 # Installs what building, testing and showing need; this is the only list. Does nothing where all is there.
 # Usage: scripts/install_deps.sh [--lint]     --lint: also what scripts/lint.sh needs
 set -euo pipefail
+case "${1:-}" in -h | --help) sed -n 2,3p "$0"; exit 0 ;; esac
 
 common=(build-essential cmake libeigen3-dev libgtest-dev libyaml-cpp-dev libcli11-dev nlohmann-json3-dev libbenchmark-dev valgrind)
 # Debian 12 ships ROS 1 itself.

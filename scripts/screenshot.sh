@@ -3,6 +3,7 @@
 # Needs a build (scripts/build.sh). Waits for SIMULATED seconds and a force of FORCE newton on any of the scene's probes:
 # FORCE=0.2 scripts/screenshot.sh fingers.png scene:=config/scenes/two_fingers.yaml path:=true
 set -euo pipefail
+case "${1:-}" in -h | --help) sed -n 2,4p "$0"; exit 0 ;; esac
 root="$(cd "$(dirname "$0")/.." && pwd)"
 out="$root/docs/images/demo.png"
 if [ $# -gt 0 ] && [[ "$1" == *.png ]]; then

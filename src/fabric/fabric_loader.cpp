@@ -33,6 +33,18 @@ double positive(const YamlValue& value) {
   return number;
 }
 
+// What no fabric has, but its number in a neighbouring unit does.
+constexpr double kHeaviest = 10.0;      ///< [kg/m²]; fabrics have 0.01 to 5, in g/m² 10 and more
+constexpr double kThickest = 0.05;      ///< [m]; fabrics have 1e-4 to 1e-2, in mm 0.1 and more
+constexpr double kLeastStretch = 0.1;   ///< of EMT [%]; fabrics have 0.5 to 50, as a fraction 0.005 to 0.5
+constexpr double kLeastResilience = 1;  ///< of RT [%]; fabrics have 30 to 95, as a fraction up to 1
+
+double positiveUpTo(const YamlValue& value, double most, const char* rule) {
+  const double number = positive(value);
+  if (number > most) value.fail(rule);
+  return number;
+}
+
 double notNegative(const YamlValue& value) {
   const double number = bounded(value);
   if (!(number >= 0.0)) value.fail("must be >= 0");
@@ -144,12 +156,14 @@ HalfLoop readTensileLaw(const YamlMap& map) {
   switch (lawKind(map, kTensileKeys)) {
     case LawKind::Kes: {
       const double emt = positive(map.require("EMT"));
+      if (emt < kLeastStretch) map.require("EMT").fail("must be at least 0.1: it is in %");
       const double linearity = positive(map.require("LT"));
       if (linearity > 1.0) map.require("LT").fail("must be > 0 and <= 1");
       double resilience = 100.0;
       if (const auto value = map.find("RT")) {
         resilience = value->number();
-        if (!(resilience > 0.0 && resilience <= 100.0)) value->fail("must be > 0 and <= 100");
+        if (!(resilience > kLeastResilience && resilience <= 100.0))
+          value->fail("must be > 1 and <= 100: it is in %");
       }
       return kesTensile(emt / 100.0, linearity, resilience / 100.0);
     }
@@ -262,8 +276,10 @@ Fabric readFabric(const YamlMap& map, const std::string& default_name) {
   if (const auto name = map.find("name")) fabric.name = name->text();
   fabric.source = map.require("source", "is required: where the numbers come from").text();
   readAssumed(map, fabric.assumed);
-  fabric.areal_density = positive(map.require("areal_density"));
-  fabric.thickness = positive(map.require("thickness"));
+  fabric.areal_density =
+      positiveUpTo(map.require("areal_density"), kHeaviest, "must be at most 10: it is in kg/m^2, not g/m^2");
+  fabric.thickness =
+      positiveUpTo(map.require("thickness"), kThickest, "must be at most 0.05: it is in m, not mm");
   if (const auto ratio = map.find("compression_ratio")) fabric.compression_ratio = notNegative(*ratio);
 
   const Group tensile = readGroup(map.require("tensile"), kTensileKeys, false, readTensileLaw);

@@ -38,7 +38,8 @@ DeviceInput::DeviceInput(const NodeOptions& options, std::size_t number, const t
       live_(shared.live_for_poses),
       gate_(options.max_pose_age, options.probes[number].haptics.pose_timeout),
       filter_(options.velocity_time_constant, options.probes[number].haptics.pose_timeout),
-      units_(device_.workspace_radius) {}
+      units_(device_.workspace_radius),
+      notice_("poses of " + options.scene.probes[number].name, frames_.clothFrame()) {}
 
 void DeviceInput::accept(const geometry_msgs::PoseStamped& pose, const std::string& sender) {
   StampedSample sample;
@@ -56,6 +57,7 @@ void DeviceInput::accept(const geometry_msgs::PoseStamped& pose, const std::stri
   const std::optional<Pose> frame = device_.use_tf ? frames_.find(sample.frame_id) : Pose();
   if (!frame) {
     counters_.drop(counters_.unknown_frame, received);
+    warn(notice_.unknownFrame(sample.frame_id, received));
     return;
   }
   const Pose there = composed(*frame, {placed(device_, position), placed(device_, orientation_)});
@@ -64,6 +66,7 @@ void DeviceInput::accept(const geometry_msgs::PoseStamped& pose, const std::stri
     return;
   }
   gate_.take(pose.header, sender, received);
+  notice_.taken();
   sample.frame_position = frame->position;
   sample.frame_rotation = frame->orientation;
   sample.orientation = there.orientation.normalized();
@@ -85,8 +88,11 @@ void DeviceInput::takeOptions() {
 
 std::atomic<std::uint64_t>* DeviceInput::refused(const geometry_msgs::PoseStamped& pose,
                                                  const std::string& sender, double received) {
-  const PoseVerdict verdict = gate_.judge(pose, sender, ros::Time::now(), received);
+  const ros::Time now = ros::Time::now();
+  const PoseVerdict verdict = gate_.judge(pose, sender, now, received);
   if (verdict == PoseVerdict::OtherSender) warnOf(sender);
+  if (verdict == PoseVerdict::Late)
+    warn(notice_.late((now - pose.header.stamp).toSec(), gate_.maxAge(), received));
   return counters_.of(verdict);
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "haptics/velocity_filter.h"
+#include "ros/drop_notice.h"
 #include "ros/frame_lookup.h"
 #include "ros/node_options.h"
 #include "ros/pose_gate.h"
@@ -70,6 +71,7 @@ class DeviceInput {
   UnitCheck units_;
   Quat orientation_ = Quat::Identity();  ///< last good one, by the driver
   InputCounters counters_;
+  DropNotice notice_;
 };
 
 }  // namespace haptic_cloth

@@ -1,6 +1,9 @@
 #include "ros/diagnostics.h"
 
+#include <algorithm>
 #include <cstdio>
+#include <iterator>
+#include <utility>
 
 namespace haptic_cloth {
 namespace {
@@ -10,6 +13,7 @@ using diagnostic_msgs::DiagnosticStatus;
 constexpr double kHanging = 2.0;        ///< without news [s]
 constexpr double kRateShare = 0.9;      ///< of the wanted rate that is good enough [-]
 constexpr double kLatenessGood = 1e-3;  ///< 99 % of ticks are less late [s]
+constexpr double kNow = 0.5;            ///< messages of a device come closer together [s]
 constexpr double kLately = 5.0;         ///< a fault that is over is a warning no longer than this [s]
 
 void add(DiagnosticStatus& status, const std::string& key, const std::string& value) {
@@ -32,6 +36,15 @@ void add(DiagnosticStatus& status, const std::string& key, std::uint64_t value) 
 void judge(DiagnosticStatus& status, int level, const std::string& message) {
   status.level = static_cast<DiagnosticStatus::_level_type>(level);
   status.message = message;
+}
+
+/// Why most messages were dropped.
+std::string mostDropped(const InputCounters& counters) {
+  const std::pair<std::uint64_t, const char*> reasons[] = {
+      {counters.not_finite, "not finite"},     {counters.unknown_frame, "unknown frame"},
+      {counters.out_of_order, "out of order"}, {counters.late, "late"},
+      {counters.other_sender, "other sender"}, {counters.too_far, "too far"}};
+  return std::max_element(std::begin(reasons), std::end(reasons))->second;
 }
 
 const char* graspText(GraspState grasp) {
@@ -113,16 +126,19 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
   status.name = "haptic_cloth: " + name;
   const std::uint64_t dropped = counters.dropped();
   const UnitDoubt doubt = counters.doubt;
+  const bool stale = felt.status == HapticStatus::PoseStale || felt.status == HapticStatus::ForceStale;
   if (counters.received == 0) {
     judge(status, DiagnosticStatus::OK, "no " + message + " yet");
   } else if (doubt != UnitDoubt::None) {
     judge(status, DiagnosticStatus::WARN, toText(doubt));
-  } else if (felt.status == HapticStatus::PoseStale || felt.status == HapticStatus::ForceStale) {
-    judge(status, DiagnosticStatus::WARN, "the " + message + "s stopped; no force");
   } else if (felt.status == HapticStatus::SnapshotStale) {
     judge(status, DiagnosticStatus::WARN, "the solver stalls; no force");
-  } else if (dropped > 0 && now - counters.last_dropped < kLately) {
-    judge(status, DiagnosticStatus::WARN, std::to_string(dropped) + " " + message + "s dropped");
+  } else if (dropped > 0 && now - counters.last_dropped < (stale ? kNow : kLately)) {
+    const std::string and_so = stale ? "; no force" : "";
+    judge(status, DiagnosticStatus::WARN,
+          std::to_string(dropped) + " " + message + "s dropped, most " + mostDropped(counters) + and_so);
+  } else if (stale) {
+    judge(status, DiagnosticStatus::WARN, "the " + message + "s stopped; no force");
   } else {
     judge(status, DiagnosticStatus::OK, "receiving");
   }

@@ -30,6 +30,7 @@ class ForceInput {
   double silence_;  ///< see PoseGate [s]
   PoseGate gate_;
   InputCounters counters_;
+  DropNotice notice_;
 };
 
 }  // namespace haptic_cloth

@@ -7,6 +7,7 @@
 #include "haptic_cloth/error.h"
 #include "ros/conversions.h"
 #include "ros/parameter_group.h"
+#include "sim/scene_names.h"
 
 namespace haptic_cloth {
 namespace {
@@ -79,6 +80,7 @@ NodeOptions parseNodeOptions(const XmlRpcValue& parameters, const std::string& o
   ParameterGroup root(parameters, origin, "");
   root.read("frame_id", options.frame_id);
   root.read("scene_file", options.scene_file);
+  root.read("scene_directory", options.scene_directory);
   root.read("max_pose_age", options.max_pose_age, true);
   root.read("probe_timeout", options.probe_timeout, false);
   root.read("velocity_time_constant", options.velocity_time_constant, false);
@@ -93,9 +95,11 @@ NodeOptions parseNodeOptions(const XmlRpcValue& parameters, const std::string& o
   state.rejectRest();
   if (options.frame_id.empty()) throw InputError(origin, "frame_id", "''", "must not be empty");
 
+  root.rejectRestBut(sceneKeys());
   const XmlRpcValue scene = root.rest();
-  options.scene = options.scene_file.empty() ? parseScene(toYaml(scene, origin, ""), origin, ".")
-                                             : loadScene(options.scene_file, toOverrides(scene, origin));
+  options.scene = options.scene_file.empty()
+                      ? parseScene(toYaml(scene, origin, ""), origin, options.scene_directory)
+                      : loadScene(options.scene_file, toOverrides(scene, origin));
   options.time_budget = options.scene.solver.minimizer.time_budget;
   readDevices(devices, options);
   settle(options);

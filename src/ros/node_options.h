@@ -38,6 +38,7 @@ struct MarkerOptions {
 struct NodeOptions {
   std::string frame_id = "world";         ///< the cloth's frame, and that of all output
   std::string scene_file;                 ///< read first; scene parameters then override single values
+  std::string scene_directory;            ///< without scene_file: where paths of fabrics start
   double max_pose_age = 0.2;              ///< a pose with an older stamp is dropped [s]; 0: never
   double probe_timeout = 1.0;             ///< without poses this long the probe leaves the scene [s]
   double velocity_time_constant = 0.005;  ///< low pass of the device's velocity [s]

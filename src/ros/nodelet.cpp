@@ -14,7 +14,12 @@ namespace haptic_cloth {
 class HapticClothNodelet : public nodelet::Nodelet {
  private:
   void onInit() override {
-    server_ = std::make_unique<HapticClothServer>(getNodeHandle(), getPrivateNodeHandle());
+    try {
+      server_ = std::make_unique<HapticClothServer>(getNodeHandle(), getPrivateNodeHandle());
+    } catch (const std::exception& error) {
+      NODELET_FATAL_STREAM(error.what());  // the manager only says that it failed
+      throw;
+    }
     timer_ = getNodeHandle().createWallTimer(ros::WallDuration(0.1),
                                              [this](const ros::WallTimerEvent&) { check(); });
   }

@@ -108,9 +108,17 @@ XmlRpcValue ParameterGroup::rest() const {
   return rest;
 }
 
-void ParameterGroup::rejectRest() const {
-  const XmlRpcValue unknown = rest();
-  if (unknown.size() > 0) throw InputError(origin_, path_ + unknown.begin()->first, "", "unknown parameter");
+void ParameterGroup::rejectRest() const { rejectRestBut({}); }
+
+void ParameterGroup::rejectRestBut(const std::vector<std::string>& others) const {
+  std::set<std::string> known = known_;
+  known.insert(others.begin(), others.end());
+  for (const auto& member : rest()) {
+    if (known.count(member.first) > 0) continue;
+    std::string names;
+    for (const std::string& name : known) names += (names.empty() ? "" : ", ") + name;
+    throw InputError(origin_, path_ + member.first, "", "unknown parameter; known here: " + names);
+  }
 }
 
 void ParameterGroup::fail(const std::string& key, const std::string& rule) const {

@@ -39,6 +39,10 @@ class ParameterGroup {
   /// @throws InputError if there are such members
   void rejectRest() const;
 
+  /// @param others members that somebody else will ask for
+  /// @throws InputError if there are more
+  void rejectRestBut(const std::vector<std::string>& others) const;
+
  private:
   bool has(const std::string& key) const;
   /// `count` finite numbers of a list.

@@ -36,6 +36,8 @@ class PoseGate {
   /// A pose that was good in every other respect, too, is what the next ones are compared with.
   void take(const std_msgs::Header& header, const std::string& sender, double received);
 
+  double maxAge() const { return max_age_; }
+
   /// Whose poses are taken; empty before the first.
   const std::string& sender() const { return sender_; }
 

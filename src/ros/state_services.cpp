@@ -2,6 +2,7 @@
 
 #include <ros/console.h>
 
+#include <filesystem>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -32,7 +33,7 @@ bool answer(Response& response, const Work& work) {
 
 std::string at(const std::string& what, const std::string& file, double time) {
   std::ostringstream text;
-  text << what << ' ' << file << ", " << time << " s since reset";
+  text << what << ' ' << std::filesystem::absolute(file).string() << ", " << time << " s since reset";
   return text.str();
 }
 

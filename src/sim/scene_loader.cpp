@@ -193,8 +193,7 @@ void readStop(const YamlValue& value, StopOptions& stop) {
 Scene readScene(YamlDocument document, const std::string& base_directory,
                 const std::vector<std::string>& overrides) {
   for (const std::string& assignment : overrides) document.override(assignment);
-  const YamlMap root(document.root(), {"cloth", "gravity", "air_damping", "obstacles", "probe", "probes",
-                                       "solver", "adapt", "stop"});
+  const YamlMap root(document.root(), sceneKeys());
   Scene scene;
   readCloth(root, base_directory, scene.cloth);
   root.read("gravity", scene.gravity);

@@ -12,6 +12,11 @@ namespace haptic_cloth {
 template <class Choice>
 using Names = std::vector<std::pair<std::string, Choice>>;
 
+/// The keys at the top of a scene.
+inline std::vector<std::string> sceneKeys() {
+  return {"cloth", "gravity", "air_damping", "obstacles", "probe", "probes", "solver", "adapt", "stop"};
+}
+
 inline Names<Cost> costNames() { return {{"condensed", Cost::Condensed}, {"joint", Cost::Joint}}; }
 
 inline Names<Preconditioner> preconditionerNames() {

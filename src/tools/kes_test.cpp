@@ -32,10 +32,8 @@ constexpr const char* kFooter =
     "Exit status: 0 success; 2 bad input, nothing written; 3 failure.";
 
 struct Arguments {
-  std::string fabric, out, plot;
-  KesTest test = KesTest::Tensile;
-  Direction direction = kWarp;
-  SpecimenMesh mesh = SpecimenMesh::Finest;
+  std::string fabric, out, plot, test;
+  std::string direction = "warp", mesh = "finest";
 };
 
 const std::map<std::string, KesTest> kTests{
@@ -44,16 +42,23 @@ const std::map<std::string, Direction> kDirections{{"warp", kWarp}, {"weft", kWe
 const std::map<std::string, SpecimenMesh> kMeshes{
     {"finest", SpecimenMesh::Finest}, {"coarsest", SpecimenMesh::Coarsest}, {"mixed", SpecimenMesh::Mixed}};
 
+/// A word out of a table; the message of another one lists them.
+template <class Choice>
+CLI::Validator oneOf(const std::map<std::string, Choice>& choices) {
+  std::string known;
+  for (const auto& choice : choices) known += (known.empty() ? "" : ", ") + choice.first;
+  return {[choices, known](std::string& word) {
+            return choices.count(word) > 0 ? std::string() : word + ": must be one of " + known;
+          },
+          ""};
+}
+
 void addArguments(CLI::App& app, Arguments& arguments) {
   app.footer(kFooter);
   app.add_option("FABRIC", arguments.fabric, "fabric file (YAML)")->required();
-  app.add_option("--test", arguments.test, "tensile, shear or bending")
-      ->required()
-      ->transform(CLI::CheckedTransformer(kTests));
-  app.add_option("--direction", arguments.direction, "warp (default) or weft")
-      ->transform(CLI::CheckedTransformer(kDirections));
-  app.add_option("--mesh", arguments.mesh, "finest (default), coarsest or mixed")
-      ->transform(CLI::CheckedTransformer(kMeshes));
+  app.add_option("--test", arguments.test, "tensile, shear or bending")->required()->check(oneOf(kTests));
+  app.add_option("--direction", arguments.direction, "warp (default) or weft")->check(oneOf(kDirections));
+  app.add_option("--mesh", arguments.mesh, "finest (default), coarsest or mixed")->check(oneOf(kMeshes));
   app.add_option("--out", arguments.out, "FILE.csv: the curve");
   app.add_option("--plot", arguments.plot, "FILE.png: the curve beside the loop (needs python3-matplotlib)");
 }
@@ -89,15 +94,17 @@ void plotCurve(const std::string& file, const std::string& csv) {
 
 int run(const Arguments& arguments) {
   const Fabric fabric = loadFabric(arguments.fabric);
-  if (loopOf(fabric, arguments.test, arguments.direction).isZero()) {
+  const KesTest test = kTests.at(arguments.test);
+  const Direction direction = kDirections.at(arguments.direction);
+  if (loopOf(fabric, test, direction).isZero()) {
     throw InputError(arguments.fabric, "", "", "has no data for this test");
   }
-  const std::vector<KesRow> rows = runKesTest(fabric, arguments.test, arguments.direction, arguments.mesh);
+  const std::vector<KesRow> rows = runKesTest(fabric, test, direction, kMeshes.at(arguments.mesh));
   const std::string csv = asCsv(rows);
   if (!arguments.out.empty()) writeFile(arguments.out, csv);
   if (!arguments.plot.empty()) plotCurve(arguments.plot, csv);
-  for (const auto& [name, value] : kesValues(rows, arguments.test)) std::cout << name << ' ' << value << '\n';
-  const LoopAreas areas = loopAreas(rows, arguments.test);
+  for (const auto& [name, value] : kesValues(rows, test)) std::cout << name << ' ' << value << '\n';
+  const LoopAreas areas = loopAreas(rows, test);
   std::cout << "loop_area " << areas.measured << " J/m2 (fabric: " << areas.input << ")" << std::endl;
   return kSuccess;
 }

@@ -55,6 +55,7 @@ RunRecord runScene(Simulation& simulation, bool keep_rows, const StepCallback& a
   const double step = simulation.scene().solver.time_step;
   RunRecord record;
   record.probes.resize(simulation.scene().probes.size());
+  record.totals.start_time = simulation.time();
   double slow_since = simulation.time();
   // Half a step of slack: the sum of many time steps may end a rounding error short of stop.time.
   while (simulation.time() < stop.time - 0.5 * step) {

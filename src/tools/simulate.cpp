@@ -63,7 +63,7 @@ class Progress {
     next_ = now + std::chrono::milliseconds(200);
     std::fprintf(stderr, "\r%8.3f / %.3f s  %6d particles  %5d iterations  real time x %-8.3g",
                  simulation.time(), end_time_, simulation.activeParticles(), totals.last.minimizer.iterations,
-                 simulation.time() / totals.wall_time);
+                 haptic_cloth::realTimeFactor(simulation, totals));
     shown_ = true;
   }
 

@@ -19,11 +19,11 @@ std::string hexadecimal(std::uint64_t value) {
   return text.str();
 }
 
-double realTimeFactor(const Simulation& simulation, const RunTotals& totals) {
-  return totals.wall_time > 0.0 ? simulation.time() / totals.wall_time : 0.0;
-}
-
 }  // namespace
+
+double realTimeFactor(const Simulation& simulation, const RunTotals& totals) {
+  return totals.wall_time > 0.0 ? (simulation.time() - totals.start_time) / totals.wall_time : 0.0;
+}
 
 std::string summaryJson(const Simulation& simulation, const RunTotals& totals, bool succeeded) {
   const EnergyReport energy = simulation.energy();
@@ -74,9 +74,10 @@ std::string briefReport(const Simulation& simulation, const RunTotals& totals) {
   const double steps = totals.steps > 0 ? totals.steps : 1;
   std::ostringstream text;
   text << std::setprecision(4);
-  text << "simulated " << simulation.time() << " s in " << totals.wall_time << " s (real time x "
-       << realTimeFactor(simulation, totals) << ", " << simulation.threads() << " threads)"
-       << (totals.at_rest ? ", at rest" : "") << "\n"
+  text << "simulated " << simulation.time() - totals.start_time << " s ";
+  if (totals.start_time > 0.0) text << "to " << simulation.time() << " s ";
+  text << "in " << totals.wall_time << " s (real time x " << realTimeFactor(simulation, totals) << ", "
+       << simulation.threads() << " threads)" << (totals.at_rest ? ", at rest" : "") << "\n"
        << "steps " << totals.steps << ", failed " << totals.failed_steps << ", iterations "
        << totals.iterations << " (" << totals.iterations / steps << " a step), last "
        << toString(totals.last.minimizer.why) << "\n"

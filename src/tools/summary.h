@@ -12,6 +12,9 @@ namespace haptic_cloth {
 /// @param succeeded value of the key `succeeded`
 std::string summaryJson(const Simulation& simulation, const RunTotals& totals, bool succeeded);
 
+/// Simulated over wall time of this run [-]; 0 before its first step.
+double realTimeFactor(const Simulation& simulation, const RunTotals& totals);
+
 /// The run in a few lines for a person.
 std::string briefReport(const Simulation& simulation, const RunTotals& totals);
 

@@ -6,6 +6,8 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 
 #include "ros/steady_clock.h"
@@ -112,6 +114,23 @@ TEST_F(LifecycleTest, RespawnDoesNotRepeatBadParameters) {
   launch.signal(SIGINT);
   EXPECT_GE(launch.wait(), 0) << launch.output();
   unlink(settings);
+  ros::param::del("/haptic_cloth");
+}
+
+TEST_F(LifecycleTest, ALaunchedSceneFindsTheFabricBesideIt) {
+  // rosparam gives the node the scene's content alone; where it lay comes from the launch file.
+  char directory[] = "/tmp/haptic_cloth_test_XXXXXX";
+  ASSERT_NE(mkdtemp(directory), nullptr);
+  const std::filesystem::path here = directory;
+  std::filesystem::copy_file(std::string(HAPTIC_CLOTH_SOURCE_DIR) + "/config/fabrics/linear.yaml",
+                             here / "mine.yaml");
+  std::ofstream(here / "scene.yaml") << "cloth: {particles: [5, 5], fabric: mine.yaml}\n";
+  Process launch(
+      {"roslaunch", "haptic_cloth", "haptic_cloth.launch", "scene:=" + (here / "scene.yaml").string()});
+  EXPECT_TRUE(waitFor([] { return ros::service::exists("/haptic_cloth/reset", false); })) << launch.output();
+  launch.signal(SIGINT);
+  EXPECT_GE(launch.wait(), 0) << launch.output();
+  std::filesystem::remove_all(here);
   ros::param::del("/haptic_cloth");
 }
 

@@ -284,6 +284,11 @@ TEST_F(NodeTest, RefusesStatesThatDoNotFitAndGoesOn) {
   expect(call<SaveState>("save_state", folder.file("none/here")), "No such file");
   expect(call<SaveState>("save_state", "/dev/full"), "regular file");
   expect(call<SaveState>("save_state", ""), "must have a name");
+  // A relative name is one where the node runs, not where the caller does: the answer says where that is.
+  const std::string saved = call<SaveState>("save_state", "haptic_cloth_node_test.state");
+  const std::string::size_type end = saved.find(',');
+  ASSERT_EQ(saved.find("saved /"), 0u) << saved;
+  EXPECT_TRUE(std::filesystem::remove(saved.substr(6, end - 6))) << saved;
   std::atomic<double> time{-1.0};
   ros::Subscriber subscriber = node_.subscribe<ClothState>(
       "cloth/state", 1, [&](const ClothState::ConstPtr& message) { time = message->time; });

@@ -48,6 +48,15 @@ TEST(Nodelet, LoadsIsFeltAndUnloadsWithoutForce) {
   EXPECT_TRUE(waitFor([&] { return reaction.force().z() > 0.1; }));
 }
 
+TEST(Nodelet, SaysWhyItDoesNotLoad) {
+  // A manager says no more than that it failed.
+  Process alone({"rosrun", "nodelet", "nodelet", "standalone", "haptic_cloth/HapticCloth", "__name:=alone",
+                 "_scene_file:=/nowhere.yaml"});
+  EXPECT_NE(alone.wait(), 0);
+  EXPECT_NE(alone.output().find("/nowhere.yaml: cannot be read"), std::string::npos) << alone.output();
+  ros::param::del("/alone");
+}
+
 }  // namespace
 }  // namespace haptic_cloth
 

@@ -199,6 +199,12 @@ TEST_F(FabricFile, WrongDocumentsAndValuesAreNamed) {
       {"source: x\nareal_density: 1e-13\n", "cloth.yaml:2: areal_density = 1e-13: must be at least 1e-12"},
       {"source: x\nareal_density: 1e13\n",
        "cloth.yaml:2: areal_density = 1e13: must be within -1e12 to 1e12"},
+      // As data sheets give them: g/m², mm, and shares for percents. Fabrics have 0.01 to 5 kg/m², up to 10
+      // mm, EMT from 0.5 % and RT from 30 % on.
+      {"source: x\nareal_density: 350\n",
+       "cloth.yaml:2: areal_density = 350: must be at most 10: it is in kg/m^2, not g/m^2"},
+      {"source: x\nareal_density: 0.35\nthickness: 0.8\n",
+       "cloth.yaml:3: thickness = 0.8: must be at most 0.05: it is in m, not mm"},
       {base + "bending: {B: 1e13}\n", "cloth.yaml:5: bending.B = 1e13: must be within -1e12 to 1e12"},
       {base + "shear: {loading: [[0, 0], [1.0e-13, 1]]}\n",
        "cloth.yaml:5: shear.loading[1] = [1.0e-13, 1]: must end at 1e-12 at least"},
@@ -269,13 +275,17 @@ TEST_F(FabricFile, WrongShearLawsAreNamed) {
 TEST_F(FabricFile, WrongTensileLawsAreNamed) {
   expectMessages({
       {std::string(kHead) + "tensile: {EMT: 0, LT: 0.6}\n", "cloth.yaml:4: tensile.EMT = 0: must be > 0"},
+      {std::string(kHead) + "tensile: {EMT: 0.055, LT: 0.6}\n",
+       "cloth.yaml:4: tensile.EMT = 0.055: must be at least 0.1: it is in %"},
+      {std::string(kHead) + "tensile: {EMT: 5, LT: 0.6, RT: 0.54}\n",
+       "cloth.yaml:4: tensile.RT = 0.54: must be > 1 and <= 100: it is in %"},
       {std::string(kHead) + "tensile: {EMT: 5}\n", "cloth.yaml:4: tensile.LT: is required"},
       {std::string(kHead) + "tensile: {EMT: 5, LT: 1.2}\n",
        "cloth.yaml:4: tensile.LT = 1.2: must be > 0 and <= 1"},
       {std::string(kHead) + "tensile: {EMT: 5, LT: 0.6, RT: 0}\n",
-       "cloth.yaml:4: tensile.RT = 0: must be > 0 and <= 100"},
+       "cloth.yaml:4: tensile.RT = 0: must be > 1 and <= 100: it is in %"},
       {std::string(kHead) + "tensile: {EMT: 5, LT: 0.6, RT: 101}\n",
-       "cloth.yaml:4: tensile.RT = 101: must be > 0 and <= 100"},
+       "cloth.yaml:4: tensile.RT = 101: must be > 1 and <= 100: it is in %"},
       {std::string(kHead) + "tensile: {stiffness: 0}\n", "cloth.yaml:4: tensile.stiffness = 0: must be > 0"},
       {std::string(kHead) + "tensile: {loading: [[0, 0], [0.1, 0]]}\n",
        "cloth.yaml:4: tensile.loading = [[0, 0], [0.1, 0]]: the last force must be > 0"},

@@ -260,8 +260,22 @@ TEST_F(Simulate, GoesOnFromASavedStateToTheLastBit) {
     EXPECT_EQ(whole[key], rest[key]) << key;
   }
   EXPECT_EQ(rest["steps"], 17);
+  // Only what this run has simulated counts: 17 steps of 1 ms.
+  const double factor = rest["real_time_factor"], wall = rest["wall_time"];
+  EXPECT_NEAR(factor * wall, 0.017, 1e-9);
   EXPECT_EQ(readText(folder_ / "whole/particles.csv"), readText(folder_ / "rest/particles.csv"));
   EXPECT_EQ(readLines(folder_ / "whole/probe.csv")[14], readLines(folder_ / "rest/probe.csv")[1]);
+}
+
+TEST_F(Simulate, KesTestNamesTheWordsItKnows) {
+  const std::string command =
+      "'" HAPTIC_CLOTH_KES_TEST "' '" + (folder_ / "linen.yaml").string() + "' --test ";
+  const std::string error = (folder_ / "error.txt").string();
+  EXPECT_EQ(WEXITSTATUS(std::system((command + "bend 2>" + error).c_str())), 2);
+  EXPECT_NE(readText(error).find("bend: must be one of bending, shear, tensile"), std::string::npos)
+      << readText(error);
+  EXPECT_EQ(WEXITSTATUS(std::system((command + "tensile >" + error).c_str())), 0);
+  EXPECT_NE(readText(error).find("LT "), std::string::npos) << readText(error);
 }
 
 TEST_F(Simulate, RefusesStatesItCannotUse) {

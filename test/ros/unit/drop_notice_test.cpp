@@ -1,0 +1,30 @@
+/// When the log says why nothing of a device is taken: after a second of it, once a reason.
+#include "ros/drop_notice.h"
+
+#include <gtest/gtest.h>
+
+namespace haptic_cloth {
+namespace {
+
+TEST(DropNotice, SaysAReasonOnceAfterASecondInWhichAllWereDropped) {
+  DropNotice notice("poses of thumb", "world");
+  EXPECT_EQ(notice.unknownFrame("base", 10.0), "");
+  EXPECT_EQ(notice.unknownFrame("base", 10.9), "") << "tf may still be on its way";
+  const std::string text = notice.unknownFrame("base", 11.0);
+  for (const char* word : {"poses of thumb", "'base'", "'world'", "device/use_tf"})
+    EXPECT_NE(text.find(word), std::string::npos) << text;
+  EXPECT_EQ(notice.unknownFrame("base", 20.0), "") << "once";
+  EXPECT_NE(notice.late(160.0, 0.2, 21.0).find("160 s old, max_pose_age is 0.2 s"), std::string::npos);
+  EXPECT_EQ(notice.late(160.0, 0.2, 22.0), "");
+}
+
+TEST(DropNotice, MessagesDroppedAmongGoodOnesAreNotSaid) {
+  DropNotice notice("poses of thumb", "world");
+  for (double now = 10.0; now < 20.0; now += 0.5) {
+    EXPECT_EQ(notice.late(1.0, 0.2, now), "");
+    notice.taken();
+  }
+}
+
+}  // namespace
+}  // namespace haptic_cloth
