@@ -16,6 +16,10 @@ from child import Child
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SIMULATE = ROOT / "build/devel/lib/haptic_cloth/simulate"
 SCENES = ROOT / "bench/scenes"
+# What config/scenes/haptic_1khz.yaml ships, but for its budget.
+SWIFT = {"solver.tolerance": 1.0, "solver.max_iterations": 10, "adapt.interval": 9,
+         "adapt.refine_above": 1.6, "adapt.coarsen_below": 0.8,
+         "adapt.refine_above_strain": 0.02, "adapt.coarsen_below_strain": 0.01}
 PEER_SCENES = ROOT / "bench/peers/scenes"
 CACHE = ROOT / "build/bench_cache"
 STRATEGIES = ("finest", "coarsest", "refine", "coarsen", "amrc")
