@@ -295,7 +295,8 @@ def cores():
 
 def wait_policy():
     """How OpenMP's threads wait for each other; on a busy machine `passive` saves the most."""
-    return os.environ.get("OMP_WAIT_POLICY", "not set")
+    spin = os.environ.get("GOMP_SPINCOUNT")
+    return os.environ.get("OMP_WAIT_POLICY", "not set") + (", GOMP_SPINCOUNT " + spin if spin else "")
 
 
 def add_arguments(parser):
