@@ -9,6 +9,7 @@
 #include <cstdio>
 
 #include "ros/conversions.h"
+#include "ros/steady_clock.h"
 #include "ros/topics.h"
 
 namespace haptic_cloth {
@@ -45,8 +46,8 @@ FlowMeter::FlowMeter(ros::NodeHandle& node, const std::vector<std::string>& prob
       node.subscribe<ClothState>(topics::kState, 2, [this](const ClothState::ConstPtr& message) {
         state_.add(isFinite(message->positions) && isFinite(message->tension) && isFinite(message->bending));
         cells_ = message->levels.size();
-        time_ = message->time;
-        if (first_time_ < 0.0) first_time_ = time_;
+        newest_ = {message->time, steadyNow()};
+        if (state_.count == 1) first_ = newest_;
       });
 }
 
@@ -87,11 +88,11 @@ void FlowMeter::clear() {
     probe.max_force = 0.0;
   }
   markers_.count = state_.count = 0;
-  first_time_ = -1.0;
 }
 
 std::string FlowMeter::line(double seconds) const {
-  const double simulated = first_time_ < 0.0 ? 0.0 : time_ - first_time_;
+  const double between = newest_.received - first_.received;
+  const double speed = state_.count > 1 && between > 0.0 ? (newest_.time - first_.time) / between : 0.0;
   std::string text;
   char part[200];
   for (const Probe& probe : probes_) {
@@ -101,7 +102,7 @@ std::string FlowMeter::line(double seconds) const {
     text += part;
   }
   std::snprintf(part, sizeof part, "markers %4.1f Hz  state %4.1f Hz | cells %5zu  t %6.2f s  speed %4.2f",
-                markers_.count / seconds, state_.count / seconds, cells_, time_, simulated / seconds);
+                markers_.count / seconds, state_.count / seconds, cells_, newest_.time, speed);
   return text + part;
 }
 

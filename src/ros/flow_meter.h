@@ -54,7 +54,11 @@ class FlowMeter {
   std::deque<Probe> probes_;  ///< stay where they are
   Flow markers_, state_;
   std::size_t cells_ = 0;
-  double time_ = 0.0, first_time_ = -1.0;  ///< simulated, newest and first since clear [s]
+  /// When a state was simulated and when it came.
+  struct Arrival {
+    double time, received;  ///< [s]
+  };
+  Arrival newest_{}, first_{};  ///< the newest state, and the first of those counted
   ros::Subscriber markers_subscriber_, state_subscriber_;
 };
 
