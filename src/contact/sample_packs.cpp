@@ -100,7 +100,7 @@ HAPTIC_CLOTH_CLONES void patchMargins(const PatchCorners* packs, int count, doub
   for (int p = 0; p < count; ++p) {
     const PatchCorners& nodes = packs[p];
     Lanes3 corners[4];
-    Lanes widest = gather(reach, nodes[0]), nearest = gather(gaps, nodes[0]), farthest = all(-1e300);
+    Lanes widest{}, nearest = all(1e300), farthest = all(-1e300);
     for (int c = 0; c < 4; ++c) {
       corners[c] = gather(x, nodes[c]);
       widest = larger(widest, gather(reach, nodes[c]));
