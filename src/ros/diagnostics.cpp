@@ -1,8 +1,8 @@
 #include "ros/diagnostics.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
-#include <iterator>
 #include <utility>
 
 namespace haptic_cloth {
@@ -38,13 +38,20 @@ void judge(DiagnosticStatus& status, int level, const std::string& message) {
   status.message = message;
 }
 
-/// Why most messages were dropped.
-std::string mostDropped(const InputCounters& counters) {
-  const std::pair<std::uint64_t, const char*> reasons[] = {
-      {counters.not_finite, "not finite"},     {counters.unknown_frame, "unknown frame"},
-      {counters.out_of_order, "out of order"}, {counters.late, "late"},
-      {counters.other_sender, "other sender"}, {counters.too_far, "too far"}};
-  return std::max_element(std::begin(reasons), std::end(reasons))->second;
+using DropReason = std::pair<const char*, std::uint64_t>;
+
+/// Why messages were dropped, and how many for that.
+std::array<DropReason, 6> dropReasons(const InputCounters& counters) {
+  return {DropReason{"not finite", counters.not_finite}, {"unknown frame", counters.unknown_frame},
+          {"out of order", counters.out_of_order},       {"late", counters.late},
+          {"other sender", counters.other_sender},       {"too far", counters.too_far}};
+}
+
+const char* mostDropped(const InputCounters& counters) {
+  const auto reasons = dropReasons(counters);
+  return std::max_element(reasons.begin(), reasons.end(),
+                          [](const DropReason& a, const DropReason& b) { return a.second < b.second; })
+      ->first;
 }
 
 const char* graspText(GraspState grasp) {
@@ -147,12 +154,9 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
   add(status, "grasp", std::string(graspText(grasp)));
   add(status, "received", counters.received.load());
   add(status, "dropped", dropped);
-  add(status, "dropped: not finite", counters.not_finite.load());
-  add(status, "dropped: unknown frame", counters.unknown_frame.load());
-  add(status, "dropped: out of order", counters.out_of_order.load());
-  add(status, "dropped: late", counters.late.load());
-  add(status, "dropped: other sender", counters.other_sender.load());
-  add(status, "dropped: too far", counters.too_far.load());
+  for (const auto& [reason, count] : dropReasons(counters)) {
+    add(status, std::string("dropped: ") + reason, count);
+  }
   add(status, "force off: " + message + "s stopped", felt.input_stops);
   add(status, "force off: solver stalled", felt.snapshot_stops);
   add(status, "units", std::string(doubt == UnitDoubt::None ? "plausible" : toText(doubt)));
