@@ -1,7 +1,6 @@
 /// Parameters of admittance devices: the shipped ones are the code's, bad ones are named.
 #include <gtest/gtest.h>
 
-#include "haptic_cloth/error.h"
 #include "ros/node_options.h"
 #include "yaml_parameters.h"
 
@@ -12,9 +11,7 @@ using XmlRpc::XmlRpcValue;
 
 TEST(AdmittanceParameters, TheShippedOnesAreTheDefaults) {
   const YAML::Node shipped = YAML::LoadFile(std::string(HAPTIC_CLOTH_SOURCE_DIR) + "/config/node.yaml");
-  XmlRpcValue parameters = sceneParameters();
-  for (const auto& entry : toParameter(shipped)) parameters[entry.first] = entry.second;
-  const NodeOptions loaded = parseNodeOptions(parameters, "test"), plain;
+  const NodeOptions loaded = parseNodeOptions(withSettings(shipped), "test"), plain;
   const AdmittanceOptions &tool = loaded.haptics.admittance, &expected = plain.haptics.admittance;
   EXPECT_EQ(loaded.device.kind, plain.device.kind);
   EXPECT_EQ(tool.mass, expected.mass);
@@ -47,12 +44,7 @@ TEST(AdmittanceParameters, BadOnesAreNamed) {
   const auto message = [](const std::string& key, const std::string& value) -> std::string {
     XmlRpcValue parameters = sceneParameters();
     parameters[key] = toParameter(YAML::Load(value));
-    try {
-      parseNodeOptions(parameters, "test");
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "taken";
+    return messageOf(parameters);
   };
   const auto expect = [&](const std::string& key, const std::string& value, const std::string& words) {
     EXPECT_NE(message(key, value).find(words), std::string::npos) << message(key, value);

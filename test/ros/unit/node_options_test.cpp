@@ -7,7 +7,6 @@
 #include <limits>
 #include <string>
 
-#include "haptic_cloth/error.h"
 #include "yaml_parameters.h"
 
 namespace haptic_cloth {
@@ -17,21 +16,10 @@ using XmlRpc::XmlRpcValue;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-std::string messageOf(const XmlRpcValue& parameters) {
-  try {
-    parseNodeOptions(parameters, "/cloth (parameters)");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(NodeOptions, TheShippedSettingsAreTheDefaults) {
-  XmlRpcValue parameters = sceneParameters();
-  const NodeOptions plain = parseNodeOptions(parameters, "test");
+  const NodeOptions plain = parseNodeOptions(sceneParameters(), "test");
   const YAML::Node shipped = YAML::LoadFile(std::string(HAPTIC_CLOTH_SOURCE_DIR) + "/config/node.yaml");
-  for (const auto& entry : toParameter(shipped)) parameters[entry.first] = entry.second;
-  const NodeOptions loaded = parseNodeOptions(parameters, "test");
+  const NodeOptions loaded = parseNodeOptions(withSettings(shipped), "test");
   EXPECT_EQ(loaded.frame_id, plain.frame_id);
   EXPECT_EQ(loaded.scene_file, plain.scene_file);
   EXPECT_EQ(loaded.scene_directory, plain.scene_directory);

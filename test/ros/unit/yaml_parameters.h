@@ -1,10 +1,13 @@
-/// Shipped files as the parameter server holds them.
+/// Shipped files as the parameter server holds them, and what the node says of parameters.
 #pragma once
 
 #include <xmlrpcpp/XmlRpcValue.h>
 #include <yaml-cpp/yaml.h>
 
 #include <string>
+
+#include "haptic_cloth/error.h"
+#include "ros/node_options.h"
 
 namespace haptic_cloth {
 
@@ -36,6 +39,23 @@ inline XmlRpc::XmlRpcValue toParameter(const YAML::Node& node) {
 
 inline XmlRpc::XmlRpcValue sceneParameters() {
   return toParameter(YAML::LoadFile(std::string(HAPTIC_CLOTH_SOURCE_DIR) + "/test/ros/scene.yaml"));
+}
+
+/// A scene's parameters and those of config/node.yaml.
+inline XmlRpc::XmlRpcValue withSettings(const YAML::Node& settings) {
+  XmlRpc::XmlRpcValue parameters = sceneParameters();
+  for (const auto& entry : toParameter(settings)) parameters[entry.first] = entry.second;
+  return parameters;
+}
+
+/// @return the error's message; empty where the parameters are taken
+inline std::string messageOf(const XmlRpc::XmlRpcValue& parameters) {
+  try {
+    parseNodeOptions(parameters, "/cloth (parameters)");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
 }
 
 }  // namespace haptic_cloth
