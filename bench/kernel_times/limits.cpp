@@ -1,58 +1,50 @@
+// Plain loops, for the compiler to make the most of: this file is compiled for the machine that builds it.
 #include "limits.h"
 
-#include "parallel/lanes.h"
+#include <cmath>
 
 namespace haptic_cloth {
 namespace {
 
 constexpr double kFactor = 0.5;
 
-HAPTIC_CLOTH_CLONES void triad(double* a, const double* b, const double* c, int count) {
-  const Lanes factor = all(kFactor);
-  for (int n = 0; n < count; n += kLanes) store(a + n, load(b + n) + factor * load(c + n));
-}
-
-/// Contracts to fused operations where the instruction set has them; so do the library's loops.
-template <int Chains>
-HAPTIC_CLOTH_INLINE double multiplyAdd(int rounds) {
-  Lanes chain[Chains];
-  for (int k = 0; k < Chains; ++k) chain[k] = all(2.0 + 0.01 * k);
-  const Lanes factor = all(0.999), term = all(1e-3);  // to 1: neither grows nor becomes denormal
+/// Numbers that depend on nothing but their own past, as many as some registers hold.
+template <int Count>
+double multiplyAdd(int rounds) {
+  double chain[Count];
+  for (int k = 0; k < Count; ++k) chain[k] = 2.0 + 0.01 * k;
   for (int round = 0; round < rounds; ++round) {
-#pragma GCC unroll 12
-    for (int k = 0; k < Chains; ++k) chain[k] = chain[k] * factor + term;
+#pragma GCC unroll 128
+    for (int k = 0; k < Count; ++k) chain[k] = chain[k] * 0.999 + 1e-3;  // to 1: never denormal
   }
-  Lanes sum{};
-  for (int k = 0; k < Chains; ++k) sum += chain[k];
-  return total(sum);
+  double sum = 0.0;
+  for (int k = 0; k < Count; ++k) sum += chain[k];
+  return sum;
 }
 
 }  // namespace
 
-HAPTIC_CLOTH_CLONES double multiplyAdd3(int rounds) { return multiplyAdd<3>(rounds); }
-HAPTIC_CLOTH_CLONES double multiplyAdd6(int rounds) { return multiplyAdd<6>(rounds); }
-HAPTIC_CLOTH_CLONES double multiplyAdd12(int rounds) { return multiplyAdd<12>(rounds); }
+double multiplyAdd24(int rounds) { return multiplyAdd<24>(rounds); }
+double multiplyAdd48(int rounds) { return multiplyAdd<48>(rounds); }
+double multiplyAdd96(int rounds) { return multiplyAdd<96>(rounds); }
 
-HAPTIC_CLOTH_CLONES double rootAndDivide(const double* values, int count) {
-  Lanes sum{};
-  for (int n = 0; n < count; n += kLanes) sum += 1.0 / squareRoot(load(values + n));
-  return total(sum);
+double rootAndDivide(const double* values, int count) {
+  double sum = 0.0;
+#pragma omp simd reduction(+ : sum)
+  for (int n = 0; n < count; ++n) sum += 1.0 / std::sqrt(values[n]);
+  return sum;
 }
 
 Triad::Triad(std::size_t bytes) {
-  const int count = padded(static_cast<int>(bytes / (3 * sizeof(double))));
-  for (auto* list : {&a_, &b_, &c_}) list->assign(count, 1.0);
+  for (auto* list : {&a_, &b_, &c_}) list->assign(bytes / (3 * sizeof(double)), 1.0);
 }
 
-void Triad::run() { triad(a_.data(), b_.data(), c_.data(), static_cast<int>(a_.size())); }
-
-const char* instructionSet() {
-#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__) && \
-    __GNUC__ >= 12
-  if (__builtin_cpu_supports("x86-64-v4")) return "x86-64-v4";
-  if (__builtin_cpu_supports("x86-64-v3")) return "x86-64-v3";
-#endif
-  return "baseline";
+void Triad::run() {
+  double* const a = a_.data();
+  const double *const b = b_.data(), *const c = c_.data();
+  const int count = static_cast<int>(a_.size());
+#pragma omp simd
+  for (int n = 0; n < count; ++n) a[n] = b[n] + kFactor * c[n];
 }
 
 }  // namespace haptic_cloth

@@ -1,4 +1,4 @@
-/// What the machine itself can do, with the instruction set that the library's own loops take.
+/// What the machine itself can do, by plain loops that share nothing with the library's kernels.
 #pragma once
 
 #include <cstddef>
@@ -20,20 +20,13 @@ class Triad {
   std::vector<double> a_, b_, c_;
 };
 
-/// Multiplications and additions of packs of eight that depend on nothing but their own chain, on `chains` of
-/// them. @return something that depends on all of it
-double multiplyAdd3(int rounds);
-double multiplyAdd6(int rounds);
-double multiplyAdd12(int rounds);
+/// Multiplications and additions of 24, 48 or 96 numbers, each on its own. @return something that depends on
+/// all of it
+double multiplyAdd24(int rounds);
+double multiplyAdd48(int rounds);
+double multiplyAdd96(int rounds);
 
-/// A square root and a division for each of `count` numbers, none waiting for another. @pre whole packs of
-/// eight
+/// A square root and a division for each of `count` numbers, none waiting for another.
 double rootAndDivide(const double* values, int count);
-
-/// Floating point operations of a round.
-constexpr double multiplyAddFlops(int chains) { return 2.0 * 8.0 * chains; }
-
-/// The instruction set that the dispatch has chosen.
-const char* instructionSet();
 
 }  // namespace haptic_cloth

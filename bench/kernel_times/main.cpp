@@ -11,7 +11,9 @@
 #include "cloth_case.h"
 #include "limits.h"
 #include "openmp_costs.h"
+#include "haptic_cloth/machine.h"
 #include "passes.h"
+#include "plain_gradient.h"
 #include "work_shares.h"
 
 namespace {
@@ -89,14 +91,20 @@ void addSimple(const std::string& name, double flops, double bytes, const Work& 
   });
 }
 
+/// What plain loops need for a gradient on the same grid.
+void addPlainGradient(int side) {
+  const auto sheet = std::make_shared<PlainSheet>(side);
+  addSimple("limits/plain gradient", 0.0, 0.0, [sheet] { return sheet->gradient(); }, sheet->particles());
+}
+
 void addLimits() {
   const auto chains = [&](int count, double (*loop)(int)) {
-    addSimple("limits/fma/" + std::to_string(count), kRounds * multiplyAddFlops(count), 0.0,
+    addSimple("limits/fma/" + std::to_string(count), 2.0 * kRounds * count, 0.0,
               [loop] { return loop(kRounds); });
   };
-  chains(3, multiplyAdd3);
-  chains(6, multiplyAdd6);
-  chains(12, multiplyAdd12);
+  chains(24, multiplyAdd24);
+  chains(48, multiplyAdd48);
+  chains(96, multiplyAdd96);
   const std::vector<double> values(2048, 2.0);  // in the nearest cache
   const int count = static_cast<int>(values.size());
   addSimple(
@@ -221,7 +229,10 @@ int main(int argc, char** argv) {
       std::cout << workSharesJson(cases) << std::endl;
       return 0;
     }
-    if (options.limits) addLimits();
+    if (options.limits) {
+      addPlainGradient(options.side);
+      addLimits();
+    }
     for (const auto& cloth : cases) {
       const CaseOptions& made = cloth->options();
       if (options.threads.empty()) addPasses(made.strategy + "/" + made.fabric + "/", *cloth);

@@ -1,5 +1,7 @@
 #include "passes.h"
 
+#include "simd/kernels.h"
+
 namespace haptic_cloth {
 namespace {
 
@@ -14,7 +16,7 @@ double lawFlops(const Loop& law) {
 double lawFlops(const std::array<Loop, 2>& laws) {  // warp and weft come in equal numbers
   return 0.5 * (lawFlops(laws[kWarp]) + lawFlops(laws[kWeft]));
 }
-double memoryBytes(const Loop& law) { return law.hasMemory() ? sizeof(StepLanes) / kLanes : 0.0; }
+double memoryBytes(const Loop& law) { return law.hasMemory() ? sizeof(StepPack) / kPack : 0.0; }
 double memoryBytes(const std::array<Loop, 2>& laws) {
   return 0.5 * (memoryBytes(laws[kWarp]) + memoryBytes(laws[kWeft]));
 }
@@ -22,7 +24,7 @@ double memoryBytes(const std::array<Loop, 2>& laws) {
 /// Of an element, by sizes of the packs: all of a pack but `unread` arrays of a number a lane.
 template <class Pack>
 double packBytes(int unread) {
-  return static_cast<double>(sizeof(Pack)) / kLanes - unread * sizeof(double);
+  return static_cast<double>(sizeof(Pack)) / kPack - unread * sizeof(double);
 }
 
 /// How many of each there are; lanes past the last element are work too.
@@ -78,7 +80,7 @@ void addElements(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
                     n.patches * of_patch + (n.patches > 0.0 ? 1.0 : 0.0) * n.nodes * kVector,
                     range(patches, end), n.shear ? n.patches : 0.0});
   passes.push_back({"contact", "value", -1.0,
-                    n.samples * (static_cast<double>(sizeof(SamplePack)) / kLanes + kVector),
+                    n.samples * (static_cast<double>(sizeof(SamplePack)) / kPack + kVector),
                     [&world, &x] { return world.contacts.evaluate(0, world.contacts.size(), x).contact; }});
 }
 
@@ -89,7 +91,7 @@ void addNodes(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
   // way 3, stiffness 1, energy 17, gradient 9; masses, three fields read, one written
   passes.push_back({"motion, gravity", "value", n.nodes * 31.0,
                     n.nodes * (2.0 * sizeof(double) + 4.0 * kVector), [&cloth, nodes] {
-                      return evaluateMotion(cloth.motionTerms(), 0, nodes, cloth.nodes().arrays(),
+                      return kernels().evaluateMotion(cloth.motionTerms(), 0, nodes, cloth.nodes().arrays(),
                                             cloth.gradient().arrays());
                     }});
   // A multiplication and an addition for each coordinate of each entry; eight entries share 16 bytes.
@@ -136,13 +138,13 @@ void addAlong(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
                     n.patches * (packBytes<PatchPack>(1) + (n.twist ? kVector : 0.0)) + n.nodes * kVector,
                     range(patches, end)});
   passes.push_back({"contact, curvature", "along", -1.0,
-                    n.samples * static_cast<double>(sizeof(SamplePack)) / kLanes, [&world, &d] {
+                    n.samples * static_cast<double>(sizeof(SamplePack)) / kPack, [&world, &d] {
                       const Proxies still(world.scene.probes.size(), Vec3::Zero());
                       return world.contacts.curvature(0, world.contacts.size(), d, still, false);
                     }});
   passes.push_back(
       {"motion, curvature", "along", n.nodes * 7.0, n.nodes * (sizeof(double) + kVector), [&cloth] {
-         return motionCurvature(cloth.motionTerms(), 0, cloth.places(), cloth.motion().arrays());
+         return kernels().motionCurvature(cloth.motionTerms(), 0, cloth.places(), cloth.motion().arrays());
        }});
   passes.push_back({"unpacking", "along", 0.0, 2.0 * n.unknowns * sizeof(double), [&cloth, &world] {
                       Proxies proxies(world.scene.probes.size(), Vec3::Zero());

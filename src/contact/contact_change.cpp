@@ -11,8 +11,8 @@ void ContactSet::linearise(int begin, int end, const Field& nodes, const Field& 
   const double epsilon = options_.slip_speed * options_.time_step;
   for (int k = begin; k < end; ++k) {
     const ContactSample& sample = samples_[k];
-    const SamplePack& pack = packs_[k / kLanes];
-    const int l = k % kLanes;
+    const SamplePack& pack = packs_[k / kPack];
+    const int l = k % kPack;
     change_.set(k, Vec3::Zero());
     if (pack.normal_stiffness[l] == 0.0 && pack.tangent_stiffness[l] == 0.0) continue;
     const Vec3 position = at(sample, nodes);

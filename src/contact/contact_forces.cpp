@@ -2,14 +2,15 @@
 #include <algorithm>
 
 #include "contact/contact_set.h"
+#include "simd/kernels.h"
 
 namespace haptic_cloth {
 
 void ContactSet::packGroup(const Group& group) {
-  for (int k = kLanes * group.begin; k < kLanes * group.end; ++k) {
+  for (int k = kPack * group.begin; k < kPack * group.end; ++k) {
     const ContactSample& sample = samples_[k];
-    SamplePack& pack = packs_[k / kLanes];
-    const int l = k % kLanes;
+    SamplePack& pack = packs_[k / kPack];
+    const int l = k % kPack;
     pack.at_nodes = (l == 0 || pack.at_nodes) && sample.weights[0] == 1.0;
     for (int c = 0; c < 4; ++c) {
       pack.nodes[c].index[l] = sample.nodes[c];
@@ -25,7 +26,7 @@ void ContactSet::packGroup(const Group& group) {
     pack.clearance[l] = sample.area > 0.0 ? sample.clearance : 1e150;
   }
   for (int p = group.begin; p < group.end; ++p) {
-    for (NodeLanes& nodes : packs_[p].nodes) nodes.finish();
+    for (PackIndices& nodes : packs_[p].nodes) nodes.finish();
   }
 }
 
@@ -34,7 +35,7 @@ SampleContext ContactSet::context(const Group& group) const {
   return {solids_[group.solid].lanes(),
           {from.x(), from.y(), from.z()},
           !isProbe(group.solid),
-          law_,
+          law_.range(),
           options_.slip_speed * options_.time_step};
 }
 
@@ -42,26 +43,26 @@ SampleContext ContactSet::context(const Group& group) const {
 template <class Visit>
 void ContactSet::forGroups(int begin, int end, const Visit& visit) const {
   for (const Group& group : groups_) {
-    const int first = std::max(group.begin, begin / kLanes), last = std::min(group.end, end / kLanes);
+    const int first = std::max(group.begin, begin / kPack), last = std::min(group.end, end / kPack);
     if (first < last) visit(group, first, last);
   }
 }
 
 void ContactSet::appendAwake(const std::vector<char>& awake, int first, Runs& runs) const {
-  for (int k = 0; k < size(); k += kLanes) {
+  for (int k = 0; k < size(); k += kPack) {
     bool wanted = isProbe(samples_[k].solid);
-    for (int l = 0; l < kLanes; ++l) {
+    for (int l = 0; l < kPack; ++l) {
       for (const int node : samples_[k + l].nodes) wanted = wanted || awake[node] != 0;
     }
-    if (wanted) runs.add(first + k, first + k + kLanes);
+    if (wanted) runs.add(first + k, first + k + kPack);
   }
 }
 
 ContactSet::Energy ContactSet::evaluate(int begin, int end, const Field& nodes) {
   Energy energy;
   forGroups(begin, end, [&](const Group& group, int first, int last) {
-    const Energy part = evaluateSamples(packs_.data(), first, last, context(group), nodes.arrays(),
-                                        gradient_.arrays(), kLanes * first);
+    const Energy part = kernels().evaluateSamples(packs_.data(), first, last, context(group), nodes.arrays(),
+                                        gradient_.arrays(), kPack * first);
     energy.contact += part.contact;
     energy.friction += part.friction;
   });
@@ -73,7 +74,7 @@ double ContactSet::curvature(int begin, int end, const Field& d, const std::vect
   double sum = 0.0;
   forGroups(begin, end, [&](const Group& group, int first, int last) {
     const Vec3 moved = motionOf(group.solid, d_proxies);
-    sum += sampleCurvature(packs_.data(), first, last, d.arrays(), moved.data(),
+    sum += kernels().sampleCurvature(packs_.data(), first, last, d.arrays(), moved.data(),
                            whole_way && isProbe(group.solid));
   });
   return sum;
@@ -85,7 +86,7 @@ double ContactSet::maxStep(const Field& d, const std::vector<Vec3>& d_proxies) c
   forGroups(0, size(), [&](const Group& group, int first, int last) {
     if (!isProbe(group.solid)) return;
     const Vec3 moved = motionOf(group.solid, d_proxies);
-    step = std::min(step, largestStep(packs_.data(), first, last, kShareOfGap, d.arrays(), moved.data()));
+    step = std::min(step, kernels().largestStep(packs_.data(), first, last, kShareOfGap, d.arrays(), moved.data()));
   });
   return step;
 }
@@ -100,16 +101,16 @@ void ContactSet::addGradient(int begin, int end, Field& gradient) const {
 }
 
 Vec3 ContactSet::normal(int sample) const {
-  const SamplePack& pack = packs_[sample / kLanes];
-  const int l = sample % kLanes;
+  const SamplePack& pack = packs_[sample / kPack];
+  const int l = sample % kPack;
   return {pack.normal[0][l], pack.normal[1][l], pack.normal[2][l]};
 }
 
 /// Of H⁺ by the sample's position [N/m].
 Block ContactSet::blockOf(int sample) const {
-  const SamplePack& pack = packs_[sample / kLanes];
-  const double across = pack.normal_stiffness[sample % kLanes],
-               along = pack.tangent_stiffness[sample % kLanes];
+  const SamplePack& pack = packs_[sample / kPack];
+  const double across = pack.normal_stiffness[sample % kPack],
+               along = pack.tangent_stiffness[sample % kPack];
   if (across == 0.0 && along == 0.0) return Block::Zero();
   return across * square(normal(sample)) + along * (isotropic(1.0) - square(samples_[sample].start_normal));
 }
@@ -126,7 +127,7 @@ void ContactSet::addSprings(int probe, Blocks& blocks) const {
   for (const Group& group : groups_) {
     const bool wanted = probe == kObstacles ? !isProbe(group.solid) : group.solid == obstacles_ + probe;
     if (!wanted) continue;
-    for (int k = kLanes * group.begin; k < kLanes * group.end; ++k) {
+    for (int k = kPack * group.begin; k < kPack * group.end; ++k) {
       const Block own = blockOf(k);
       if (own.isZero(0.0)) continue;
       const ContactSample& sample = samples_[k];
@@ -143,7 +144,7 @@ Vec3 ContactSet::sumOf(int probe, const Value& value) const {
   Vec3 sum = Vec3::Zero();
   for (const Group& group : groups_) {
     if (group.solid != obstacles_ + probe) continue;
-    for (int k = kLanes * group.begin; k < kLanes * group.end; ++k) sum += value(k);
+    for (int k = kPack * group.begin; k < kPack * group.end; ++k) sum += value(k);
   }
   return sum;
 }
@@ -180,7 +181,7 @@ double ContactSet::letOutWork() const {
   double work = 0.0;
   for (int k = 0; k < size(); ++k) {
     const ContactSample& sample = samples_[k];
-    const double gap = packs_[k / kLanes].gap[k % kLanes];
+    const double gap = packs_[k / kPack].gap[k % kPack];
     if (isProbe(sample.solid) || (sample.raised == 0.0 && !(gap < 0.0))) continue;
     work += sample.area * (law_(gap + raise(sample.solid, gap)).energy - law_(gap + sample.raised).energy);
   }
@@ -189,7 +190,7 @@ double ContactSet::letOutWork() const {
 
 double ContactSet::deepest() const {
   double deepest = 0.0;
-  for (int k = 0; k < size(); ++k) deepest = std::max(deepest, -packs_[k / kLanes].gap[k % kLanes]);
+  for (int k = 0; k < size(); ++k) deepest = std::max(deepest, -packs_[k / kPack].gap[k % kPack]);
   return deepest;
 }
 
@@ -203,8 +204,8 @@ void ContactSet::calm(Field& velocities) const {
 void ContactSet::touchedNodes(int probe, std::vector<int>& nodes) const {
   for (const Group& group : groups_) {
     if (group.solid != obstacles_ + probe) continue;
-    for (int k = kLanes * group.begin; k < kLanes * group.end; ++k) {
-      if (!(packs_[k / kLanes].normal_stiffness[k % kLanes] > 0.0)) continue;
+    for (int k = kPack * group.begin; k < kPack * group.end; ++k) {
+      if (!(packs_[k / kPack].normal_stiffness[k % kPack] > 0.0)) continue;
       nodes.insert(nodes.end(), samples_[k].nodes.begin(), samples_[k].nodes.end());
     }
   }
@@ -213,8 +214,8 @@ void ContactSet::touchedNodes(int probe, std::vector<int>& nodes) const {
 bool ContactSet::probeTouched(int probe) const {
   for (const Group& group : groups_) {
     if (group.solid != obstacles_ + probe) continue;
-    for (int k = kLanes * group.begin; k < kLanes * group.end; ++k) {
-      if (packs_[k / kLanes].normal_stiffness[k % kLanes] > 0.0) return true;
+    for (int k = kPack * group.begin; k < kPack * group.end; ++k) {
+      if (packs_[k / kPack].normal_stiffness[k % kPack] > 0.0) return true;
     }
   }
   return false;

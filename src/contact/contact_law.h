@@ -37,9 +37,10 @@ class ContactLaw {
             kPressure * (pressure + past * slope), kPressure / range_ * slope};
   }
 
- private:
   static constexpr double kPressure = 1e4;  ///< p₀ [Pa]: about that of a finger tip pressing with 1 N
-  static constexpr double kSwitch = 0.98;
+  static constexpr double kSwitch = 0.98;   ///< share of the range from which on the pressure is linear
+
+ private:
   double range_;
 };
 

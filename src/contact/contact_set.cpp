@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "simd/kernels.h"
+
 namespace haptic_cloth {
 namespace {
 
@@ -26,7 +28,7 @@ ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
   const int solids = static_cast<int>(solids_.size()), capacity = sampleCapacity();
   for (auto* samples : {&samples_, &apart_}) samples->reserve(capacity);
   groups_.reserve(2 * solids);
-  packs_.reserve(capacity / kLanes + 1);
+  packs_.reserve(capacity / kPack + 1);
   for (Field* field : {&gradient_, &change_}) field->reserve(capacity);
   entries_.reserve(4 * static_cast<std::size_t>(capacity));
   rows_.reserve(grid.particles() + 1);
@@ -50,7 +52,7 @@ int ContactSet::sampleCapacity() const {
   bool fine = chord(2.0) <= kCut * law_.range();
   for (int k = obstacles_; k < solids; ++k) fine = fine && spacing <= solids_[k].halfWidth() / kProbeSpacing;
   const int places = fine ? (particles + particles / 2) * solids : 4 * particles * (solids + 1);
-  return places + 2 * kLanes * solids;
+  return places + 2 * kPack * solids;
 }
 
 void ContactSet::serialize(Archive& archive) {
@@ -89,14 +91,14 @@ void ContactSet::collect(const ActiveMesh& mesh, const Field& nodes, const std::
   buildRows(mesh.nodes());
 }
 
-void ContactSet::beginGroup(int solid) { groups_.push_back({solid, size() / kLanes, 0}); }
+void ContactSet::beginGroup(int solid) { groups_.push_back({solid, size() / kPack, 0}); }
 
 /// Fills the last pack up with samples that do nothing.
 void ContactSet::endGroup() {
   Group& group = groups_.back();
   siftPoints(group.solid);
-  while (size() % kLanes != 0) samples_.push_back(ContactSample{nodePoint(0, 0.0), group.solid});
-  group.end = size() / kLanes;
+  while (size() % kPack != 0) samples_.push_back(ContactSample{nodePoint(0, 0.0), group.solid});
+  group.end = size() / kPack;
   packs_.resize(group.end);
   packGroup(group);
 }
@@ -159,11 +161,11 @@ void ContactSet::measure(int solid, double range, const ActiveMesh& mesh, const 
                          const std::vector<double>& reach) {
   node_gaps_.resize(padded(nodes.size()));
   node_normals_.resize(nodes.size());
-  solidDistances(solids_[solid].lanes(), nodes.size(), nodes.arrays(), node_gaps_.data(),
+  kernels().solidDistances(solids_[solid].lanes(), nodes.size(), nodes.arrays(), node_gaps_.data(),
                  node_normals_.arrays());
   const int packs = static_cast<int>(mesh.patch_corners.size());
-  patch_margins_.resize(kLanes * packs);
-  patchMargins(mesh.patch_corners.data(), packs, range, nodes.arrays(), reach.data(), node_gaps_.data(),
+  patch_margins_.resize(kPack * packs);
+  kernels().patchMargins(mesh.patch_corners.data(), packs, range, nodes.arrays(), reach.data(), node_gaps_.data(),
                node_normals_.arrays(), patch_margins_.data());
 }
 
@@ -280,7 +282,7 @@ void ContactSet::siftPoints(int solid) {
   for (const int end : {0, 1}) {
     sample_gaps_[end].resize(padded(count));
     sample_normals_[end].resize(count);
-    solidDistances((end == 0 ? now : then).lanes(), count, places_.arrays(), sample_gaps_[end].data(),
+    kernels().solidDistances((end == 0 ? now : then).lanes(), count, places_.arrays(), sample_gaps_[end].data(),
                    sample_normals_[end].arrays());
     if (still) break;
   }

@@ -79,7 +79,7 @@ class ContactSet {
   /// True where the probe would not touch the cloth. @pre it was started
   bool isClear(const ActiveMesh& mesh, const Field& nodes, int probe);
 
-  /// Length of the range that evaluate() and curvature() share out, in steps of kLanes.
+  /// Length of the range that evaluate() and curvature() share out, in steps of kPack.
   int size() const { return static_cast<int>(samples_.size()); }
   int capacity() const { return static_cast<int>(samples_.capacity()); }  ///< for which there is room
 

@@ -5,6 +5,7 @@
 
 #include "energy/shear.h"
 #include "energy/twist.h"
+#include "simd/kernels.h"
 
 namespace haptic_cloth {
 namespace {
@@ -36,9 +37,9 @@ InternalEnergy::InternalEnergy(const Fabric& fabric, const ActiveMesh& mesh)
   for (Field* normals : {&patch_normals_, &before_.patch_normals}) {
     if (twist_rigidity_ > 0.0) normals->reserve(patches);
   }
-  edge_packs_.reserve(edges / kLanes + 2);
-  triple_packs_.reserve(triples / kLanes + 2);
-  patch_packs_.reserve(patches / kLanes + 1);
+  edge_packs_.reserve(edges / kPack + 2);
+  triple_packs_.reserve(triples / kPack + 2);
+  patch_packs_.reserve(patches / kPack + 1);
   if (hasMemory(stretch_)) {
     for (Steps* steps : {&edge_steps_, &before_.edges}) steps->reserve(edges);
     edge_loads_.reserve(edges);
@@ -68,27 +69,28 @@ void InternalEnergy::resize() {
 }
 
 void InternalEnergy::packEdges() {
-  edge_packs_.assign(gather_.edges().size() / kLanes, EdgePack{});
+  edge_packs_.assign(gather_.edges().size() / kPack, EdgePack{});
   for (int e = 0; e < edge_count_; ++e) {
     const Edge& edge = mesh_.edges[e];
-    const int place = gather_.edges().place(e), l = place % kLanes;
-    EdgePack& pack = edge_packs_[place / kLanes];
+    const int place = gather_.edges().place(e), l = place % kPack;
+    EdgePack& pack = edge_packs_[place / kPack];
     pack.a.index[l] = edge.a;
     pack.b.index[l] = edge.b;
     pack.inverse_length[l] = 1.0 / edge.length;
     pack.area[l] = edge.length * edge.width;
   }
   for (EdgePack& pack : edge_packs_) {
-    for (NodeLanes* nodes : {&pack.a, &pack.b}) nodes->finish();
+    pack.a.finish();
+    pack.b.finish();
   }
 }
 
 void InternalEnergy::packTriples() {
-  triple_packs_.assign(gather_.triples().size() / kLanes, TriplePack{});
+  triple_packs_.assign(gather_.triples().size() / kPack, TriplePack{});
   for (int t = 0; t < triple_count_; ++t) {
     const Triple& triple = mesh_.triples[t];
-    const int place = gather_.triples().place(t), l = place % kLanes;
-    TriplePack& pack = triple_packs_[place / kLanes];
+    const int place = gather_.triples().place(t), l = place % kPack;
+    TriplePack& pack = triple_packs_[place / kPack];
     pack.l.index[l] = triple.l;
     pack.c.index[l] = triple.c;
     pack.r.index[l] = triple.r;
@@ -97,15 +99,15 @@ void InternalEnergy::packTriples() {
     pack.area[l] = triple.area;
   }
   for (TriplePack& pack : triple_packs_) {
-    for (NodeLanes* nodes : {&pack.l, &pack.c, &pack.r}) nodes->finish();
+    for (PackIndices* nodes : {&pack.l, &pack.c, &pack.r}) nodes->finish();
   }
 }
 
 void InternalEnergy::packPatches() {
-  patch_packs_.assign(gather_.patches().size() / kLanes, PatchPack{});
+  patch_packs_.assign(gather_.patches().size() / kPack, PatchPack{});
   for (int p = 0; p < static_cast<int>(patch_packs_.size()); ++p)
     patch_packs_[p].corners = mesh_.patch_corners[p];
-  for (int k = 0; k < patch_count_; ++k) patch_packs_[k / kLanes].area[k % kLanes] = mesh_.patches[k].area;
+  for (int k = 0; k < patch_count_; ++k) patch_packs_[k / kPack].area[k % kPack] = mesh_.patches[k].area;
 }
 
 void InternalEnergy::setNormals(const Field& positions) {
@@ -126,26 +128,26 @@ void InternalEnergy::setNormals(const Field& positions) {
 }
 
 void InternalEnergy::appendAwake(const std::vector<char>& awake, Runs& runs) const {
-  const auto touches = [&](const NodeLanes& nodes) {
-    return std::any_of(nodes.index, nodes.index + kLanes, [&](int node) { return awake[node] != 0; });
+  const auto touches = [&](const PackIndices& nodes) {
+    return std::any_of(nodes.index, nodes.index + kPack, [&](int node) { return awake[node] != 0; });
   };
   int first = 0;
   const auto append = [&](bool wanted) {
-    if (wanted) runs.add(first, first + kLanes);
-    first += kLanes;
+    if (wanted) runs.add(first, first + kPack);
+    first += kPack;
   };
   for (const EdgePack& pack : edge_packs_) append(touches(pack.a) || touches(pack.b));
   for (const TriplePack& pack : triple_packs_) append(touches(pack.l) || touches(pack.c) || touches(pack.r));
   for (const PatchPack& pack : patch_packs_) {
-    append(std::any_of(pack.corners.begin(), pack.corners.end(), touches));
+    append(std::any_of(std::begin(pack.corners.at), std::end(pack.corners.at), touches));
   }
 }
 
 InternalEnergy::Parts InternalEnergy::split(int begin, int end) const {
   int first = 0;
   const auto next = [&](int places) {
-    const std::pair<int, int> part{(std::clamp(begin - first, 0, places)) / kLanes,
-                                   (std::clamp(end - first, 0, places)) / kLanes};
+    const std::pair<int, int> part{(std::clamp(begin - first, 0, places)) / kPack,
+                                   (std::clamp(end - first, 0, places)) / kPack};
     first += places;
     return part;
   };
@@ -167,28 +169,28 @@ InternalEnergy::Energy InternalEnergy::evaluate(int begin, int end, const Field&
   };
   Energy energy;
   for (const int direction : {kWarp, kWeft}) {
-    const int edges = direction * gather_.edges().warpEnd() / kLanes;
+    const int edges = direction * gather_.edges().warpEnd() / kPack;
     const auto [e0, e1] = parts.edges[direction];
     if (e0 < e1) {
-      energy.stretch += evaluateEdges(edge_packs_.data() + edges, e0, e1, stretch_tables_[direction],
-                                      from(edge_steps_, edges), at, slots, kLanes * (edges + e0));
+      energy.stretch += kernels().evaluateEdges(edge_packs_.data() + edges, e0, e1, stretch_tables_[direction].view(),
+                                      from(edge_steps_, edges), at, slots, kPack * (edges + e0));
     }
-    const int triples = direction * gather_.triples().warpEnd() / kLanes;
+    const int triples = direction * gather_.triples().warpEnd() / kPack;
     const auto [t0, t1] = parts.triples[direction];
     if (t0 < t1) {
-      energy.bend += evaluateTriples(triple_packs_.data() + triples, t0, t1, bend_tables_[direction],
+      energy.bend += kernels().evaluateTriples(triple_packs_.data() + triples, t0, t1, bend_tables_[direction].view(),
                                      from(triple_steps_, triples), at, normals, slots,
-                                     gather_.firstTriple() + kLanes * (triples + t0));
+                                     gather_.firstTriple() + kPack * (triples + t0));
     }
   }
   const auto [p0, p1] = parts.patches;
   if (p0 < p1 && !shear_.isZero()) {
-    energy.shear = evaluateShears(patch_packs_.data(), p0, p1, shear_table_, patch_steps_.packs(), at, slots,
-                                  gather_.firstPatch() + kLanes * p0, gather_.patches().size());
+    energy.shear = kernels().evaluateShears(patch_packs_.data(), p0, p1, shear_table_.view(), patch_steps_.packs(), at, slots,
+                                  gather_.firstPatch() + kPack * p0, gather_.patches().size());
   }
   if (p0 < p1 && twist_rigidity_ > 0.0) {  // counts as bending
-    energy.bend += evaluateTwists(patch_packs_.data(), p0, p1, twist_rigidity_, at, patch_normals_.arrays(),
-                                  slots, gather_.firstTwist() + kLanes * p0);
+    energy.bend += kernels().evaluateTwists(patch_packs_.data(), p0, p1, twist_rigidity_, at, patch_normals_.arrays(),
+                                  slots, gather_.firstTwist() + kPack * p0);
   }
   return energy;
 }
@@ -199,16 +201,16 @@ double InternalEnergy::curvature(int begin, int end, const Field& d) const {
   double sum = 0.0;
   for (const int direction : {kWarp, kWeft}) {
     const auto [e0, e1] = parts.edges[direction];
-    const int edges = direction * gather_.edges().warpEnd() / kLanes;
-    sum += edgeCurvature(edge_packs_.data() + edges, e0, e1, along);
+    const int edges = direction * gather_.edges().warpEnd() / kPack;
+    sum += kernels().edgeCurvature(edge_packs_.data() + edges, e0, e1, along);
     const auto [t0, t1] = parts.triples[direction];
-    const int triples = direction * gather_.triples().warpEnd() / kLanes;
-    sum += tripleCurvature(triple_packs_.data() + triples, t0, t1, along, normals);
+    const int triples = direction * gather_.triples().warpEnd() / kPack;
+    sum += kernels().tripleCurvature(triple_packs_.data() + triples, t0, t1, along, normals);
   }
   const auto [p0, p1] = parts.patches;
-  if (!shear_.isZero()) sum += shearCurvature(patch_packs_.data(), p0, p1, along);
+  if (!shear_.isZero()) sum += kernels().shearCurvature(patch_packs_.data(), p0, p1, along);
   if (twist_rigidity_ > 0.0) {
-    sum += twistCurvature(patch_packs_.data(), p0, p1, twist_rigidity_, along, patch_normals_.arrays());
+    sum += kernels().twistCurvature(patch_packs_.data(), p0, p1, twist_rigidity_, along, patch_normals_.arrays());
   }
   return sum;
 }
@@ -217,11 +219,11 @@ void InternalEnergy::addBlocks(BlockField& blocks) const {
   const ConstArrays normals = node_normals_.arrays();
   const BlockArrays to = blocks.arrays();
   const auto count = [](const auto& packs) { return static_cast<int>(packs.size()); };
-  addEdgeBlocks(edge_packs_.data(), count(edge_packs_), to);
-  addTripleBlocks(triple_packs_.data(), count(triple_packs_), normals, to);
-  if (!shear_.isZero()) addShearBlocks(patch_packs_.data(), count(patch_packs_), to);
+  kernels().addEdgeBlocks(edge_packs_.data(), 0, count(edge_packs_), to);
+  kernels().addTripleBlocks(triple_packs_.data(), 0, count(triple_packs_), normals, to);
+  if (!shear_.isZero()) kernels().addShearBlocks(patch_packs_.data(), 0, count(patch_packs_), to);
   if (twist_rigidity_ > 0.0) {
-    addTwistBlocks(patch_packs_.data(), count(patch_packs_), twist_rigidity_, patch_normals_.arrays(), to);
+    kernels().addTwistBlocks(patch_packs_.data(), 0, count(patch_packs_), twist_rigidity_, patch_normals_.arrays(), to);
   }
 }
 

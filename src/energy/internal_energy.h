@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "energy/history.h"
+#include "energy/law_table.h"
 #include "energy/packs.h"
 #include "haptic_cloth/fabric.h"
 #include "mesh/active_mesh.h"
@@ -15,7 +16,7 @@
 
 namespace haptic_cloth {
 
-/// Elements are numbered in one range: edges, triples, patches. Loops over them run in packs of eight
+/// Elements are numbered in one range: edges, triples, patches. Kernels run over them in packs
 /// (packs.h); each leaves its force in slots of its own, which the nodes then gather in a fixed order
 /// (node_gather.h), so any split of the work over threads gives the same bits.
 class InternalEnergy {
@@ -61,7 +62,7 @@ class InternalEnergy {
   /// Number of elements; laws that are zero everywhere count none.
   int elements() const { return edge_count_ + triple_count_ + patch_count_; }
 
-  /// Length of the range that evaluate() and curvature() share out, in steps of kLanes: elements in packs.
+  /// Length of the range that evaluate() and curvature() share out, in steps of kPack: elements in packs.
   int size() const { return gather_.firstPatch() + gather_.patches().size(); }
 
   enum class Kind { Edge, Triple, Patch };
@@ -94,7 +95,7 @@ class InternalEnergy {
   /// d · H⁺ d of that part at the last evaluation.
   double curvature(int begin, int end, const Field& d) const;
 
-  /// Adds the energy gradient [N] at nodes begin..end. @pre begin is a multiple of kLanes
+  /// Adds the energy gradient [N] at nodes begin..end. @pre begin is a multiple of kPack
   void addGradient(int begin, int end, Field& gradient) const { gather_.add(begin, end, slots_, gradient); }
   const NodeGather& gather() const { return gather_; }
 
@@ -111,17 +112,28 @@ class InternalEnergy {
   /// Memory of the elements of one kind, by their place in the packs; none where their law has none.
   class Steps {
    public:
-    void reserve(int places) { packs_.reserve(places / kLanes + 2); }
-    void resize(int places) { packs_.resize(places / kLanes); }
+    void reserve(int places) { packs_.reserve(places / kPack + 2); }
+    void resize(int places) { packs_.resize(places / kPack); }
     Loop::Step get(int place) const {
-      return packs_.empty() ? Loop::Step{} : packs_[place / kLanes].get(place % kLanes);
+      if (packs_.empty()) return {};
+      const StepPack& pack = packs_[place / kPack];
+      const int l = place % kPack;
+      return {pack.play[l], pack.low[l], pack.high[l], pack.on_lower[l], pack.on_upper[l]};
     }
-    void set(int place, const Loop::Step& step) { packs_[place / kLanes].set(place % kLanes, step); }
-    const StepLanes* packs() const { return packs_.empty() ? nullptr : packs_.data(); }
+    void set(int place, const Loop::Step& step) {
+      StepPack& pack = packs_[place / kPack];
+      const int l = place % kPack;
+      pack.play[l] = step.play;
+      pack.low[l] = step.low;
+      pack.high[l] = step.high;
+      pack.on_lower[l] = step.on_lower;
+      pack.on_upper[l] = step.on_upper;
+    }
+    const StepPack* packs() const { return packs_.empty() ? nullptr : packs_.data(); }
     void serialize(Archive& archive);
 
    private:
-    std::vector<StepLanes> packs_;
+    std::vector<StepPack> packs_;
   };
 
   /// What MeshChange does not know of the elements before a change.

@@ -60,7 +60,7 @@ void InternalEnergy::serialize(Archive& archive) {
 }
 
 void InternalEnergy::Steps::serialize(Archive& archive) {
-  constexpr std::size_t kDoubles = sizeof(StepLanes) / sizeof(double);
+  constexpr std::size_t kDoubles = sizeof(StepPack) / sizeof(double);
   archive.doubles("memory", packs_.empty() ? nullptr : packs_.front().play, kDoubles * packs_.size());
 }
 

@@ -39,7 +39,7 @@ class JointEnergy {
   /// @param u h²/m times the residual force, of each node [m]
   void gradient(int begin, int end, const Field& x, const Field& u, double* gradient);
 
-  /// Adds to nodes begin..end what the slots hold. @pre begin is a multiple of kLanes
+  /// Adds to nodes begin..end what the slots hold. @pre begin is a multiple of kPack
   void gather(int begin, int end, Field& sum) const { laws_.gather().add(begin, end, slots_, sum); }
 
   /// Diagonal of the cost's Hessian (Gauss-Newton) at the last evaluated point, by parts.

@@ -1,16 +1,46 @@
 #include "energy/law_table.h"
 
+#include <cmath>
+
 namespace haptic_cloth {
 
-LawTable::LawTable(const Loop& law) : memory_(law.hasMemory()) {
+LawTable::LawTable(const Loop& law)
+    : kind_(law.hasMemory() ? LawView::Kind::Loop : LawView::Kind::Table) {
   const Curve& upper = law.upper();
   begin_ = upper.begin();
   inverse_step_ = upper.inverseStep();
   last_ = static_cast<double>(upper.intervals().size() - 1);
+  if (kind_ == LawView::Kind::Table && joinLines(upper)) return;
   append(upper);
-  if (!memory_) return;
+  if (kind_ == LawView::Kind::Table) return;
   append(law.path());
   append(law.lower());
+}
+
+/// Most laws without memory are one or two lines, which need no table. @return whether this one is
+bool LawTable::joinLines(const Curve& curve) {
+  constexpr double kRounding = 1e-12;  // of the slope, far above what differences of forces lose
+  const std::vector<Curve::Interval>& all = curve.intervals();
+  if (all.size() == 1 && all.front().begin == 0.0 && all.front().force == 0.0) {
+    append(curve);
+    kind_ = LawView::Kind::Line;
+    return true;
+  }
+  const double end = all.back().begin + 1.0 / inverse_step_, begin = all.front().begin;
+  if (!(begin < 0.0) || !(end > 0.0)) return false;
+  const double below = curve(begin).force / begin, above = curve(end).force / end;
+  for (const Curve::Interval& interval : all) {
+    const bool negative = interval.begin + 0.5 / inverse_step_ < 0.0;
+    const double slope = negative ? below : above, largest = std::abs(above * end) + std::abs(below * begin);
+    const double next = interval.begin + 1.0 / inverse_step_;
+    if (std::abs(interval.force - slope * interval.begin) > kRounding * largest ||
+        std::abs(interval.force + interval.slope / inverse_step_ - slope * next) > kRounding * largest) {
+      return false;
+    }
+  }
+  intervals_ = {{0.0, 0.0, below}, {0.0, 0.0, above}};
+  kind_ = LawView::Kind::TwoLines;
+  return true;
 }
 
 void LawTable::append(const Curve& curve) {

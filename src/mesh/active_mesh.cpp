@@ -27,7 +27,7 @@ ActiveMesh::ActiveMesh(const LeafMesh& leaves, double areal_density)
   edges.reserve(2 * n + n / 2);
   triples.reserve(2 * n);
   patches.reserve(grid.cells());
-  patch_corners.reserve(padded(grid.cells()) / kLanes);
+  patch_corners.reserve(padded(grid.cells()) / kPack);
   cells_.reserve(grid.cells());
   rebuild(leaves);
 }
@@ -44,19 +44,19 @@ void ActiveMesh::rebuild(const LeafMesh& leaves) {
 
 void ActiveMesh::listPatches() {
   patches.clear();
-  patch_corners.assign(padded(static_cast<int>(cells_.size())) / kLanes, PatchCorners{});
+  patch_corners.assign(padded(static_cast<int>(cells_.size())) / kPack, PatchCorners{});
   for (const Cell& cell : cells_) {
     const double s = cell.span();
     Patch patch{cell.corners(grid), cell, s * grid.dx * (s * grid.dy), {}};
     const int k = static_cast<int>(patches.size());
     for (int c = 0; c < 4; ++c) {
       patch.nodes[c] = node[patch.nodes[c]];
-      patch_corners[k / kLanes][c].index[k % kLanes] = patch.nodes[c];
+      patch_corners[k / kPack].at[c].index[k % kPack] = patch.nodes[c];
     }
     patches.push_back(patch);
   }
   for (PatchCorners& pack : patch_corners) {
-    for (NodeLanes& nodes : pack) nodes.finish();
+    for (PackIndices& nodes : pack.at) nodes.finish();
   }
 }
 

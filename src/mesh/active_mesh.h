@@ -36,9 +36,6 @@ struct Patch {
   std::array<int, 4> sides;  ///< edges below and above (warp), left and right (weft)
 };
 
-/// As loops over lanes take them.
-using PatchCorners = std::array<NodeLanes, 4>;
-
 /// Values at a leaf's corners.
 inline std::array<Vec3, 4> corners(const Patch& patch, const Field& x) {
   const auto& n = patch.nodes;
@@ -72,19 +69,19 @@ class ActiveMesh {
   std::vector<Edge> edges;      ///< warp first, each direction in the order of its nodes a
   std::vector<Triple> triples;  ///< warp first, each direction in the order of its centres
   std::vector<Patch> patches;
-  std::vector<PatchCorners> patch_corners;  ///< of eight patches each; past the last, node 0
+  std::vector<PatchCorners> patch_corners;  ///< of a pack of patches each; past the last, node 0
 
   /// Replaces each ghost's entry by the mean of its masters'.
   void interpolateGhosts(Field& values) const {
     for (int c = 0; c < 3; ++c) {
-      std::vector<double>& v = values.coordinate(c);
+      auto& v = values.coordinate(c);
       for (const Ghost& g : ghosts) v[g.node] = 0.5 * (v[g.a] + v[g.b]);
     }
   }
 
   /// Transpose of interpolateGhosts: adds share times each ghost's entry to both masters.
-  template <class Value>
-  void handOverGhosts(std::vector<Value>& values, double share = 0.5) const {
+  template <class Values>
+  void handOverGhosts(Values& values, double share = 0.5) const {
     for (auto g = ghosts.rbegin(); g != ghosts.rend(); ++g) {
       values[g->a] += share * values[g->node];
       values[g->b] += share * values[g->node];

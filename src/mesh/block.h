@@ -54,37 +54,6 @@ inline Block inverse(const Block& m) {
   return definite ? Block(cofactors / determinant) : Block(Block::Zero());
 }
 
-/// Eight blocks.
-struct BlockLanes {
-  Lanes entries[6];
-};
-
-static HAPTIC_CLOTH_INLINE BlockLanes square(const Lanes3& a) {
-  return {{a.x * a.x, a.y * a.y, a.z * a.z, a.y * a.z, a.x * a.z, a.x * a.y}};
-}
-static HAPTIC_CLOTH_INLINE BlockLanes operator*(const Lanes& s, const BlockLanes& m) {
-  const Lanes(&e)[6] = m.entries;
-  return {{s * e[0], s * e[1], s * e[2], s * e[3], s * e[4], s * e[5]}};
-}
-
-/// Of each entry, for loops over lanes.
-using BlockArrays = std::array<double*, 6>;
-
-/// Adds to the blocks of eight nodes, of which some may be the same.
-static HAPTIC_CLOTH_INLINE void add(const BlockArrays& blocks, const NodeLanes& nodes,
-                                    const BlockLanes& value) {
-  if (nodes.in_row) {
-    for (int k = 0; k < 6; ++k) {
-      double* const at = blocks[k] + nodes.index[0];
-      store(at, load(at) + value.entries[k]);
-    }
-    return;
-  }
-  for (int l = 0; l < kLanes; ++l) {
-    for (int k = 0; k < 6; ++k) blocks[k][nodes.index[l]] += value.entries[k][l];
-  }
-}
-
 /// Blocks at nodes, one array an entry.
 class BlockField {
  public:
@@ -106,14 +75,14 @@ class BlockField {
   void set(int n, const Block& block) {
     for (int k = 0; k < 6; ++k) entries_[k][n] = block[k];
   }
-  std::vector<double>& entry(int k) { return entries_[k]; }
+  AlignedDoubles& entry(int k) { return entries_[k]; }
   BlockArrays arrays() {
-    return {entries_[0].data(), entries_[1].data(), entries_[2].data(),
-            entries_[3].data(), entries_[4].data(), entries_[5].data()};
+    return {{entries_[0].data(), entries_[1].data(), entries_[2].data(), entries_[3].data(),
+             entries_[4].data(), entries_[5].data()}};
   }
 
  private:
-  std::array<std::vector<double>, 6> entries_;
+  std::array<AlignedDoubles, 6> entries_;
 };
 
 }  // namespace haptic_cloth

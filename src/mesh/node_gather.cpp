@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "simd/kernels.h"
+
 namespace haptic_cloth {
 namespace {
 
@@ -24,7 +26,7 @@ NodeGather::NodeGather(const ActiveMesh& mesh, const Kinds& kinds) : kinds_(kind
                               ((kinds.shear ? 4 : 0) + (kinds.twist ? 4 : 0)) * mesh.patches.capacity();
   rows_.reserve(n + 2);
   entries_.reserve(entries);
-  groups_.reserve(n / kLanes + 2);
+  groups_.reserve(n / kPack + 2);
   columns_.reserve(entries);
   details_.reserve(entries / 2);
   rebuild(mesh);
@@ -32,7 +34,7 @@ NodeGather::NodeGather(const ActiveMesh& mesh, const Kinds& kinds) : kinds_(kind
 
 int NodeGather::capacity(const ActiveMesh& mesh) {
   return static_cast<int>(mesh.edges.capacity() + mesh.triples.capacity() + 3 * mesh.patches.capacity()) +
-         8 * kLanes;
+         8 * kPack;
 }
 
 void NodeGather::rebuild(const ActiveMesh& mesh) {
@@ -43,8 +45,8 @@ void NodeGather::rebuild(const ActiveMesh& mesh) {
   groups_.assign(1, 0);
   columns_.clear();
   details_.clear();
-  for (int first = 0; first < mesh.nodes(); first += kLanes) {
-    addGroup(first, std::min(kLanes, mesh.nodes() - first));
+  for (int first = 0; first < mesh.nodes(); first += kPack) {
+    addGroup(first, std::min(kPack, mesh.nodes() - first));
     groups_.push_back(static_cast<int>(columns_.size()));
   }
 }
@@ -95,9 +97,9 @@ void NodeGather::listEntries(const ActiveMesh& mesh) {
   forEntries(mesh, [&](int n, const Entry& entry) { entries_[rows_[n + 1]++] = entry; });
 }
 
-/// Columns of up to eight nodes: role by role, and again where a node has several of one.
+/// Columns of a pack of nodes: role by role, and again where a node has several of one.
 void NodeGather::addGroup(int first_node, int nodes) {
-  std::array<int, kLanes> next;
+  std::array<int, kPack> next;
   for (int l = 0; l < nodes; ++l) next[l] = rows_[first_node + l];
   while (true) {
     int role = 1 << 30;
@@ -105,7 +107,7 @@ void NodeGather::addGroup(int first_node, int nodes) {
       if (next[l] < rows_[first_node + l + 1]) role = std::min(role, entries_[next[l]].role);
     }
     if (role == 1 << 30) return;
-    std::array<const Entry*, kLanes> entries{};
+    std::array<const Entry*, kPack> entries{};
     for (int l = 0; l < nodes; ++l) {
       const bool has = next[l] < rows_[first_node + l + 1] && entries_[next[l]].role == role;
       if (has) entries[l] = &entries_[next[l]++];
@@ -115,11 +117,11 @@ void NodeGather::addGroup(int first_node, int nodes) {
 }
 
 /// @param nodes lanes with a node; the others may take anything
-void NodeGather::addColumn(const std::array<const Entry*, kLanes>& entries, int nodes) {
+void NodeGather::addColumn(const std::array<const Entry*, kPack>& entries, int nodes) {
   const auto present = std::find_if(entries.begin(), entries.end(), [](const Entry* e) { return e; });
   const int first = (*present)->slot - static_cast<int>(present - entries.begin());
   const double coefficient = (*present)->coefficient;
-  const bool fits = first >= 0 && first + kLanes <= slots();
+  const bool fits = first >= 0 && first + kPack <= slots();
   bool in_row = fits, alike = fits;
   for (int l = 0; l < nodes; ++l) {
     in_row = in_row && (!entries[l] || entries[l]->slot == first + l);
@@ -129,8 +131,8 @@ void NodeGather::addColumn(const std::array<const Entry*, kLanes>& entries, int 
     columns_.push_back({first, -1, coefficient});
     return;
   }
-  Detail detail{};
-  for (int l = 0; l < kLanes; ++l) {
+  GatherDetail detail{};
+  for (int l = 0; l < kPack; ++l) {
     detail.slots.index[l] = in_row ? first + l : entries[l] ? entries[l]->slot : (*present)->slot;
     detail.coefficient[l] = entries[l] ? entries[l]->coefficient : 0.0;
   }
@@ -140,26 +142,8 @@ void NodeGather::addColumn(const std::array<const Entry*, kLanes>& entries, int 
 }
 
 void NodeGather::add(int begin, int end, const Field& slots, Field& nodes) const {
-  for (int n = begin; n < end; n += kLanes) {
-    const int group = n / kLanes;
-    addColumns(columns_.data() + groups_[group], columns_.data() + groups_[group + 1], details_.data(),
-               slots.arrays(), nodes.arrays(), n);
-  }
-}
-
-HAPTIC_CLOTH_CLONES void NodeGather::addColumns(const Column* begin, const Column* end, const Detail* details,
-                                                const ConstArrays& slots, const MutableArrays& nodes,
-                                                int first_node) {
-  Lanes3 sum = load(ConstArrays(nodes), first_node);
-  for (const Column* column = begin; column != end; ++column) {
-    if (column->detail < 0) {
-      sum = sum + all(column->coefficient) * load(slots, column->first);
-    } else {
-      const Detail& detail = details[column->detail];
-      sum = sum + load(detail.coefficient) * gather(slots, detail.slots);
-    }
-  }
-  store(nodes, first_node, sum);
+  kernels().gatherColumns(groups_.data(), columns_.data(), details_.data(), begin, end, slots.arrays(),
+                          nodes.arrays());
 }
 
 }  // namespace haptic_cloth

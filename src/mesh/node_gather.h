@@ -21,6 +21,18 @@ struct PackedRange {
   int place(int element) const { return element < warp ? element : element - warp + padded(warp); }
 };
 
+/// One slot for each node of a pack. Where these follow one another and all nodes take them alike, two numbers
+/// say it all; else `detail` tells which and by how much.
+struct GatherColumn {
+  int first;
+  int detail;  ///< -1: none
+  double coefficient;
+};
+struct alignas(32) GatherDetail {
+  double coefficient[kPack];
+  PackIndices slots;
+};
+
 class NodeGather {
  public:
   /// Which kinds of elements do anything; the others get no entries.
@@ -43,21 +55,10 @@ class NodeGather {
   int slots() const { return firstPatch() + 3 * patches_.size(); }
   static int capacity(const ActiveMesh& mesh);  ///< most slots a mesh can need
 
-  /// Adds to nodes begin..end what their slots hold. @pre begin is a multiple of kLanes
+  /// Adds to nodes begin..end what their slots hold. @pre begin is a multiple of kPack
   void add(int begin, int end, const Field& slots, Field& nodes) const;
 
  private:
-  /// One slot for each of eight nodes. Where these follow one another and all nodes take them alike, two
-  /// numbers say it all; else `detail` tells which and by how much.
-  struct Column {
-    int first;
-    int detail;  ///< -1: none
-    double coefficient;
-  };
-  struct Detail {
-    NodeLanes slots;
-    double coefficient[kLanes];
-  };
   struct Entry {
     int role, slot;
     double coefficient;
@@ -67,17 +68,15 @@ class NodeGather {
   void forEntries(const ActiveMesh& mesh, const Put& put) const;
   void listEntries(const ActiveMesh& mesh);
   void addGroup(int first_node, int nodes);
-  void addColumn(const std::array<const Entry*, kLanes>& entries, int real_lanes);
-  static void addColumns(const Column* begin, const Column* end, const Detail* details,
-                         const ConstArrays& slots, const MutableArrays& nodes, int first_node);
+  void addColumn(const std::array<const Entry*, kPack>& entries, int real_lanes);
 
   Kinds kinds_;
   PackedRange edges_, triples_, patches_;
   std::vector<int> rows_;       ///< entries of node n: rows_[n] .. rows_[n + 1]
   std::vector<Entry> entries_;  ///< by role for each node
-  std::vector<int> groups_;     ///< columns of nodes 8 g .. 8 g + 7: groups_[g] .. groups_[g + 1]
-  std::vector<Column> columns_;
-  std::vector<Detail> details_;
+  std::vector<int> groups_;     ///< columns of pack g of the nodes: groups_[g] .. groups_[g + 1]
+  std::vector<GatherColumn> columns_;
+  std::vector<GatherDetail> details_;
 };
 
 }  // namespace haptic_cloth

@@ -25,8 +25,8 @@ int ClothObjective::awake() const {
 void ClothObjective::forcesAtRest(const Field& velocities, Field& forces) const {
   forces = gradient_;
   for (int c = 0; c < 3; ++c) {
-    const std::vector<double>& v = velocities.coordinate(c);
-    std::vector<double>& force = forces.coordinate(c);
+    const auto& v = velocities.coordinate(c);
+    auto& force = forces.coordinate(c);
     for (int n = 0; n < mesh_.free; ++n) force[n] += moving_mass_[n] / h_ * v[n];
   }
 }
@@ -81,9 +81,9 @@ void ClothObjective::listAwake() {
   internal_.appendAwake(awake_, awake_elements_);
   contacts_.appendAwake(awake_, internal_.size(), awake_elements_);
   awake_nodes_.clear();
-  for (int n = 0; n < mesh_.nodes(); n += kLanes) {
-    const auto first = awake_.begin() + n, last = awake_.begin() + std::min(n + kLanes, mesh_.nodes());
-    if (std::any_of(first, last, [](char a) { return a != 0; })) awake_nodes_.add(n, n + kLanes);
+  for (int n = 0; n < mesh_.nodes(); n += kPack) {
+    const auto first = awake_.begin() + n, last = awake_.begin() + std::min(n + kPack, mesh_.nodes());
+    if (std::any_of(first, last, [](char a) { return a != 0; })) awake_nodes_.add(n, n + kPack);
   }
 }
 

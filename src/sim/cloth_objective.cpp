@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simd/kernels.h"
+
 namespace haptic_cloth {
 namespace {
 
@@ -38,7 +40,7 @@ ClothObjective::ClothObjective(const Scene& scene, const ActiveMesh& mesh, Inter
   }
   for (auto* list : {&awake_, &disturbed_, &seen_, &reached_}) list->reserve(mesh.grid.particles());
   awake_elements_.reserve(mesh.grid.particles());
-  awake_nodes_.reserve(mesh.grid.particles() / kLanes + 1);
+  awake_nodes_.reserve(mesh.grid.particles() / kPack + 1);
   for (auto* list : {&mass_, &moving_mass_}) list->reserve(padded(mesh.grid.particles()));
   for (Vector* v : {&inverse_diagonal_, &residual_weight_}) v->resize(capacity());
   proxy_unknowns_.reserve(probes_.size());
@@ -64,8 +66,8 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
   for (auto* list : {&motion_, &gradient_, &diagonal_}) list->clear(mesh_.nodes());
   const double share = h_ / (1.0 + air_damping_ * h_);
   for (int c = 0; c < 3; ++c) {
-    const std::vector<double>&x = positions.coordinate(c), &v = velocities.coordinate(c);
-    std::vector<double>& ahead = inertial_.coordinate(c);
+    const auto &x = positions.coordinate(c), &v = velocities.coordinate(c);
+    auto& ahead = inertial_.coordinate(c);
     for (int n = 0; n < mesh_.nodes(); ++n) ahead[n] = x[n] + share * v[n];
   }
   nodes_ = positions;
@@ -221,7 +223,7 @@ Sums ClothObjective::evaluateElements(int begin, int end) {
 
 /// Gradient of the nodes begin..end; returns their energy of motion and gravity [J].
 double ClothObjective::gatherNodes(int begin, int end) {
-  const double energy = evaluateMotion(motion(), begin, end, nodes_.arrays(), gradient_.arrays());
+  const double energy = kernels().evaluateMotion(motion(), begin, end, nodes_.arrays(), gradient_.arrays());
   internal_.addGradient(begin, end, gradient_);
   contacts_.addGradient(begin, end, gradient_);
   return energy;
@@ -265,7 +267,7 @@ ClothObjective::Curvature ClothObjective::curvature(bool whole_way, bool deforms
       [&](int from, int to) {
         Sums sums = Sums::Zero();
         awake_nodes_.forPart(from, to, [&](int begin, int end) {
-          sums[0] += motionCurvature(motion(), begin, end, motion_.arrays());
+          sums[0] += kernels().motionCurvature(motion(), begin, end, motion_.arrays());
         });
         return sums;
       },

@@ -290,8 +290,8 @@ void ClothWorld::accept(StepReport& report) {
     gravity_work += mesh.mass[n] * scene.gravity.dot(after[n] - nodes_[n]);
   }
   for (int c = 0; c < 3; ++c) {
-    const std::vector<double>&end = after.coordinate(c), &start = nodes_.coordinate(c);
-    std::vector<double>& velocity = velocities_.coordinate(c);
+    const auto &end = after.coordinate(c), &start = nodes_.coordinate(c);
+    auto& velocity = velocities_.coordinate(c);
     for (int n = 0; n < mesh.nodes(); ++n) velocity[n] = (end[n] - start[n]) / h;
   }
   nodes_ = after;

@@ -1,7 +1,7 @@
 /// Energy of motion and gravity of the nodes of one step, over lanes.
 #pragma once
 
-#include "mesh/field.h"
+#include "simd/pack.h"
 
 namespace haptic_cloth {
 
@@ -15,11 +15,7 @@ struct Motion {
   ConstArrays inertial;       ///< where inertia would lead [m]
 };
 
-/// Writes the gradient at nodes begin..end at x. @return their energy [J]
-double evaluateMotion(const Motion& motion, int begin, int end, const ConstArrays& x,
-                      const MutableArrays& gradient);
-
-/// d · H d of nodes begin..end.
-double motionCurvature(const Motion& motion, int begin, int end, const ConstArrays& d);
+// Kernels: evaluateMotion writes the gradient at nodes begin..end at x and returns their energy [J];
+// motionCurvature returns d · H d of these nodes.
 
 }  // namespace haptic_cloth

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "simd/kernels.h"
+
 namespace haptic_cloth {
 namespace {
 
@@ -16,31 +18,6 @@ constexpr double kHat = 4e-9, kOwn = 2e-9, kInverse = 2e-8;
 void handOver(const ActiveMesh& mesh, Blocks& blocks) {
   mesh.handOverGhosts(blocks);
   std::fill(blocks.begin() + mesh.active(), blocks.begin() + mesh.nodes(), Block::Zero());
-}
-
-/// Points' values from a vector of the unknowns, of which `free` nodes have x, then y, then z.
-HAPTIC_CLOTH_CLONES void loadValues(const double* __restrict__ gradient, int free,
-                                    float* __restrict__ values) {
-  for (int n = 0; n < free; ++n) {
-    for (int c = 0; c < 3; ++c) values[4 * n + c] = static_cast<float>(gradient[c * free + n]);
-    values[4 * n + 3] = 0.0f;
-  }
-}
-
-/// Direction of nodes begin..end: the hats' part and what their own blocks make of the gradient. What does
-/// not move has none.
-HAPTIC_CLOTH_CLONES void addOwn(const BlockArrays& own, const double* gradient, const float* values, int free,
-                                int begin, int end, double* __restrict__ z) {
-  for (int n = begin; n < end; ++n) {
-    const double xx = own[0][n], yy = own[1][n], zz = own[2][n], yz = own[3][n], xz = own[4][n],
-                 xy = own[5][n];
-    const double gx = gradient[n], gy = gradient[free + n], gz = gradient[2 * free + n];
-    const float* const hats = values + 4 * n;
-    const double moves = xx > 0.0 ? 1.0 : 0.0;
-    z[n] = moves * (hats[0] + xx * gx + xy * gy + xz * gz);
-    z[free + n] = moves * (hats[1] + xy * gx + yy * gy + yz * gz);
-    z[2 * free + n] = moves * (hats[2] + xz * gx + yz * gy + zz * gz);
-  }
 }
 
 }  // namespace
@@ -153,14 +130,14 @@ void MultilevelPreconditioner::invertHat(int k) {
 
 void MultilevelPreconditioner::apply(const Vector& gradient, Vector& z) {
   values_.resize(hats_.points());
-  loadValues(gradient.data(), mesh_.free, values_.data()->data());
+  kernels().loadPoints(gradient.data(), mesh_.free, values_.data()->data());
   std::fill(values_.begin() + mesh_.free, values_.end(), HatValue::Zero());
   applyHats();
   const BlockArrays own = node_inverse_.arrays();
   team_.forRange(
       mesh_.free,
       [&](int begin, int end) {
-        addOwn(own, gradient.data(), values_.data()->data(), mesh_.free, begin, end, z.data());
+        kernels().addOwnBlocks(own, gradient.data(), values_.data()->data(), mesh_.free, begin, end, z.data());
       },
       kOwn);
   for (const Proxy& proxy : proxies_) applyProxy(proxy, gradient, z);

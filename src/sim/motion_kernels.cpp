@@ -1,8 +1,11 @@
 #include "sim/motion.h"
+#include "simd/kernels.h"
+#include "simd/lanes.h"
 
 namespace haptic_cloth {
+namespace HAPTIC_CLOTH_PATH {
 
-HAPTIC_CLOTH_CLONES double evaluateMotion(const Motion& motion, int begin, int end, const ConstArrays& x,
+double evaluateMotion(const Motion& motion, int begin, int end, const ConstArrays& x,
                                           const MutableArrays& gradient) {
   const Lanes3 gravity{all(motion.gravity[0]), all(motion.gravity[1]), all(motion.gravity[2])};
   Lanes energy{};
@@ -15,7 +18,7 @@ HAPTIC_CLOTH_CLONES double evaluateMotion(const Motion& motion, int begin, int e
   return total(energy);
 }
 
-HAPTIC_CLOTH_CLONES double motionCurvature(const Motion& motion, int begin, int end, const ConstArrays& d) {
+double motionCurvature(const Motion& motion, int begin, int end, const ConstArrays& d) {
   Lanes sum{};
   for (int n = begin; n < end; n += kLanes) {
     const Lanes3 change = load(d, n);
@@ -24,4 +27,5 @@ HAPTIC_CLOTH_CLONES double motionCurvature(const Motion& motion, int begin, int 
   return motion.inertia * total(sum);
 }
 
+}  // namespace HAPTIC_CLOTH_PATH
 }  // namespace haptic_cloth

@@ -1,0 +1,172 @@
+#include "contact/contact_law.h"
+#include "contact/distance_lanes.h"
+#include "contact/sample_packs.h"
+#include "simd/kernels.h"
+
+namespace haptic_cloth {
+namespace HAPTIC_CLOTH_PATH {
+namespace {
+
+HAPTIC_CLOTH_INLINE Lanes3 load3(const double (*values)[kPack], int l) {
+  return {load(values[0] + l), load(values[1] + l), load(values[2] + l)};
+}
+
+HAPTIC_CLOTH_INLINE Lanes3 at(const SamplePack& pack, int l, const ConstArrays& values) {
+  if (pack.at_nodes) return gather(values, pack.nodes[0], l);
+  Lanes3 sum = load(pack.weights[0] + l) * gather(values, pack.nodes[0], l);
+  for (int c = 1; c < 4; ++c) sum = sum + load(pack.weights[c] + l) * gather(values, pack.nodes[c], l);
+  return sum;
+}
+
+/// Motion of the samples against their solid.
+HAPTIC_CLOTH_INLINE Lanes3 against(const SamplePack& pack, int l, const ConstArrays& d,
+                                   const double* d_origin) {
+  const Lanes3 moved = at(pack, l, d);
+  return {moved.x - d_origin[0], moved.y - d_origin[1], moved.z - d_origin[2]};
+}
+
+HAPTIC_CLOTH_INLINE void storeNothing(SamplePack& pack, int l, double range, const MutableArrays& slots,
+                                      int slot) {
+  const Lanes zero{};
+  store(slots, slot, {zero, zero, zero});
+  store(pack.gap + l, all(range));
+  store(pack.normal_stiffness + l, zero);
+  store(pack.tangent_stiffness + l, zero);
+  store(pack.pressing + l, zero);
+}
+
+struct PressureLanes {
+  Lanes energy, pressure, stiffness;
+};
+
+/// ContactLaw.
+HAPTIC_CLOTH_INLINE PressureLanes press(double range, const Lanes& gap) {
+  const Lanes u = 1.0 - gap / range, limit = all(ContactLaw::kSwitch), none{};
+  const Lanes v = smaller(larger(u, none), limit), past = larger(u - limit, none);
+  const Lanes left = 1.0 - v, inverse = 1.0 / left;
+  const Lanes energy = -0.5 * v * v - v - logarithm(left), pressure = v * v * inverse;
+  const Lanes slope = v * (2.0 - v) * inverse * inverse;
+  return {ContactLaw::kPressure * range * (energy + past * (pressure + 0.5 * past * slope)),
+          ContactLaw::kPressure * (pressure + past * slope), ContactLaw::kPressure / range * slope};
+}
+
+/// @return energy stored, and potential of friction
+HAPTIC_CLOTH_INLINE void evaluateOne(SamplePack& pack, int l, const SampleContext& context,
+                                     const Lanes3& position, const Lanes3& moved, const MutableArrays& slots,
+                                     int slot, Lanes& energy, Lanes& loss) {
+  const DistanceLanes d = distance(context.solid, position);
+  const Lanes area = load(pack.area + l);
+  const PressureLanes law = press(context.range, d.value + load(pack.raised + l));
+  const Lanes pressing = area * law.pressure;
+  energy += area * law.energy;
+  // Friction, smoothed below `slip`: potential f₀, f₀'/y [Li et al. 2020].
+  const Lanes3 start_normal = load3(pack.start_normal, l);
+  const Lanes3 slip = moved - dot(start_normal, moved) * start_normal;
+  const Lanes y = squareRoot(dot(slip, slip)), limit = load(pack.friction + l), t = y / context.slip;
+  const Lanes slow = all(context.slip);
+  loss += limit * ifLess(y, slow, slow * t * t * (1.0 - t / 3.0), y - slow / 3.0);
+  const Lanes tangent = limit * ifLess(y, slow, (2.0 - t) / slow, 1.0 / y);
+  store(slots, slot, tangent * slip - pressing * d.normal);
+  store(pack.normal[0] + l, d.normal.x);
+  store(pack.normal[1] + l, d.normal.y);
+  store(pack.normal[2] + l, d.normal.z);
+  store(pack.gap + l, ifPositive(area, d.value, all(context.range)));
+  store(pack.normal_stiffness + l, area * law.stiffness);
+  store(pack.tangent_stiffness + l, tangent);
+  store(pack.pressing + l, pressing);
+}
+
+}  // namespace
+
+ContactEnergy evaluateSamples(SamplePack* packs, int begin, int end, const SampleContext& context,
+                              const ConstArrays& x, const MutableArrays& slots, int first) {
+  Lanes energy{}, loss{};
+  for (int p = begin; p < end; ++p) {
+    SamplePack& pack = packs[p];
+    for (int l = 0; l < kPack; l += kLanes) {
+      const int slot = first + kPack * (p - begin) + l;
+      const Lanes3 position = at(pack, l, x), start = load3(pack.start, l);
+      const Lanes3 moved{position.x - context.origin[0] - start.x, position.y - context.origin[1] - start.y,
+                         position.z - context.origin[2] - start.z};
+      const Lanes clearance = larger(load(pack.clearance + l), Lanes{});
+      if (context.skip && !anyLarger(dot(moved, moved), clearance * clearance)) {
+        storeNothing(pack, l, context.range, slots, slot);
+      } else {
+        evaluateOne(pack, l, context, position, moved, slots, slot, energy, loss);
+      }
+    }
+  }
+  return {total(energy), total(loss)};
+}
+
+double sampleCurvature(const SamplePack* packs, int begin, int end, const ConstArrays& d,
+                       const double* d_origin, bool whole_way) {
+  Lanes sum{};
+  for (int p = begin; p < end; ++p) {
+    const SamplePack& pack = packs[p];
+    for (int l = 0; l < kPack; l += kLanes) {
+      const Lanes across = load(pack.normal_stiffness + l), along = load(pack.tangent_stiffness + l);
+      if (!anyLarger(larger(across, along), Lanes{})) continue;
+      const Lanes3 moved = against(pack, l, d, d_origin);
+      const Lanes normal = dot(load3(pack.normal, l), moved), start = dot(load3(pack.start_normal, l), moved);
+      const Lanes square = larger(dot(moved, moved) - start * start, Lanes{});
+      const Lanes stuck = along * square;
+      sum += across * normal * normal +
+             (whole_way ? smaller(stuck, load(pack.friction + l) * squareRoot(square)) : stuck);
+    }
+  }
+  return total(sum);
+}
+
+double largestStep(const SamplePack* packs, int begin, int end, double share, const ConstArrays& d,
+                   const double* d_origin) {
+  Lanes step = all(1e300);
+  for (int p = begin; p < end; ++p) {
+    const SamplePack& pack = packs[p];
+    for (int l = 0; l < kPack; l += kLanes) {
+      const Lanes closing = -dot(load3(pack.normal, l), against(pack, l, d, d_origin));
+      const Lanes gap = load(pack.gap + l), nearer = smaller(smaller(gap, closing), load(pack.area + l));
+      step = smaller(step, ifPositive(nearer, share * gap / closing, all(1e300)));
+    }
+  }
+  return least(step);
+}
+
+void solidDistances(const SolidLanes& solid, int count, const ConstArrays& x, double* distances,
+                    const MutableArrays& normals) {
+  for (int n = 0; n < count; n += kLanes) {
+    const DistanceLanes d = distance(solid, load(x, n));
+    store(distances + n, d.value);
+    store(normals, n, d.normal);
+  }
+}
+
+/// Solids are convex, so the distance lies above its tangent at each corner, and a patch lies between its
+/// corners.
+void patchMargins(const PatchCorners* corners, int count, double range, const ConstArrays& x,
+                  const double* reach, const double* gaps, const ConstArrays& normals, double* margins) {
+  for (int p = 0; p < count; ++p) {
+    const PackIndices* const nodes = corners[p].at;
+    for (int l = 0; l < kPack; l += kLanes) {
+      Lanes3 at_corner[4];
+      Lanes widest{}, nearest = all(1e300), farthest = all(-1e300);
+      for (int c = 0; c < 4; ++c) {
+        at_corner[c] = gather(x, nodes[c], l);
+        widest = larger(widest, gather(reach, nodes[c], l));
+        nearest = smaller(nearest, gather(gaps, nodes[c], l));
+      }
+      const Lanes margin = range + widest;
+      for (int c = 0; c < 4; ++c) {
+        const Lanes3 normal = gather(normals, nodes[c], l);
+        Lanes nearer{};
+        for (int k = 0; k < 4; ++k) nearer = smaller(nearer, dot(normal, at_corner[k] - at_corner[c]));
+        farthest = larger(farthest, gather(gaps, nodes[c], l) + nearer);
+      }
+      const Lanes none = all(-1.0);
+      store(margins + kPack * p + l, ifLess(margin, nearest, ifLess(margin, farthest, none, margin), margin));
+    }
+  }
+}
+
+}  // namespace HAPTIC_CLOTH_PATH
+}  // namespace haptic_cloth

@@ -1,0 +1,67 @@
+/// A force law for a register of elements.
+#pragma once
+
+#include "energy/law_table.h"
+#include "energy/packs.h"
+#include "simd/lanes.h"
+
+namespace haptic_cloth {
+namespace HAPTIC_CLOTH_PATH {
+
+struct LawLanes {
+  Lanes potential, force, slope;  ///< as Curve::Point
+};
+
+/// Whole numbers. @pre they fit
+static HAPTIC_CLOTH_INLINE void truncate(const Lanes& v, int* whole) {
+#if HAPTIC_CLOTH_LANES == 8 && defined(__AVX512F__)
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(whole), _mm512_cvttpd_epi32(__m512d(v)));
+#elif HAPTIC_CLOTH_LANES == 4 && defined(__AVX__)
+  _mm_storeu_si128(reinterpret_cast<__m128i*>(whole), _mm256_cvttpd_epi32(__m256d(v)));
+#else
+  for (int l = 0; l < kLanes; ++l) whole[l] = static_cast<int>(v[l]);
+#endif
+}
+
+/// The coefficients of one interval for each lane.
+static HAPTIC_CLOTH_INLINE void fetch(const LawInterval* intervals, const Lanes& which, Lanes& p, Lanes& q,
+                                      Lanes& r) {
+  int interval[kLanes];
+  truncate(which, interval);
+  for (int l = 0; l < kLanes; ++l) {
+    const LawInterval& at = intervals[interval[l]];
+    p[l] = at.p;
+    q[l] = at.q;
+    r[l] = at.r;
+  }
+}
+
+/// @param steps memory of these elements' pack, not read where the law has none  @param lane the first one's
+static HAPTIC_CLOTH_INLINE LawLanes evaluate(const LawView& law, const Lanes& s, const StepPack* steps,
+                                             int lane) {
+  using Kind = LawView::Kind;
+  if (law.kind == Kind::Line) {
+    const LawInterval& only = law.intervals[0];
+    return {only.p + s * (only.q + 0.5 * only.r * s), only.q + only.r * s, all(only.r)};
+  }
+  if (law.kind == Kind::TwoLines) {  // both without force at zero
+    const Lanes slope = ifLess(s, Lanes{}, all(law.intervals[0].r), all(law.intervals[1].r));
+    const Lanes force = slope * s;
+    return {0.5 * force * s, force, slope};
+  }
+  const Lanes interval = smaller(larger((s - law.begin) * law.inverse_step, Lanes{}), all(law.last));
+  Lanes p{}, q{}, r{};
+  if (law.kind == Kind::Table) {
+    fetch(law.intervals, interval, p, q, r);
+    return {p + s * (q + 0.5 * r * s), q + r * s, r};
+  }
+  const Lanes high = load(steps->high + lane), low = load(steps->low + lane), one = all(1.0), none{};
+  const Lanes upper = ifLess(high, s, one, none), lower = ifLess(s, low, one, none);
+  fetch(law.intervals, interval + (law.last + 1.0) * (one - upper + lower), p, q, r);
+  p += upper * load(steps->on_upper + lane) + lower * load(steps->on_lower + lane);
+  q += (one - upper - lower) * load(steps->play + lane);
+  return {p + s * (q + 0.5 * r * s), q + r * s, r};
+}
+
+}  // namespace HAPTIC_CLOTH_PATH
+}  // namespace haptic_cloth

@@ -1,0 +1,49 @@
+#include "energy/law_lanes.h"
+#include "energy/packs.h"
+#include "simd/kernels.h"
+
+namespace haptic_cloth {
+namespace HAPTIC_CLOTH_PATH {
+namespace {
+
+/// Curvature of the triples at x, or its change along x.
+HAPTIC_CLOTH_INLINE Lanes bend(const TriplePack& pack, int l, const ConstArrays& x, const Lanes3& normal) {
+  const Lanes3 centre = gather(x, pack.c, l);
+  return dot(normal, load(pack.left + l) * (gather(x, pack.l, l) - centre) +
+                         load(pack.right + l) * (gather(x, pack.r, l) - centre));
+}
+
+}  // namespace
+
+double evaluateTriples(TriplePack* packs, int begin, int end, const LawView& law, const StepPack* steps,
+                       const ConstArrays& x, const ConstArrays& normals, const MutableArrays& slots,
+                       int first) {
+  Lanes energy{};
+  for (int p = begin; p < end; ++p) {
+    TriplePack& pack = packs[p];
+    for (int l = 0; l < kPack; l += kLanes) {
+      const Lanes3 normal = gather(normals, pack.c, l);
+      const LawLanes moment = evaluate(law, bend(pack, l, x, normal), steps ? steps + p : nullptr, l);
+      const Lanes area = load(pack.area + l);
+      energy += area * moment.potential;
+      store(slots, first + kPack * (p - begin) + l, (area * moment.force) * normal);
+      store(pack.stiffness + l, area * moment.slope);
+    }
+  }
+  return total(energy);
+}
+
+double tripleCurvature(const TriplePack* packs, int begin, int end, const ConstArrays& d,
+                       const ConstArrays& normals) {
+  Lanes sum{};
+  for (int p = begin; p < end; ++p) {
+    for (int l = 0; l < kPack; l += kLanes) {
+      const Lanes change = bend(packs[p], l, d, gather(normals, packs[p].c, l));
+      sum += load(packs[p].stiffness + l) * change * change;
+    }
+  }
+  return total(sum);
+}
+
+}  // namespace HAPTIC_CLOTH_PATH
+}  // namespace haptic_cloth

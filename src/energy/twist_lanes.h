@@ -1,0 +1,17 @@
+/// What the kernels of a patch's twist share.
+#pragma once
+
+#include "energy/packs.h"
+#include "simd/lanes.h"
+
+namespace haptic_cloth {
+namespace HAPTIC_CLOTH_PATH {
+
+/// Second derivative of the twist energy by the saddle's height; zero for lanes without a patch [N/m].
+static HAPTIC_CLOTH_INLINE Lanes twistStiffness(const PatchPack& pack, int lane, double rigidity) {
+  const Lanes area = load(pack.area + lane);
+  return ifPositive(area, 2.0 * rigidity / area, Lanes{});
+}
+
+}  // namespace HAPTIC_CLOTH_PATH
+}  // namespace haptic_cloth

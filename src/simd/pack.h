@@ -1,0 +1,47 @@
+/// The layout of data for SIMD loops. It is the same on every machine; how many lanes of a pack are worked on
+/// at a time is the business of the kernels (lanes.h).
+#pragma once
+
+namespace haptic_cloth {
+
+/// Elements in a pack.
+constexpr int kPack = 8;
+
+/// Smallest multiple of kPack that holds n.
+constexpr int padded(int n) { return (n + kPack - 1) / kPack * kPack; }
+
+/// Three arrays of coordinates, padded to whole packs.
+struct ConstArrays {
+  const double *x, *y, *z;
+};
+struct MutableArrays {
+  double *x, *y, *z;
+  operator ConstArrays() const { return {x, y, z}; }
+};
+
+/// Indices of one pack.
+struct PackIndices {
+  int index[kPack];
+  unsigned rows;  ///< bit l is set where index[l + 1] follows index[l]
+
+  void set(int lane, int value) { index[lane] = value; }
+
+  /// Call after the last set().
+  void finish() {
+    rows = 0;
+    for (int l = 0; l + 1 < kPack; ++l) rows |= (index[l + 1] == index[l] + 1 ? 1u : 0u) << l;
+  }
+  bool inRow() const { return rows == (1u << (kPack - 1)) - 1; }
+};
+
+/// Nodes of a pack of cells: corners (i, j), (i+s, j), (i, j+s), (i+s, j+s).
+struct PatchCorners {
+  PackIndices at[4];
+};
+
+/// One array for each entry of symmetric 3 x 3 matrices: xx, yy, zz, yz, xz, xy.
+struct BlockArrays {
+  double* entry[6];
+};
+
+}  // namespace haptic_cloth
