@@ -97,7 +97,10 @@ ClothCase::Iterations ClothCase::minimize(Objective& objective, int iterations) 
   start_ = point_;
   const double value = objective.evaluate(start_, scratch_);
   const std::clock_t before = std::clock();
-  const MinimizerReport report = minimizer.minimize(objective, start_, value, scratch_, world_->team);
+  MinimizerReport report;
+  world_->team.run(world_->mesh.active(), [&] {
+    report = minimizer.minimize(objective, start_, value, scratch_, world_->team);
+  });
   const double cpu = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
   return {report.iterations, report.evaluations, report.seconds, cpu};
 }

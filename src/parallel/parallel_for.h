@@ -1,11 +1,12 @@
-/// The one place with OpenMP pragmas: loops shared out over threads, with results that do not depend on how
-/// many.
+/// Loops shared out over threads, with results that do not depend on how many. The one place with OpenMP.
 #pragma once
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <array>
-#include <chrono>
+#include <atomic>
+#include <exception>
+#include <memory>
+#include <thread>
 #include <vector>
 
 #ifdef _OPENMP
@@ -17,26 +18,69 @@ namespace haptic_cloth {
 /// Sums formed in one pass over a list.
 using Sums = Eigen::Array<double, 6, 1>;
 
-/// Runs loops over index ranges on a fixed number of threads. Work is cut into blocks of fixed size, whatever
-/// the number of threads; sums are formed per block and added in block order. So the bits never change, and
-/// it may be left to the clock whether a loop is shared out: a busy machine, or threads that sleep while they
-/// wait, can make that cost more than it saves.
+/// Runs loops over index ranges. Work is cut into blocks whose size depends on nothing but the length of the
+/// range; sums are formed per block and added in block order. So the bits never change with the threads.
+///
+/// The threads meet once, in run(): one parallel region, in which the caller goes on alone and the others wait
+/// for its loops, spinning, since the next one is microseconds away. Each thread has a part of a loop's blocks
+/// and then helps the others with theirs: a thread that the system has taken off its core holds up no more
+/// than the block it was at.
 class Team {
  public:
   static constexpr int kBlock = 256;
 
-  // About what an item takes one core [s]: for that decision alone.
+  // About what an item takes one core [s]: for the decision whether a loop is worth sharing.
   static constexpr double kElement = 5e-9, kNode = 8e-9, kEntry = 4e-10;
 
-  /// @param threads 0: as many as OpenMP gives
-  explicit Team(int threads) : threads_(threads > 0 ? threads : available()) {}
+  /// Cores that this process may use.
+  static int cores() {
+#ifdef _OPENMP
+    return std::max(1, omp_get_num_procs());
+#else
+    return 1;
+#endif
+  }
+
+  /// @param threads at most; 0: as many as there are cores
+  explicit Team(int threads) : threads_(threads > 0 ? threads : cores()), loop_(new Loop(threads_)) {}
 
   int threads() const { return threads_; }
 
   /// Makes room for sums over up to `count` items.
   void reserve(int count) { partial_.reserve((count + kBlock - 1) / kBlock); }
 
-  /// work(begin, end) for consecutive parts of [0, count), in parallel. @param item time of one [s]
+  /// Calls body(), whose loops are shared out. @param particles at work: few are not worth many threads
+  template <class Body>
+  void run(int particles, const Body& body) {
+#ifdef _OPENMP
+    const int wanted = std::min(threads_, 1 + particles / kParticlesPerThread);
+    if (wanted > 1 && !loop_->open) {
+      std::exception_ptr failure;  // none may leave the region
+      loop_->open = true;
+      loop_->closed.store(false, std::memory_order_relaxed);
+#pragma omp parallel num_threads(wanted)
+      {
+        if (omp_get_thread_num() == 0) {
+          loop_->members = omp_get_num_threads();
+          try {
+            body();
+          } catch (...) {
+            failure = std::current_exception();
+          }
+          loop_->closed.store(true, std::memory_order_release);
+        } else {
+          loop_->serve(omp_get_thread_num());
+        }
+      }
+      loop_->open = false;
+      if (failure) std::rethrow_exception(failure);
+      return;
+    }
+#endif
+    body();
+  }
+
+  /// work(begin, end) for consecutive parts of [0, count). @param item time of one [s]
   template <class Work>
   void forRange(int count, const Work& work, double item = kElement) {
     forBlocks((count + kBlock - 1) / kBlock, count * item,
@@ -57,59 +101,130 @@ class Team {
     return total;
   }
 
- private:
-  static int available() {
-#ifdef _OPENMP
-    return std::max(1, omp_get_max_threads());
-#else
-    return 1;
-#endif
+  /// work(k) for tasks 0 .. count-1, each worth sharing.
+  template <class Work>
+  void forTasks(int count, const Work& work) {
+    forBlocks(count, 1.0, work);
   }
 
-  /// @param seconds it takes one thread, about
+ private:
+  static constexpr double kWorthSharing = 4e-6;    ///< some times what it takes threads to meet [s]
+  static constexpr int kParticlesPerThread = 300;  ///< with fewer, threads mostly wait for each other
+
   template <class Work>
   void forBlocks(int blocks, double seconds, const Work& work) {
 #ifdef HAPTIC_CLOTH_SHARE_ALL  // for the thread sanitizer: it sees only what is shared out
-    if (threads_ > 1) return share(blocks, work);
+    seconds = 1.0;
 #endif
-    if (std::min(threads_, blocks) < 2 || seconds < kLeast) {
+    if (!loop_->open || blocks < 2 || seconds < kWorthSharing) {
       for (int block = 0; block < blocks; ++block) work(block);
       return;
     }
-    const unsigned place = loops_++ % kPeriod;
-    if (place == 0) measured_ = expected_ = {0.0, 0.0};
-    const bool tries = place < 2 * kTrials;
-    const bool shared = tries ? place >= kTrials : measured_[1] * expected_[0] < measured_[0] * expected_[1];
-    const auto start = Clock::now();
-    if (shared) {
-      share(blocks, work);
-    } else {
-      for (int block = 0; block < blocks; ++block) work(block);
+    loop_->share(blocks, [](const void* context, int block) { (*static_cast<const Work*>(context))(block); },
+                 &work);
+  }
+
+  /// The loop in hand. A thread's part of it is one word, so that taking a block is one atomic operation: the
+  /// number of the loop, the next unit and the end, a unit being some blocks.
+  class Loop {
+   public:
+    using Call = void (*)(const void* context, int block);
+
+    explicit Loop(int threads) : parts_(new Part[threads]) {}
+
+    int members = 1;                   ///< threads in the region
+    bool open = false;                 ///< there is a region
+    std::atomic<bool> closed{false};   ///< the region is to end
+
+    /// Shares out blocks 0 .. blocks-1, and returns when all are done.
+    void share(int blocks, Call call, const void* context) {
+      const int unit = 1 + blocks / kMostUnits, units = (blocks + unit - 1) / unit;
+      call_.store(call, std::memory_order_relaxed);
+      context_.store(context, std::memory_order_relaxed);
+      unit_.store(unit, std::memory_order_relaxed);
+      blocks_.store(blocks, std::memory_order_relaxed);
+      unfinished_.store(units, std::memory_order_relaxed);
+      ++number_;
+      for (int t = 0; t < members; ++t) {
+        const long first = static_cast<long>(units) * t / members, end = static_cast<long>(units) * (t + 1) / members;
+        parts_[t].word.store(word(number_, first, end), std::memory_order_release);
+      }
+      announced_.store(number_, std::memory_order_release);
+      help(0);
+      for (int spin = 0; unfinished_.load(std::memory_order_acquire) > 0; ++spin) pause(spin);
     }
-    if (!tries || place % kTrials < kWarmUp) return;  // the first have their data in another core's cache
-    measured_[shared] += std::chrono::duration<double>(Clock::now() - start).count();
-    expected_[shared] += seconds;
-  }
 
-  template <class Work>
-  void share(int blocks, const Work& work) const {
-#ifdef _OPENMP
-// In turns: kinds of elements lie one after another, and in one piece the thread with the dearest would be
-// late.
-#pragma omp parallel for schedule(static, 1) num_threads(threads_)
+    /// What the other threads do until the region is closed.
+    void serve(int thread) {
+      unsigned seen = announced_.load(std::memory_order_acquire) - 1;
+      for (int spin = 0; !closed.load(std::memory_order_acquire); ++spin) {
+        const unsigned now = announced_.load(std::memory_order_acquire);
+        if (now == seen) {
+          pause(spin);
+          continue;
+        }
+        seen = now;
+        help(thread);
+        spin = 0;
+      }
+    }
+
+   private:
+    static constexpr int kMostUnits = 32768;
+
+    struct alignas(64) Part {
+      std::atomic<unsigned long long> word{0};
+    };
+    static unsigned long long word(unsigned number, long next, long end) {
+      return static_cast<unsigned long long>(number) << 32 | static_cast<unsigned long long>(next) << 16 |
+             static_cast<unsigned long long>(end);
+    }
+
+    /// Works on units until none is left, first on this thread's own.
+    void help(int thread) {
+      int finished = 0;
+      for (int k = 0; k < members; ++k) {
+        std::atomic<unsigned long long>& part = parts_[(thread + k) % members].word;
+        unsigned long long seen = part.load(std::memory_order_acquire);
+        while ((seen >> 16 & 0xffff) < (seen & 0xffff)) {
+          // Of this loop, if the word is still the same when the unit is taken: then it cannot have ended.
+          const Call call = call_.load(std::memory_order_relaxed);
+          const void* const context = context_.load(std::memory_order_relaxed);
+          const int unit = unit_.load(std::memory_order_relaxed), blocks = blocks_.load(std::memory_order_relaxed);
+          const int first = static_cast<int>(seen >> 16 & 0xffff) * unit;
+          if (!part.compare_exchange_weak(seen, seen + (1ull << 16), std::memory_order_acq_rel)) continue;
+          for (int block = first; block < std::min(first + unit, blocks); ++block) call(context, block);
+          ++finished;
+          seen = part.load(std::memory_order_acquire);
+        }
+        if (finished > 0) unfinished_.fetch_sub(finished, std::memory_order_acq_rel);
+        finished = 0;
+      }
+    }
+
+    /// Waits a moment; where it takes longer, lets others have the core.
+    static void pause(int spin) {
+      constexpr int kPatience = 2000;  // about 20 to 50 us
+      if (spin > kPatience) {
+        std::this_thread::yield();
+        return;
+      }
+#if defined(__x86_64__) || defined(__i386__)
+      __builtin_ia32_pause();
 #endif
-    for (int block = 0; block < blocks; ++block) work(block);
-  }
+    }
 
-  using Clock = std::chrono::steady_clock;
-  static constexpr double kLeast = 5e-6;  ///< shorter loops are never shared out [s]
-  static constexpr unsigned kTrials = 40, kWarmUp = 20, kPeriod = 4000;
+    unsigned number_ = 0;
+    std::unique_ptr<Part[]> parts_;  ///< a thread each
+    std::atomic<Call> call_{nullptr};
+    std::atomic<const void*> context_{nullptr};
+    std::atomic<int> unit_{1}, blocks_{0};
+    alignas(64) std::atomic<int> unfinished_{0};   ///< units
+    alignas(64) std::atomic<unsigned> announced_{0};  ///< number of the loop in hand
+  };
 
   int threads_;
-  // In each period the first loops are run on one thread, as many then on all; the quicker way takes the
-  // rest.
-  unsigned loops_ = 0;
-  std::array<double, 2> measured_{}, expected_{};  ///< time of a period's trials: on one thread, on all [s]
+  std::unique_ptr<Loop> loop_;
   std::vector<Sums> partial_;
 };
 

@@ -143,8 +143,13 @@ void ClothWorld::setCoupling(int k, double stiffness, double damping) {
 }
 
 StepReport ClothWorld::step() {
-  StepReport report;
   if (isIdle()) return idle();
+  StepReport report;
+  team.run(mesh.active(), [&] { takeStep(report); });
+  return report;
+}
+
+void ClothWorld::takeStep(StepReport& report) {
   minimizer_.startBudget();
   contacts.advance();
   const auto start = std::chrono::steady_clock::now();
@@ -164,7 +169,6 @@ StepReport ClothWorld::step() {
   report.active_particles = mesh.active();
   report.awake_particles = objective.awake();
   noteIdle(report);
-  return report;
 }
 
 /// All sleeps, and the devices are where they were then: nothing would change.

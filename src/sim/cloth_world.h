@@ -66,6 +66,7 @@ class ClothWorld {
   const Field& nodes() const { return nodes_; }
 
  private:
+  void takeStep(StepReport& report);
   bool isIdle() const;
   bool devicesStay() const;
   StepReport idle();
