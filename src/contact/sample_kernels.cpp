@@ -89,7 +89,7 @@ ContactEnergy evaluateSamples(SamplePack* packs, int begin, int end, const Sampl
       const Lanes3 moved{position.x - context.origin[0] - start.x, position.y - context.origin[1] - start.y,
                          position.z - context.origin[2] - start.z};
       const Lanes clearance = larger(load(pack.clearance + l), Lanes{});
-      if (context.skip && !anyLarger(dot(moved, moved), clearance * clearance)) {
+      if (context.skip && allLess(dot(moved, moved), clearance * clearance)) {
         storeNothing(pack, l, context.range, slots, slot);
       } else {
         evaluateOne(pack, l, context, position, moved, slots, slot, energy, loss);
@@ -106,7 +106,7 @@ double sampleCurvature(const SamplePack* packs, int begin, int end, const ConstA
     const SamplePack& pack = packs[p];
     for (int l = 0; l < kPack; l += kLanes) {
       const Lanes across = load(pack.normal_stiffness + l), along = load(pack.tangent_stiffness + l);
-      if (!anyLarger(larger(across, along), Lanes{})) continue;
+      if (allLess(larger(across, along), all(1e-300))) continue;  // nothing touches
       const Lanes3 moved = against(pack, l, d, d_origin);
       const Lanes normal = dot(load3(pack.normal, l), moved), start = dot(load3(pack.start_normal, l), moved);
       const Lanes square = larger(dot(moved, moved) - start * start, Lanes{});

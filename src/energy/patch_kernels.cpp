@@ -22,10 +22,10 @@ HAPTIC_CLOTH_INLINE Lanes angleOf(const Lanes& t, const Lanes& sine, const Lanes
   Lanes fit = all(kFit[11]);
   for (int k = 10; k >= 0; --k) fit = fit * square + kFit[k];
   Lanes angle = t + t * square * fit;
-  if (anyLarger(square, all(0.25))) {
+  if (!allLess(square, all(0.25))) {
     for (int l = 0; l < kLanes; ++l) {
       const double cosine = std::sqrt(square_cosine[l] > 0.0 ? square_cosine[l] : 0.0);
-      if (square[l] > 0.25) angle[l] = std::atan2(sine[l], cosine);
+      if (!(square[l] < 0.25)) angle[l] = std::atan2(sine[l], cosine);
     }
   }
   return angle;

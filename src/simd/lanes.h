@@ -85,18 +85,18 @@ static HAPTIC_CLOTH_INLINE Lanes ifPositive(const Lanes& a, const Lanes& x, cons
 static HAPTIC_CLOTH_INLINE Lanes larger(const Lanes& a, const Lanes& b) { return a > b ? a : b; }
 static HAPTIC_CLOTH_INLINE Lanes smaller(const Lanes& a, const Lanes& b) { return a < b ? a : b; }
 
-/// Whether a > b in some lane; false for those with a NaN.
-static HAPTIC_CLOTH_INLINE bool anyLarger(const Lanes& a, const Lanes& b) {
+/// Whether a < b in all lanes; false where one has a NaN.
+static HAPTIC_CLOTH_INLINE bool allLess(const Lanes& a, const Lanes& b) {
 #if HAPTIC_CLOTH_LANES == 8 && defined(__AVX512F__)
-  return _mm512_cmp_pd_mask(__m512d(a), __m512d(b), _CMP_GT_OQ) != 0;
+  return _mm512_cmp_pd_mask(__m512d(a), __m512d(b), _CMP_LT_OQ) == 0xff;
 #elif HAPTIC_CLOTH_LANES == 4 && defined(__AVX__)
-  return _mm256_movemask_pd(_mm256_cmp_pd(__m256d(a), __m256d(b), _CMP_GT_OQ)) != 0;
+  return _mm256_movemask_pd(_mm256_cmp_pd(__m256d(a), __m256d(b), _CMP_LT_OQ)) == 0xf;
 #elif HAPTIC_CLOTH_LANES == 2 && defined(__SSE2__)
-  return _mm_movemask_pd(_mm_cmpgt_pd(__m128d(a), __m128d(b))) != 0;
+  return _mm_movemask_pd(_mm_cmplt_pd(__m128d(a), __m128d(b))) == 0x3;
 #else
-  bool any = false;
-  for (int l = 0; l < kLanes; ++l) any = any || a[l] > b[l];
-  return any;
+  bool less = true;
+  for (int l = 0; l < kLanes; ++l) less = less && a[l] < b[l];
+  return less;
 #endif
 }
 
