@@ -61,7 +61,7 @@ TEST(Samples, OfACoarseCellStandAtTheFinestSpacing) {
 TEST(Samples, OfAVeryFineGridStandNoCloserThanThePressureAsks) {
   const Tilted cell = tilted(6, 2.5e-5);  // 1.6 mm in 64 parts; half of the range goes 7 times into it
   EXPECT_LT(std::abs(cell.energy), tolerance(cell.bound));
-  EXPECT_LE(cell.samples, 64 + 2 * kLanes);
+  EXPECT_LE(cell.samples, 64 + 2 * kPack);
 }
 
 }  // namespace
