@@ -6,6 +6,7 @@
 #include <new>
 
 #include "haptic_cloth/error.h"
+#include "haptic_cloth/machine.h"
 #include "sim/cloth_world.h"
 
 namespace haptic_cloth {
@@ -25,6 +26,7 @@ class Simulation::Implementation {
 
 Simulation::Simulation(const Scene& scene) {
   validateScene(scene, "scene");
+  instructionSet();  // throws where HAPTIC_CLOTH_SIMD names none that can be used, before any kernel runs
   try {
     implementation_ = std::make_unique<Implementation>(scene);
   } catch (const std::bad_alloc&) {

@@ -1,4 +1,6 @@
 // The choice among the kernels' instruction sets.
+#include "simd/path.h"
+
 #include <cstdlib>
 #include <fstream>
 #include <string>
@@ -26,45 +28,41 @@ extern const Kernels table;
 }
 #endif
 
-namespace {
-
-struct Path {
-  const char* name;
-  const Kernels* kernels;
-  bool available;
-};
-
-Path choosePath() {
+std::vector<SimdPath> simdPaths() {
 #if HAPTIC_CLOTH_X86
   __builtin_cpu_init();
   const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-  const bool has_avx512 = has_avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-                          __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
-  const Path paths[] = {{"avx512", &avx512::table, has_avx512},
-                        {"avx2", &avx2::table, has_avx2},
-                        {"sse2", &sse2::table, true}};  // best first
+  const bool has_avx512 = has_avx2 && __builtin_cpu_supports("avx512f") &&
+                          __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq") &&
+                          __builtin_cpu_supports("avx512bw");
+  return {
+      {"avx512", &avx512::table, has_avx512}, {"avx2", &avx2::table, has_avx2}, {"sse2", &sse2::table, true}};
 #else
-  const Path paths[] = {{"baseline", &baseline::table, true}};
+  return {{"baseline", &baseline::table, true}};
 #endif
-  const char* const wanted = std::getenv("HAPTIC_CLOTH_SIMD");
-  std::string names;
-  for (const Path& path : paths) {
-    if (!path.available) continue;
-    if (!wanted || *wanted == '\0' || path.name == std::string(wanted)) return path;
-    names += (names.empty() ? "" : ", ") + std::string(path.name);
-  }
-  for (const Path& path : paths) {
-    if (path.name == std::string(wanted)) {
-      throw InputError("environment", "HAPTIC_CLOTH_SIMD", wanted,
-                       "this machine does not have these instructions; it has " + names);
-    }
-  }
-  throw InputError("environment", "HAPTIC_CLOTH_SIMD", wanted,
-                   "no such instruction set; this machine has " + names);
 }
 
-const Path& path() {
-  static const Path chosen = choosePath();
+const SimdPath& choosePath(const std::vector<SimdPath>& paths, const char* wanted) {
+  const bool any = !wanted || *wanted == '\0';
+  bool known = false;
+  std::string names;
+  for (const SimdPath& path : paths) {
+    const bool named = !any && path.name == wanted;
+    if (path.available && (any || named)) return path;
+    known = known || named;
+    if (path.available) names += (names.empty() ? "" : ", ") + path.name;
+  }
+  throw InputError("environment", "HAPTIC_CLOTH_SIMD", wanted,
+                   (known ? "this machine lacks these instructions; it has "
+                          : "no such instruction set; this machine has ") +
+                       names);
+}
+
+namespace {
+
+const SimdPath& path() {
+  static const std::vector<SimdPath> paths = simdPaths();
+  static const SimdPath& chosen = choosePath(paths, std::getenv("HAPTIC_CLOTH_SIMD"));
   return chosen;
 }
 
@@ -72,7 +70,7 @@ const Path& path() {
 
 const Kernels& kernels() { return *path().kernels; }
 
-const char* instructionSet() { return path().name; }
+const char* instructionSet() { return path().name.c_str(); }
 
 std::string processorName() {
   std::string name = "unknown processor";
