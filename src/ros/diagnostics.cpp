@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "haptic_cloth/machine.h"
+
 namespace haptic_cloth {
 namespace {
 
@@ -89,6 +91,9 @@ DiagnosticStatus solverStatus(const SolverStats& stats, bool paused, double now)
   add(status, "residual [|g|]", stats.last.minimizer.residual);
   add(status, "failed steps", stats.failed);
   add(status, "kinetic energy [J]", stats.kinetic);
+  static const std::string processor = processorName();  // reads a file once
+  add(status, "processor", processor);
+  add(status, "instruction set", std::string(instructionSet()));
   return status;
 }
 

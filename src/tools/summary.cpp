@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "haptic_cloth/machine.h"
+
 namespace haptic_cloth {
 namespace {
 
@@ -39,6 +41,8 @@ std::string summaryJson(const Simulation& simulation, const RunTotals& totals, b
   summary["evaluations"] = totals.evaluations;
   summary["failed_steps"] = totals.failed_steps;
   summary["threads"] = simulation.threads();
+  summary["processor"] = processorName();
+  summary["simd"] = instructionSet();
   summary["particles"] = simulation.scene().cloth.particles;
   summary["active_particles"] = {{"min", totals.min_active},
                                  {"mean", totals.mean_active},
@@ -83,6 +87,7 @@ std::string briefReport(const Simulation& simulation, const RunTotals& totals) {
        << toString(totals.last.minimizer.why) << "\n"
        << "active particles " << totals.min_active << " to " << totals.max_active << ", mean "
        << totals.mean_active << ", final " << simulation.activeParticles() << "\n"
+       << "processor " << processorName() << "; kernels for " << instructionSet() << "\n"
        << "max strain " << 100.0 * simulation.maxStrain() << " %, max speed " << simulation.maxSpeed()
        << " m/s, max penetration " << 1e3 * totals.max_penetration << " mm\n"
        << "support force " << simulation.supportForce().transpose() << " N";

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "haptic_cloth/error.h"
+#include "haptic_cloth/machine.h"
 #include "haptic_cloth/simulation.h"
 #include "ros/diagnostics.h"
 #include "ros/hand_model.h"
@@ -224,6 +225,15 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
   EXPECT_EQ(solverStatus(solver, false, 10.0).level, DiagnosticStatus::OK);
   solver.last.failed = true;
   EXPECT_EQ(solverStatus(solver, false, 10.0).level, DiagnosticStatus::WARN);
+
+  const auto value = [](const DiagnosticStatus& status, const std::string& key) {
+    for (const auto& entry : status.values) {
+      if (entry.key == key) return entry.value;
+    }
+    return std::string("no " + key);
+  };
+  EXPECT_EQ(value(solverStatus(solver, false, 10.0), "processor"), processorName());
+  EXPECT_EQ(value(solverStatus(solver, false, 10.0), "instruction set"), instructionSet());
 
   HapticStats haptic;
   haptic.taken = 9.5;
