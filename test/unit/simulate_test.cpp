@@ -4,13 +4,18 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
+
+#include "haptic_cloth/machine.h"
+#include "simd/path.h"
 
 namespace {
 
@@ -71,18 +76,19 @@ class Simulate : public testing::Test {
     std::ofstream(folder_ / file) << text;
   }
 
-  /// Runs the program in the test's folder.
-  Outcome run(const std::string& arguments) const {
-    const std::string command = "cd '" + folder_.string() + "' && '" HAPTIC_CLOTH_SIMULATE "' " + arguments +
-                                " >output.txt 2>error.txt";
+  /// Runs the program in the test's folder. @param environment "NAME=value" before the command
+  Outcome run(const std::string& arguments, const std::string& environment = "") const {
+    const std::string command = "cd '" + folder_.string() + "' && " + environment +
+                                " '" HAPTIC_CLOTH_SIMULATE "' " + arguments + " >output.txt 2>error.txt";
     const int status = std::system(command.c_str());
     return {WEXITSTATUS(status), readText(folder_ / "output.txt"), readText(folder_ / "error.txt")};
   }
 
   /// Bad input: status 2, one line that contains every word, no result folder.
-  void expectRefused(const std::string& arguments, const std::vector<std::string>& words) const {
-    SCOPED_TRACE(arguments);
-    const Outcome outcome = run(arguments + " --out result");
+  void expectRefused(const std::string& arguments, const std::vector<std::string>& words,
+                     const std::string& environment = "") const {
+    SCOPED_TRACE(environment + " " + arguments);
+    const Outcome outcome = run(arguments + " --out result", environment);
     EXPECT_EQ(outcome.status, 2);
     EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
     EXPECT_EQ(outcome.output, "");
@@ -110,9 +116,10 @@ TEST_F(Simulate, WritesEveryFile) {
 TEST_F(Simulate, SummaryHasItsKeys) {
   ASSERT_EQ(run("scene.yaml --out result").status, 0);
   const auto summary = nlohmann::json::parse(readText(folder_ / "result/summary.json"));
-  for (const char* key : {"simulated_time", "wall_time", "real_time_factor", "steps", "iterations", "threads",
-                          "active_particles", "cost", "energy", "max_strain", "max_speed", "max_penetration",
-                          "probe_force", "support_force", "failed_steps", "mass", "state_hash"}) {
+  for (const char* key :
+       {"simulated_time", "wall_time", "real_time_factor", "steps", "iterations", "threads",
+        "active_particles", "processor", "simd", "cost", "energy", "max_strain", "max_speed",
+        "max_penetration", "probe_force", "support_force", "failed_steps", "mass", "state_hash"}) {
     EXPECT_TRUE(summary.contains(key)) << key;
   }
   for (const char* key : {"min", "mean", "max", "final"})
@@ -128,6 +135,8 @@ TEST_F(Simulate, SummaryHasItsKeys) {
   EXPECT_NEAR(summary["simulated_time"].get<double>(), 0.03, 1e-12);
   EXPECT_NEAR(summary["mass"].get<double>(), 0.15 * 0.08 * 0.04, 1e-15);
   EXPECT_EQ(summary["probe_force"].size(), 3u);
+  EXPECT_EQ(summary["processor"], haptic_cloth::processorName());
+  EXPECT_EQ(summary["simd"], haptic_cloth::instructionSet());
 }
 
 TEST_F(Simulate, TablesHaveARowForEach) {
@@ -181,11 +190,53 @@ TEST_F(Simulate, SetReplacesKeys) {
 
 TEST_F(Simulate, SameInputGivesSameHash) {
   ASSERT_EQ(run("scene.yaml --out one").status, 0);
-  ASSERT_EQ(run("scene.yaml --set solver.threads=2 --out two").status, 0);
   const auto one = nlohmann::json::parse(readText(folder_ / "one/summary.json"));
-  const auto two = nlohmann::json::parse(readText(folder_ / "two/summary.json"));
-  EXPECT_EQ(one["state_hash"], two["state_hash"]);
-  EXPECT_EQ(readText(folder_ / "one/particles.csv"), readText(folder_ / "two/particles.csv"));
+  for (const char* threads : {"2", "3"}) {
+    ASSERT_EQ(run("scene.yaml --set solver.threads=" + std::string(threads) + " --out more").status, 0);
+    const auto more = nlohmann::json::parse(readText(folder_ / "more/summary.json"));
+    EXPECT_EQ(one["state_hash"], more["state_hash"]) << threads << " threads";
+    EXPECT_EQ(readText(folder_ / "one/particles.csv"), readText(folder_ / "more/particles.csv"));
+  }
+}
+
+// Every step ends where the residual is at most tolerance τ times the weight, root mean square. Left over in
+// each of them it moves the cloth by τ g T² / 2 in a time T, root mean square by mass; by number that may be
+// twice as much, since particles at the corners have a quarter of the others' mass. Two paths: twice that.
+TEST_F(Simulate, PathsAgreeWithinTheTolerance) {
+  constexpr double kTolerance = 1e-4, kTime = 0.03, kGravity = 9.81;
+  const double bound = 2.0 * 2.0 * 0.5 * kTolerance * kGravity * kTime * kTime;
+  for (const std::string fabric : {"linen.yaml", "winter_suiting"}) {
+    std::string first;
+    std::vector<double> expected;
+    for (const haptic_cloth::SimdPath& path : haptic_cloth::simdPaths()) {
+      if (!path.available) continue;
+      const Outcome outcome =
+          run("scene.yaml --set adapt.strategy=finest --set solver.tolerance=1e-4 "
+              "--set solver.max_iterations=5000 --set cloth.fabric=" +
+                  fabric + " --out " + path.name,
+              "HAPTIC_CLOTH_SIMD=" + path.name);
+      ASSERT_EQ(outcome.status, 0) << outcome.error;
+      const auto summary = nlohmann::json::parse(readText(folder_ / path.name / "summary.json"));
+      EXPECT_EQ(summary["simd"], path.name);
+      EXPECT_NEAR(summary["simulated_time"].get<double>(), kTime, 1e-12);
+      std::vector<double> found;
+      for (const std::string& line : readLines(folder_ / path.name / "particles.csv")) {
+        const auto cells = split(line, ',');
+        for (std::size_t c = 3; c < 6 && cells[0] != "i"; ++c) found.push_back(std::stod(cells[c]));
+      }
+      ASSERT_EQ(found.size(), 3u * 45);
+      if (first.empty()) {
+        first = path.name;
+        expected = found;
+      }
+      double squares = 0.0;
+      for (std::size_t k = 0; k < found.size(); ++k) squares += std::pow(found[k] - expected[k], 2);
+      const double apart = std::sqrt(squares / 45);
+      std::cout << "  " << fabric << ", " << path.name << " and " << first << ": " << apart << " m apart, of "
+                << bound << "\n";
+      EXPECT_LT(apart, bound) << path.name << " and " << first;
+    }
+  }
 }
 
 TEST_F(Simulate, StopsAtRest) {
@@ -204,6 +255,9 @@ TEST_F(Simulate, PrintsWithoutOut) {
   const Outcome outcome = run("scene.yaml");
   EXPECT_EQ(outcome.status, 0) << outcome.error;
   EXPECT_NE(outcome.output.find("active particles"), std::string::npos);
+  const std::string machine =
+      "processor " + haptic_cloth::processorName() + "; kernels for " + haptic_cloth::instructionSet() + "\n";
+  EXPECT_NE(outcome.output.find(machine), std::string::npos) << outcome.output;
   const Outcome help = run("--help");
   EXPECT_EQ(help.status, 0);
   EXPECT_NE(help.output.find("summary.json"), std::string::npos);
@@ -220,6 +274,20 @@ TEST_F(Simulate, RefusesBadInput) {
   expectRefused("scene.yaml --set cloth.fabric=velvet_of_nowhere", {"cloth.fabric", "velvet_of_nowhere"});
   expectRefused("scene.yaml --bogus", {"--bogus"});
   expectRefused("", {"SCENE"});
+}
+
+TEST_F(Simulate, RefusesInstructionSetsItCannotUse) {
+  std::string here, lacks;
+  for (const haptic_cloth::SimdPath& path : haptic_cloth::simdPaths()) {
+    if (path.available) here += (here.empty() ? "" : ", ") + path.name;
+    if (!path.available) lacks = path.name;
+  }
+  expectRefused("scene.yaml", {"HAPTIC_CLOTH_SIMD = nonsense", "no such instruction set", here},
+                "HAPTIC_CLOTH_SIMD=nonsense");
+  if (!lacks.empty()) {  // the message is tested for all machines in simd_path_test.cpp
+    expectRefused("scene.yaml", {"HAPTIC_CLOTH_SIMD = " + lacks, "lacks these instructions", here},
+                  "HAPTIC_CLOTH_SIMD=" + lacks);
+  }
 }
 
 TEST_F(Simulate, RefusesDirectoryItCannotWrite) {
