@@ -3,14 +3,17 @@
 file(GLOB kernel_sources CONFIGURE_DEPENDS src/*/*_kernels.cpp)
 list(REMOVE_ITEM library_sources ${kernel_sources})
 
-# haptic_cloth_kernels(NAME LANES FLAGS...): objects of one instruction set, added to kernel_objects.
+# haptic_cloth_kernels(NAME LANES FLAGS...): objects of one instruction set, added to kernel_objects; NAME is added to
+# kernel_paths.
 set(kernel_objects)
+set(kernel_paths)
 macro(haptic_cloth_kernels name lanes)
   add_library(haptic_cloth_${name} OBJECT ${kernel_sources})
   target_link_libraries(haptic_cloth_${name} PRIVATE haptic_cloth_private Eigen3::Eigen)
   target_include_directories(haptic_cloth_${name} PRIVATE include)
   target_compile_definitions(haptic_cloth_${name} PRIVATE HAPTIC_CLOTH_PATH=${name} HAPTIC_CLOTH_LANES=${lanes})
   target_compile_options(haptic_cloth_${name} PRIVATE -ffp-contract=fast ${ARGN})
+  list(APPEND kernel_paths ${name})
   list(APPEND kernel_objects $<TARGET_OBJECTS:haptic_cloth_${name}>)
 endmacro()
 

@@ -55,6 +55,26 @@ if(TARGET simulate)
   add_dependencies(unit_tests simulate kes_test)
 endif()
 
+# Every path of the kernels: all unit tests, and of the others those that go through each kernel (stretch, bending,
+# shear, twist, contact, preconditioner, changes of the mesh). Paths that the machine lacks are reported as skipped.
+# What runs without --path takes the machine's best.
+set(short_physics
+  "Determinism.*:*InPlane.*:HeavyStrip/*:*WoolStrip.Lowered*:*Blade.LosesIts*:OnBox.*:*OnSlope.*:*PressedMembrane.*")
+set(short_physics "${short_physics}:*Costs.AgreeUnderTheProbe*:MeshChange.RestSurvivesRoundTrips:*LocalModel.*")
+set(short_stability "ClothLoop.IsQuietAndFirm:Torture.CrumpledIntoACorner:*TortureStiffness.*")
+set(short_stability "${short_stability}:Torture.EverythingChangesInEveryStep:Torture.SavedSceneReplaysTheSameBits")
+foreach(path ${kernel_paths})
+  foreach(folder unit physics stability)
+    set(filter "*")
+    if(DEFINED short_${folder})
+      set(filter "SimdPath.*:${short_${folder}}")
+    endif()
+    add_test(NAME ${folder}_tests_${path} COMMAND ${folder}_tests --path=${path} "--gtest_filter=${filter}"
+      --gtest_output=xml:${HAPTIC_CLOTH_RESULTS_DIR}/gtest-${folder}_tests_${path}.xml)
+    set_tests_properties(${folder}_tests_${path} PROPERTIES SKIP_RETURN_CODE 77)
+  endforeach()
+endforeach()
+
 add_test(NAME bench_z_width_smoke COMMAND "${PROJECT_SOURCE_DIR}/bench/z_width"
   --tests $<TARGET_FILE:stability_tests> --out "${PROJECT_BINARY_DIR}/bench_z_width")
 
