@@ -33,6 +33,14 @@ def run(program, options, size, interleaved=True):
         return json.loads(out.read_text())["benchmarks"]
 
 
+def machine(program):
+    """Processor and instruction set that the program runs with."""
+    done = subprocess.run([str(program), "--machine"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+    if done.returncode != 0:
+        raise runs.BenchError("%s: status %d: %s" % (program, done.returncode, done.stderr.strip()))
+    return runs.machine_of(json.loads(done.stdout))
+
+
 def least(rows, clock="real_time"):
     """By name the row of the least time, since what else ran can only add to it; its `median` is that of all repetitions.
 

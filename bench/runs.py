@@ -180,6 +180,15 @@ def fingerprint(path):
     return digest.hexdigest()
 
 
+def machine_of(summary):
+    """What belongs beside every figure: name of the processor, instruction set of the kernels. Peers do not say."""
+    return {key: summary.get(key) for key in ("processor", "simd")}
+
+
+def machine_line(machine):
+    return "Processor: %s. Instruction set of the kernels: %s." % (machine["processor"], machine["simd"])
+
+
 class Simulator:
     """Runs scenes one after the other: two at once would spoil each other's times."""
 
@@ -193,6 +202,7 @@ class Simulator:
         self.resume = arguments.resume
         self.time_limit = time_limit
         self.keep_steps = keep_steps
+        self.machine = machine_of({})  # of all timed runs
         self._fingerprint = fingerprint(self.program)
 
     def measure(self, scene, overrides, options=()):
@@ -207,7 +217,7 @@ class Simulator:
                 print("%s %s: %s" % (scene.name, overrides, run["failed"]), file=sys.stderr)
                 return None
             if len(run.get("wall_times", ())) >= self.repeat:
-                return Result(directory, run["wall_times"], run["peak_memory"])
+                return self._timed(Result(directory, run["wall_times"], run["peak_memory"]))
         wall_times, states = [], set()
         for _ in range(self.repeat):
             result = self._run(scene, overrides, options, directory, self.time_limit)
@@ -220,6 +230,15 @@ class Simulator:
             raise BenchError("%s %s: repeats end in different states" % (scene.name, overrides))
         result.wall_times = wall_times
         _note(directory, {"wall_times": wall_times, "peak_memory": result.peak_memory})
+        return self._timed(result)
+
+    def _timed(self, result):
+        """Times of two machines do not belong into one table."""
+        machine = machine_of(result.summary)
+        if self.machine["processor"] and machine != self.machine:
+            raise BenchError("%s was made elsewhere (%s), others here (%s); run without --resume" % (
+                result.directory, machine_line(machine), machine_line(self.machine)))
+        self.machine = machine
         return result
 
     def measure_in_turn(self, scene, choices):
@@ -256,7 +275,7 @@ class Simulator:
 
     def _directory(self, scene, overrides, options, kind):
         # Threads change no bit, so all references are one.
-        timing = [] if kind == "reference" else [self.threads, self.keep_steps]
+        timing = [] if kind == "reference" else [self.threads, self.keep_steps, os.environ.get("HAPTIC_CLOTH_SIMD", "")]
         text = json.dumps([scene.text(overrides), scene.overrides, overrides, list(options), timing,
                            self._fingerprint], sort_keys=True)
         return self.cache / kind / ("%s-%s" % (scene.name, hashlib.sha256(text.encode()).hexdigest()[:16]))

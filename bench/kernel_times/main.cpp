@@ -4,14 +4,15 @@
 #include <cstdlib>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "cloth_case.h"
+#include "haptic_cloth/machine.h"
 #include "limits.h"
 #include "openmp_costs.h"
-#include "haptic_cloth/machine.h"
 #include "passes.h"
 #include "plain_gradient.h"
 #include "work_shares.h"
@@ -23,9 +24,11 @@ using namespace haptic_cloth;
 constexpr const char* kUsage =
     "kernel_times [--strategy=a,b] [--fabric=a,b] [--side=N] [--time=S] [--limits] [--threads=1,2] "
     "[--shares]\n"
+    "             [--machine]\n"
     "  and the options of Google Benchmark. Names: limits/..., MESH/FABRIC/PASS, threads/N/MESH/PASS,\n"
     "  openmp/N/PASS. Counters: flops and bytes of one run, particles, unknowns, evaluations an iteration.\n"
-    "  --shares: prints the work of each thread for 1 to 64 of them as JSON, and measures nothing.";
+    "  --shares: prints the work of each thread for 1 to 64 of them as JSON, and measures nothing.\n"
+    "  --machine: prints processor and instruction set as JSON, and measures nothing.";
 
 /// As many iterations as a step takes, about.
 constexpr int kIterations = 60;
@@ -37,7 +40,7 @@ struct Options {
   std::vector<int> threads;
   int side = 77;
   double time = 0.2;
-  bool limits = false, shares = false;
+  bool limits = false, shares = false, machine = false;
 };
 
 std::vector<std::string> split(const std::string& text) {
@@ -68,6 +71,8 @@ bool parse(int& argc, char** argv, Options& options) {
       for (const std::string& word : split(value)) options.threads.push_back(std::atoi(word.c_str()));
     } else if (key == "--limits") {
       options.limits = true;
+    } else if (key == "--machine") {
+      options.machine = true;
     } else if (key == "--shares") {
       options.shares = true;
     } else {
@@ -94,7 +99,8 @@ void addSimple(const std::string& name, double flops, double bytes, const Work& 
 /// What plain loops need for a gradient on the same grid.
 void addPlainGradient(int side) {
   const auto sheet = std::make_shared<PlainSheet>(side);
-  addSimple("limits/plain gradient", 0.0, 0.0, [sheet] { return sheet->gradient(); }, sheet->particles());
+  addSimple(
+      "limits/plain gradient", 0.0, 0.0, [sheet] { return sheet->gradient(); }, sheet->particles());
 }
 
 void addLimits() {
@@ -224,6 +230,10 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   try {
+    if (options.machine) {
+      std::cout << nlohmann::json{{"processor", processorName()}, {"simd", instructionSet()}} << std::endl;
+      return 0;
+    }
     const auto cases = makeCases(options);
     if (options.shares) {
       std::cout << workSharesJson(cases) << std::endl;

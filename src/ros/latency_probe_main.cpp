@@ -303,6 +303,8 @@ int run(int argc, char** argv) {
   nlohmann::json result = evaluate(sender, receiver.wrenches(), begin, static_cast<int>(options.seconds));
   result["real_time_factor"] = diagnostics.number("solver: real-time factor");
   result["active_particles"] = diagnostics.number("solver: active particles");
+  result["processor"] = diagnostics.text("solver: processor");
+  result["simd"] = diagnostics.text("solver: instruction set");
   result["scheduling"] = diagnostics.text("haptic thread: scheduling");
   result["late_p50_us"] = diagnostics.number("haptic thread: late p50 [us]");
   result["late_p99_us"] = diagnostics.number("haptic thread: late p99 [us]");
