@@ -61,9 +61,13 @@ MinimizerOptions endless(MinimizerOptions options, int iterations) {
 }  // namespace
 
 ClothCase::ClothCase(const CaseOptions& options)
-    : options_(options), world_(std::make_unique<ClothWorld>(sceneOf(options))) {
+    : options_(options), world_(std::make_unique<ClothWorld>(sceneOf(options))),
+      adaptation_(world_->scene.adapt, world_->grid) {
   ClothWorld& world = *world_;
   while (world.time() < options.time) world.step();
+  const double h = world.scene.solver.time_step;
+  reach_.assign(world.mesh.nodes(), 2.0 * h * h * world.scene.gravity.norm() +
+                                        0.1 * std::min(world.grid.dx, world.grid.dy));
   const int capacity = world.objective.capacity();
   for (Vector* v : {&point_, &direction_, &scratch_, &start_}) v->setZero(capacity);
   nodes_ = motion_ = gradient_ = world.objective.nodes();

@@ -32,6 +32,8 @@ class ClothCase {
   const Field& nodes() const { return nodes_; }    ///< the same, by node
   const Field& motion() const { return motion_; }  ///< the direction by node
   const Motion& motionTerms() const { return terms_; }
+  Adaptation& adaptation() { return adaptation_; }
+  const std::vector<double>& reach() const { return reach_; }
   Vector& scratch() { return scratch_; }
   Field& gradient() { return gradient_; }
 
@@ -55,6 +57,8 @@ class ClothCase {
 
   CaseOptions options_;
   std::unique_ptr<ClothWorld> world_;
+  Adaptation adaptation_;
+  std::vector<double> reach_;  ///< as a step has it for a cloth at rest [m]
   Vector point_, direction_, scratch_, start_;
   Field nodes_, motion_, gradient_, start_nodes_, inertial_;
   std::vector<double> mass_, moving_mass_;

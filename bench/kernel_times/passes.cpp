@@ -153,6 +153,53 @@ void addAlong(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
                     }});
 }
 
+/// What a step does once, before and after its iterations.
+void addStep(ClothCase& cloth, std::vector<Pass>& passes) {
+  ClothWorld& world = cloth.world();
+  InternalEnergy& internal = world.internal;
+  const Field& x = cloth.nodes();
+  const auto add = [&passes](const char* name, std::function<double()> run) {
+    passes.push_back({name, "step", -1.0, -1.0, std::move(run)});
+  };
+  add("look at the mesh", [&cloth, &world] {
+    cloth.adaptation().plan(0, cloth.nodes(), world.internal, {}, world.leaves, world.mesh, world.state);
+    return 0.0;
+  });
+  add("normals", [&internal, &x] {
+    internal.setNormals(x);
+    return internal.normal(0).z();
+  });
+  add("contacts", [&cloth, &world] {
+    world.contacts.collect(world.mesh, cloth.nodes(), cloth.reach(), {});
+    return static_cast<double>(world.contacts.size());
+  });
+  add("start of the objective", [&cloth, &world] {
+    const std::vector<ProbeStep> probes(world.scene.probes.size());
+    world.objective.begin(cloth.nodes(), cloth.motion(), probes);
+    return world.objective.inertia();
+  });
+  add("state at rest", [&cloth, &world] { return world.objective.evaluate(cloth.point(), cloth.scratch()); });
+  add("start of the solve", [&cloth, &world] {
+    const double inertial = world.objective.curvatureOfWay(cloth.direction()).sum();
+    return inertial + world.objective.evaluate(cloth.point(), cloth.scratch());
+  });
+  add("fit of the preconditioner", [&cloth, &world] {
+    world.objective.fitPreconditioner();
+    return cloth.scratch()[0];
+  });
+  add("memory of the fabric", [&internal, &x] {
+    internal.commit(0, internal.elements(), x);
+    return 0.0;
+  });
+  add("energy of the fabric", [&internal, &x] { return internal.stored(x).stretch; });
+  add("packs of a new mesh", [&cloth, &world] {
+    world.internal.resize();
+    world.internal.setNormals(cloth.nodes());
+    world.objective.resize();
+    return 0.0;
+  });
+}
+
 }  // namespace
 
 std::vector<Pass> passesOf(ClothCase& cloth) {
@@ -170,6 +217,7 @@ std::vector<Pass> passesOf(ClothCase& cloth) {
                       world.objective.precondition(cloth.direction(), cloth.scratch());
                       return cloth.scratch()[0];
                     }});
+  addStep(cloth, passes);
   passes.push_back({"fit of the preconditioner", "fit", -1.0, -1.0, [&cloth, &world] {
                       world.objective.fitPreconditioner();
                       return cloth.scratch()[0];

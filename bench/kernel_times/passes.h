@@ -14,7 +14,7 @@ namespace haptic_cloth {
 /// a pass reads and writes of memory at least, each array once however often it is gathered from.
 struct Pass {
   std::string name;
-  std::string part;  ///< of an iteration it belongs to: value, along, vectors, fit
+  std::string part;  ///< of an iteration it belongs to: value, along, vectors, fit; step: once a step
   double flops;      ///< below zero: not counted
   double bytes;
   std::function<double()> run;
