@@ -95,7 +95,7 @@ class ExplicitCloth : public Peer {
     internal_.evaluate(0, internal_.size(), x_);
     BlockField blocks;
     blocks.clear(mesh_.nodes());
-    internal_.addBlocks(blocks);
+    internal_.addBlocks(0, 1, blocks);
     double largest = 0.0;
     for (int n = 0; n < mesh_.free; ++n) {
       largest = std::max(largest, 2.0 * blocks[n].head<3>().maxCoeff() / mesh_.mass[n]);

@@ -215,16 +215,23 @@ double InternalEnergy::curvature(int begin, int end, const Field& d) const {
   return sum;
 }
 
-void InternalEnergy::addBlocks(BlockField& blocks) const {
+void InternalEnergy::addBlocks(int part, int parts, BlockField& blocks) const {
   const ConstArrays normals = node_normals_.arrays();
   const BlockArrays to = blocks.arrays();
-  const auto count = [](const auto& packs) { return static_cast<int>(packs.size()); };
-  kernels().addEdgeBlocks(edge_packs_.data(), 0, count(edge_packs_), to);
-  kernels().addTripleBlocks(triple_packs_.data(), 0, count(triple_packs_), normals, to);
-  if (!shear_.isZero()) kernels().addShearBlocks(patch_packs_.data(), 0, count(patch_packs_), to);
-  if (twist_rigidity_ > 0.0) {
-    kernels().addTwistBlocks(patch_packs_.data(), 0, count(patch_packs_), twist_rigidity_, patch_normals_.arrays(), to);
-  }
+  const auto share = [&](const auto& packs, const auto& add) {
+    const long count = static_cast<long>(packs.size());
+    add(packs.data(), static_cast<int>(count * part / parts), static_cast<int>(count * (part + 1) / parts));
+  };
+  share(edge_packs_, [&](const EdgePack* p, int begin, int end) { kernels().addEdgeBlocks(p, begin, end, to); });
+  share(triple_packs_, [&](const TriplePack* p, int begin, int end) {
+    kernels().addTripleBlocks(p, begin, end, normals, to);
+  });
+  share(patch_packs_, [&](const PatchPack* p, int begin, int end) {
+    if (!shear_.isZero()) kernels().addShearBlocks(p, begin, end, to);
+    if (twist_rigidity_ > 0.0) {
+      kernels().addTwistBlocks(p, begin, end, twist_rigidity_, patch_normals_.arrays(), to);
+    }
+  });
 }
 
 }  // namespace haptic_cloth

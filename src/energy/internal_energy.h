@@ -99,8 +99,9 @@ class InternalEnergy {
   void addGradient(int begin, int end, Field& gradient) const { gather_.add(begin, end, slots_, gradient); }
   const NodeGather& gather() const { return gather_; }
 
-  /// Blocks of H⁺ [N/m] at all nodes, added to `blocks`, from the last evaluation.
-  void addBlocks(BlockField& blocks) const;
+  /// Adds blocks of H⁺ [N/m] at all nodes, from the last evaluation: those of part `part` of `parts` of the
+  /// elements.
+  void addBlocks(int part, int parts, BlockField& blocks) const;
 
   /// For display, at positions `x`: largest |ε| of the edges, and values of one element.
   double maxStrain(const Field& x) const;

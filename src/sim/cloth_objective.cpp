@@ -119,15 +119,23 @@ void ClothObjective::pack(const Field& nodes, Vector& x) const {
 }
 
 void ClothObjective::packFree(const Field& nodes, Vector& x) const {
-  for (int c = 0; c < 3; ++c) {
-    std::copy_n(nodes.coordinate(c).begin(), mesh_.free, x.data() + c * mesh_.free);
-  }
+  const auto copy = [&](int begin, int end) {
+    for (int c = 0; c < 3; ++c) {
+      const double* const from = nodes.coordinate(c).data();
+      std::copy(from + begin, from + end, x.data() + c * mesh_.free + begin);
+    }
+  };
+  team_.forRange(mesh_.free, copy, 3.0 * Team::kEntry);
 }
 
 void ClothObjective::unpack(const Vector& values, Field& nodes, Proxies& proxies) const {
-  for (int c = 0; c < 3; ++c) {
-    std::copy_n(values.data() + c * mesh_.free, mesh_.free, nodes.coordinate(c).begin());
-  }
+  const auto copy = [&](int begin, int end) {
+    for (int c = 0; c < 3; ++c) {
+      const double* const from = values.data() + c * mesh_.free;
+      std::copy(from + begin, from + end, nodes.coordinate(c).data() + begin);
+    }
+  };
+  team_.forRange(mesh_.free, copy, 3.0 * Team::kEntry);
   forPresent([&](int k) { proxies[k] = values.segment<3>(proxyAt(probes_[k])); });
   mesh_.interpolateGhosts(nodes);
 }
@@ -288,7 +296,7 @@ void ClothObjective::fitPreconditioner() {
   diagonal_.fill(0.0);
   if (preconditioner_ == Preconditioner::Jacobi) {
     blocks_.clear(mesh_.nodes());
-    internal_.addBlocks(blocks_);
+    internal_.addBlocks(0, 1, blocks_);
     for (int n = 0; n < mesh_.nodes(); ++n) diagonal_.add(n, blocks_[n].head<3>());
     contacts_.addDiagonal(diagonal_);
     mesh_.handOverGhosts(diagonal_, 0.25);

@@ -26,7 +26,8 @@ MultilevelPreconditioner::MultilevelPreconditioner(const ActiveMesh& mesh, int p
     : mesh_(mesh), team_(team), hats_(mesh) {
   const int particles = mesh.grid.particles();
   for (Blocks* list : {&between_, &points_}) list->reserve(hats_.pointCapacity());
-  for (BlockField* field : {&elements_, &node_inverse_}) field->reserve(particles);
+  for (BlockField& field : elements_) field.reserve(particles);
+  node_inverse_.reserve(particles);
   touch_.reserve(particles);
   hat_inverse_.reserve(hats_.hatCapacity());
   springs_.reserve(particles);
@@ -50,10 +51,25 @@ void MultilevelPreconditioner::fit(const InternalEnergy& internal, const Contact
 }
 
 void MultilevelPreconditioner::addElements(const InternalEnergy& internal) {
-  elements_.clear(mesh_.nodes());
-  internal.addBlocks(elements_);
-  for (int k = 0; k < 6; ++k) mesh_.handOverGhosts(elements_.entry(k), 0.25);
-  for (int n = 0; n < mesh_.active(); ++n) between_[n] = elements_[n];
+  const int parts = mesh_.nodes() < kWorthParts ? 1 : kParts;  // by size alone: the bits depend on it
+  team_.forTasks(parts, [&](int part) {
+    elements_[part].clear(mesh_.nodes());
+    internal.addBlocks(part, parts, elements_[part]);
+  });
+  const auto sum = [&](int begin, int end) {
+    for (int part = 1; part < parts; ++part) {
+      for (int k = 0; k < 6; ++k) {
+        auto &total = elements_[0].entry(k), &more = elements_[part].entry(k);
+        for (int n = begin; n < end; ++n) total[n] += more[n];
+      }
+    }
+  };
+  team_.forRange(mesh_.nodes(), sum, kOwn);
+  for (int k = 0; k < 6; ++k) mesh_.handOverGhosts(elements_[0].entry(k), 0.25);
+  const auto copy = [&](int begin, int end) {
+    for (int n = begin; n < end; ++n) between_[n] = elements_[0][n];
+  };
+  team_.forRange(mesh_.active(), copy, kOwn);
 }
 
 void MultilevelPreconditioner::addContacts(const ContactSet& contacts,
@@ -130,7 +146,12 @@ void MultilevelPreconditioner::invertHat(int k) {
 
 void MultilevelPreconditioner::apply(const Vector& gradient, Vector& z) {
   values_.resize(hats_.points());
-  kernels().loadPoints(gradient.data(), mesh_.free, values_.data()->data());
+  team_.forRange(
+      mesh_.free,
+      [&](int begin, int end) {
+        kernels().loadPoints(gradient.data(), mesh_.free, begin, end, values_.data()->data());
+      },
+      kOwn);
   std::fill(values_.begin() + mesh_.free, values_.end(), HatValue::Zero());
   applyHats();
   const BlockArrays own = node_inverse_.arrays();

@@ -1,6 +1,7 @@
 /// An approximate inverse of the condensed cost's Hessian, for the cost of a fraction of an evaluation.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "contact/contact_set.h"
@@ -76,7 +77,8 @@ class MultilevelPreconditioner {
   const ActiveMesh& mesh_;
   Team& team_;
   HatLevels hats_;
-  BlockField elements_;                ///< of elements, at the nodes [N/m]
+  static constexpr int kParts = 4, kWorthParts = 1500;  ///< parts of the elements, if there are many nodes
+  std::array<BlockField, kParts> elements_;  ///< blocks of a part of the elements each, at the nodes [N/m]
   Blocks between_, points_;            ///< of elements; of inertia and contact; at all points [N/m]
   BlockField node_inverse_;            ///< of the free; zero for those that do not move [m/N]
   std::vector<HatBlock> hat_inverse_;  ///< the same

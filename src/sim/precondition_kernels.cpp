@@ -4,8 +4,9 @@
 namespace haptic_cloth {
 namespace HAPTIC_CLOTH_PATH {
 
-void loadPoints(const double* __restrict__ gradient, int free, float* __restrict__ values) {
-  for (int n = 0; n < free; ++n) {
+void loadPoints(const double* __restrict__ gradient, int free, int begin, int end,
+                float* __restrict__ values) {
+  for (int n = begin; n < end; ++n) {
     for (int c = 0; c < 3; ++c) values[4 * n + c] = static_cast<float>(gradient[c * free + n]);
     values[4 * n + 3] = 0.0f;
   }

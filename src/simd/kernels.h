@@ -70,7 +70,7 @@ struct TriplePack;
   KERNEL(void, patchMargins,                                                                                  \
          (const PatchCorners* corners, int count, double range, const ConstArrays& x, const double* reach, \
           const double* gaps, const ConstArrays& normals, double* margins))                                   \
-  KERNEL(void, loadPoints, (const double* gradient, int free, float* values))                                 \
+  KERNEL(void, loadPoints, (const double* gradient, int free, int begin, int end, float* values))             \
   KERNEL(void, addOwnBlocks,                                                                                  \
          (const BlockArrays& own, const double* gradient, const float* values, int free, int begin, int end,  \
           double* z))
