@@ -28,12 +28,35 @@ static HAPTIC_CLOTH_INLINE void fetch(const LawInterval* intervals, const Lanes&
                                       Lanes& r) {
   int interval[kLanes];
   truncate(which, interval);
+#if HAPTIC_CLOTH_LANES >= 4 && defined(__AVX__)
+  // An interval is one load; four of them are a matrix to be transposed.
+  __m256d parts[3][kLanes / 4];
+  for (int l = 0; l < kLanes; l += 4) {
+    const __m256d a = _mm256_load_pd(&intervals[interval[l]].p), b = _mm256_load_pd(&intervals[interval[l + 1]].p),
+                  c = _mm256_load_pd(&intervals[interval[l + 2]].p), d = _mm256_load_pd(&intervals[interval[l + 3]].p);
+    const __m256d low_ab = _mm256_unpacklo_pd(a, b), low_cd = _mm256_unpacklo_pd(c, d),
+                  high_ab = _mm256_unpackhi_pd(a, b), high_cd = _mm256_unpackhi_pd(c, d);
+    parts[0][l / 4] = _mm256_permute2f128_pd(low_ab, low_cd, 0x20);
+    parts[1][l / 4] = _mm256_permute2f128_pd(high_ab, high_cd, 0x20);
+    parts[2][l / 4] = _mm256_permute2f128_pd(low_ab, low_cd, 0x31);
+  }
+#if HAPTIC_CLOTH_LANES == 8
+  p = join(parts[0][0], parts[0][1]);
+  q = join(parts[1][0], parts[1][1]);
+  r = join(parts[2][0], parts[2][1]);
+#else
+  p = Lanes(parts[0][0]);
+  q = Lanes(parts[1][0]);
+  r = Lanes(parts[2][0]);
+#endif
+#else
   for (int l = 0; l < kLanes; ++l) {
     const LawInterval& at = intervals[interval[l]];
     p[l] = at.p;
     q[l] = at.q;
     r[l] = at.r;
   }
+#endif
 }
 
 /// @param steps memory of these elements' pack, not read where the law has none  @param lane the first one's

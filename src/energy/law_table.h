@@ -8,7 +8,7 @@
 namespace haptic_cloth {
 
 /// ψ = p + s (q + ½ r s), f = q + r s.
-struct LawInterval {
+struct alignas(32) LawInterval {  // one load of four doubles
   double p, q, r;
 };
 

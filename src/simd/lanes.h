@@ -175,10 +175,11 @@ static HAPTIC_CLOTH_INLINE __m256d four(const double* values, const int* index, 
   if (row) return _mm256_loadu_pd(values + index[0]);
   return _mm256_set_pd(values[index[3]], values[index[2]], values[index[1]], values[index[0]]);
 }
-static HAPTIC_CLOTH_INLINE Lanes pick(const double* values, const PackIndices& at, int) {
-  const __m256d low = four(values, at.index, (at.rows & 7u) == 7u),
-                high = four(values, at.index + 4, (at.rows >> 4 & 7u) == 7u);
+static HAPTIC_CLOTH_INLINE Lanes join(const __m256d& low, const __m256d& high) {
   return Lanes(_mm512_insertf64x4(_mm512_castpd256_pd512(low), high, 1));
+}
+static HAPTIC_CLOTH_INLINE Lanes pick(const double* values, const PackIndices& at, int) {
+  return join(four(values, at.index, (at.rows & 7u) == 7u), four(values, at.index + 4, (at.rows >> 4 & 7u) == 7u));
 }
 #elif HAPTIC_CLOTH_LANES == 4 && defined(__AVX__)
 static HAPTIC_CLOTH_INLINE Lanes pick(const double* values, const PackIndices& at, int lane) {
