@@ -25,7 +25,8 @@ struct SolverOptions {
   MinimizerOptions minimizer;
   double sleep_speed = 3e-4;  ///< particles slower than this for 50 steps stay where they are until the force
                               ///< on them changes, and cost one look a step [m/s]; 0: none
-  int threads = 0;            ///< OpenMP threads; 0: as many as the machine gives
+  int threads = 0;            ///< at most; 0: as many as there are cores, of which the node leaves
+                              ///< one to its haptic thread. A step takes fewer where particles are few
 };
 
 /// How the mesh follows the shape.

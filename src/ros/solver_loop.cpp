@@ -1,6 +1,7 @@
 #include "ros/solver_loop.h"
 
 #include <algorithm>
+#include <thread>
 
 #include "ros/steady_clock.h"
 
@@ -12,13 +13,20 @@ constexpr double kMaxBacklog = 0.02;  ///< wall time the solver may catch up aft
 constexpr double kSmoothing = 0.1;    ///< weight of the newest step in the mean pace [-]
 constexpr double kWindow = 1.0;       ///< of the statistics [s]
 
+/// Where the scene leaves the number of threads open, the haptic thread keeps a core for itself.
+Scene sceneFor(Scene scene) {
+  const int cores = static_cast<int>(std::thread::hardware_concurrency());
+  if (scene.solver.threads == 0) scene.solver.threads = std::max(1, cores - 1);
+  return scene;
+}
+
 }  // namespace
 
 SolverLoop::SolverLoop(const NodeOptions& options, SharedState& shared)
     : time_step_(options.scene.solver.time_step),
       shared_(shared),
       live_(shared.live_for_solver),
-      simulation_(options.scene),
+      simulation_(sceneFor(options.scene)),
       targets_seen_(options.scene.obstacles.size(), 0),
       wall_per_step_(time_step_) {
   for (std::size_t k = 0; k < options.scene.probes.size(); ++k) {
