@@ -22,7 +22,7 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|i[3-6]86)$")
   haptic_cloth_kernels(sse2 2 -msse2)
   haptic_cloth_kernels(avx2 4 -mavx2 -mfma)
   haptic_cloth_kernels(avx512 8 -mavx2 -mfma -mavx512f -mavx512vl -mavx512dq -mavx512bw
-    -Wno-maybe-uninitialized)  # gcc 12's own avx512fintrin.h
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)  # gcc 12's own avx512fintrin.h
 else()
   set(HAPTIC_CLOTH_X86 0)
   haptic_cloth_kernels(baseline 2)
