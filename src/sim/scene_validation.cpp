@@ -24,6 +24,14 @@ constexpr std::size_t kMostProbes = 64, kMostObstacles = 1024, kMostPins = 4096;
 constexpr double kFinestProbe = 0.02;    ///< smallest probe radius over the finest spacing [-]
 constexpr double kUnitTolerance = 1e-6;  ///< of a quaternion's norm [-]
 
+/// A count that is far too large: six digits say so.
+std::string rounded(double count) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << count;
+  return text.str();
+}
+
 std::string toText(double value) { return shortestText(value); }
 
 template <class T>
@@ -97,7 +105,7 @@ void checkGrid(const Check& check, const ClothOptions& cloth, const AdaptOptions
     check.length(indexed("cloth.size", d), cloth.size[d]);
   }
   const double count = static_cast<double>(cloth.particles[0]) * cloth.particles[1];
-  check.that(count <= kMostParticles, "cloth.particles", count, "the product must be at most 2^24");
+  check.that(count <= kMostParticles, "cloth.particles", rounded(count), "the product must be at most 2^24");
 }
 
 void checkPins(const Check& check, const ClothOptions& cloth) {
@@ -234,7 +242,7 @@ void checkScene(const Scene& scene, const Locate& locate) {
   check.count("probes", scene.probes.size(), kMostProbes);
   const double contacts = static_cast<double>(scene.cloth.particles[0]) * scene.cloth.particles[1] *
                           static_cast<double>(scene.obstacles.size() + scene.probes.size());
-  check.that(contacts <= kMostContacts, "cloth.particles", contacts,
+  check.that(contacts <= kMostContacts, "cloth.particles", rounded(contacts),
              "the product, times the number of obstacles and probes, must be at most 2^26");
   check.notNegative("air_damping", scene.air_damping);
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {

@@ -111,7 +111,7 @@ int test(const Arguments& arguments) {
   files.publish();
   for (const auto& [name, value] : kesValues(rows, test)) std::cout << name << ' ' << value << '\n';
   const LoopAreas areas = loopAreas(rows, test);
-  std::cout << "loop_area " << areas.measured << " J/m2 (fabric: " << areas.input << ")" << std::endl;
+  std::cout << "loop_area " << areas.measured << " J/m2 (fabric: " << areas.input << ")\n";
   requireStandardOutput();
   return kSuccess;
 }

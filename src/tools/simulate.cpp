@@ -121,7 +121,7 @@ int simulate(const Arguments& arguments) {
   }
   files.publish();
   if (arguments.out.empty()) {
-    std::cout << haptic_cloth::briefReport(simulation, totals) << std::endl;
+    std::cout << haptic_cloth::briefReport(simulation, totals) << '\n';
     haptic_cloth::requireStandardOutput();
   }
   if (succeeded) return kSuccess;

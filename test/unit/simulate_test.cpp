@@ -146,8 +146,8 @@ TEST_F(Simulate, SummaryHasItsKeys) {
 TEST_F(Simulate, ForcesAreThoseOfNamedProbes) {
   // Both are there, but only the second touches the cloth.
   const std::string probes =
-      "--set 'probe={}' --set 'probes={thumb: {path: [[0, 0, 0, 0.5]]}, index: {path: [[0, 0.02, 0, 0.08], "
-      "[0.02, 0.02, 0, 0.05]]}}'";
+      "--set 'probes={thumb: {path: [[0, 0, 0, 0.5]]}, index: {path: [[0, 0, 0, 0.08], [0.02, 0, 0, "
+      "0.04]]}}'";
   ASSERT_EQ(run("scene.yaml " + probes + " --out result").status, 0);
   const auto summary = nlohmann::json::parse(readText(folder_ / "result/summary.json"));
   EXPECT_EQ(summary["probe_force_of"], "thumb");
