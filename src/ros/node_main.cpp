@@ -2,6 +2,7 @@
 #include <ros/ros.h>
 
 #include <atomic>
+#include <csignal>
 
 #include "ros/program.h"
 #include "ros/server.h"
@@ -12,6 +13,7 @@ namespace {
 int run(int argc, char** argv) {
   // Waits for the master if there are parameters on the command line; until here a signal just ends it.
   ros::init(argc, argv, "haptic_cloth", ros::init_options::NoSigintHandler);
+  std::signal(SIGXFSZ, SIG_IGN);  // a state that is too large for a file is no reason to end
   const haptic_cloth::Signals signals;
   std::atomic<bool> asked{false};
   if (!haptic_cloth::waitForMaster(signals)) return 0;

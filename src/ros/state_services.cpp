@@ -6,8 +6,10 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "haptic_cloth/state_file.h"
+#include "ros/file_work.h"
 #include "ros/solver_loop.h"
 #include "ros/topics.h"
 
@@ -39,28 +41,40 @@ std::string at(const std::string& what, const std::string& file, double time) {
 
 }  // namespace
 
-StateServices::StateServices(ros::NodeHandle& private_node, SharedState& shared)
+StateServices::StateServices(ros::NodeHandle for_save, ros::NodeHandle for_load, const Scene& scene,
+                             SharedState& shared)
     : shared_(shared),
-      save_service_(private_node.advertiseService(topics::kSaveState, &StateServices::save, this)),
-      load_service_(private_node.advertiseService(topics::kLoadState, &StateServices::load, this)) {}
+      largest_(largestState(scene)),
+      save_service_(for_save.advertiseService(topics::kSaveState, &StateServices::save, this)),
+      load_service_(for_load.advertiseService(topics::kLoadState, &StateServices::load, this)) {}
 
 bool StateServices::save(SaveState::Request& request, SaveState::Response& response) {
   return answer(response, [&] {
-    checkStateFile(request.file);
+    const std::string file = request.file;
+    const auto check = [file] {
+      checkStateFile(file);
+      return std::string();
+    };
+    runFileWork(check, shared_.stop);
     std::string state;
     double time = 0.0;
     run([&](SolverLoop& loop) {
-      state = loop.simulation().saveState();
+      state = loop.saveState();
       time = loop.simulation().time();
     });
-    writeStateFile(request.file, state);
-    return at("saved", request.file, time);
+    const auto write = [file, state = std::move(state)] {
+      writeStateFile(file, state);
+      return std::string();
+    };
+    runFileWork(write, shared_.stop);
+    return at("saved", file, time);
   });
 }
 
 bool StateServices::load(LoadState::Request& request, LoadState::Response& response) {
   return answer(response, [&] {
-    const std::string state = readStateFile(request.file);
+    const auto read = [file = request.file, most = largest_] { return readStateFile(file, most); };
+    const std::string state = runFileWork(read, shared_.stop);
     double time = 0.0;
     run([&](SolverLoop& loop) {
       loop.loadState(state, request.file);

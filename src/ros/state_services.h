@@ -5,15 +5,19 @@
 #include <haptic_cloth/SaveState.h>
 #include <ros/node_handle.h>
 
+#include <cstdint>
+
 #include "ros/shared_state.h"
 
 namespace haptic_cloth {
 
-/// Files are read and written by the thread of the services; the solver only copies its state.
+/// Files are read and written by threads that may wait for a file system without holding up anything else
+/// (runFileWork); the solver only copies its state.
 class StateServices {
  public:
-  /// @param private_node with the callback queue of the services
-  StateServices(ros::NodeHandle& private_node, SharedState& shared);
+  /// @param for_save, for_load private node handles with a callback queue each, so that a load that waits
+  ///   does not hold up saving, nor the other way round
+  StateServices(ros::NodeHandle for_save, ros::NodeHandle for_load, const Scene& scene, SharedState& shared);
 
  private:
   bool save(SaveState::Request& request, SaveState::Response& response);
@@ -21,6 +25,7 @@ class StateServices {
   void run(const SolverTasks::Work& work) const;
 
   SharedState& shared_;
+  std::uint64_t largest_;  ///< of all states of the scene [bytes]
   ros::ServiceServer save_service_, load_service_;
 };
 
