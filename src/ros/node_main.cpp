@@ -19,7 +19,13 @@ int run(int argc, char** argv) {
   if (!haptic_cloth::waitForMaster(signals)) return 0;
   ros::NodeHandle node, private_node("~");
   haptic_cloth::answerShutdownCall(asked);
-  haptic_cloth::HapticClothServer server(node, private_node);
+  bool ended = false;
+  const auto options = haptic_cloth::readParameters(private_node, [&] {
+    ended = asked || !ros::ok() || signals.wait(0);
+    return ended;
+  });
+  if (ended) return 0;
+  haptic_cloth::HapticClothServer server(node, private_node, *options);
   ROS_INFO("ready");
   while (!asked && ros::ok() && !signals.wait(100)) server.check();
   server.stop();

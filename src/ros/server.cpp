@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "ros/display_thread.h"
+#include "ros/file_work.h"
 #include "ros/haptic_thread.h"
 #include "ros/master_watch.h"
 #include "ros/node_options.h"
@@ -36,12 +37,6 @@ namespace {
 
 constexpr double kResetTimeout = 5.0;  ///< [s]
 constexpr double kFlush = 0.05;        ///< for the last wrench to leave the process [s]
-
-NodeOptions readParameters(const ros::NodeHandle& private_node) {
-  XmlRpc::XmlRpcValue tree;
-  private_node.getParam(private_node.getNamespace(), tree);
-  return parseNodeOptions(tree, private_node.getNamespace() + " (parameters)");
-}
 
 DisplayPublishers advertise(ros::NodeHandle& node) {
   return {node.advertise<visualization_msgs::MarkerArray>(topics::kMarkers, topics::kMarkersQueue),
@@ -64,10 +59,21 @@ struct ServiceThread {
 
 }  // namespace
 
+std::optional<NodeOptions> readParameters(const ros::NodeHandle& private_node,
+                                          const std::function<bool()>& called_off) {
+  XmlRpc::XmlRpcValue tree;
+  private_node.getParam(private_node.getNamespace(), tree);
+  const std::string origin = private_node.getNamespace() + " (parameters)";
+  const auto options = std::make_shared<NodeOptions>();
+  const auto parse = [options, tree, origin] { *options = parseNodeOptions(tree, origin); };
+  if (!runFileWork(parse, called_off)) return std::nullopt;
+  return *options;
+}
+
 class HapticClothServer::Implementation {
  public:
-  Implementation(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
-      : options_(readParameters(private_node)),
+  Implementation(const ros::NodeHandle& node, const ros::NodeHandle& private_node, const NodeOptions& options)
+      : options_(options),
         shared_(options_.scene),
         solver_(options_, shared_),
         node_(node),
@@ -214,8 +220,9 @@ class HapticClothServer::Implementation {
   std::vector<std::future<void>> threads_;
 };
 
-HapticClothServer::HapticClothServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
-    : implementation_(std::make_unique<Implementation>(node, private_node)) {}
+HapticClothServer::HapticClothServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
+                                     const NodeOptions& options)
+    : implementation_(std::make_unique<Implementation>(node, private_node, options)) {}
 
 HapticClothServer::~HapticClothServer() = default;
 

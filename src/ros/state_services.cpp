@@ -3,6 +3,7 @@
 #include <ros/console.h>
 
 #include <filesystem>
+#include <memory>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -51,37 +52,34 @@ StateServices::StateServices(ros::NodeHandle for_save, ros::NodeHandle for_load,
 bool StateServices::save(SaveState::Request& request, SaveState::Response& response) {
   return answer(response, [&] {
     const std::string file = request.file;
-    const auto check = [file] {
-      checkStateFile(file);
-      return std::string();
-    };
-    runFileWork(check, shared_.stop);
+    runFiles([file] { checkStateFile(file); });
     std::string state;
     double time = 0.0;
     run([&](SolverLoop& loop) {
       state = loop.saveState();
       time = loop.simulation().time();
     });
-    const auto write = [file, state = std::move(state)] {
-      writeStateFile(file, state);
-      return std::string();
-    };
-    runFileWork(write, shared_.stop);
+    runFiles([file, state = std::move(state)] { writeStateFile(file, state); });
     return at("saved", file, time);
   });
 }
 
 bool StateServices::load(LoadState::Request& request, LoadState::Response& response) {
   return answer(response, [&] {
-    const auto read = [file = request.file, most = largest_] { return readStateFile(file, most); };
-    const std::string state = runFileWork(read, shared_.stop);
+    const auto state = std::make_shared<std::string>();
+    runFiles([state, file = request.file, most = largest_] { *state = readStateFile(file, most); });
     double time = 0.0;
     run([&](SolverLoop& loop) {
-      loop.loadState(state, request.file);
+      loop.loadState(*state, request.file);
       time = loop.simulation().time();
     });
     return at("loaded", request.file, time);
   });
+}
+
+void StateServices::runFiles(const std::function<void()>& work) const {
+  if (!runFileWork(work, [this] { return shared_.stop.load(); }))
+    throw std::runtime_error("the node ends, and the file system has not answered");
 }
 
 void StateServices::run(const SolverTasks::Work& work) const {

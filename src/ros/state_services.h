@@ -6,6 +6,7 @@
 #include <ros/node_handle.h>
 
 #include <cstdint>
+#include <functional>
 
 #include "ros/shared_state.h"
 
@@ -23,6 +24,7 @@ class StateServices {
   bool save(SaveState::Request& request, SaveState::Response& response);
   bool load(LoadState::Request& request, LoadState::Response& response);
   void run(const SolverTasks::Work& work) const;
+  void runFiles(const std::function<void()>& work) const;
 
   SharedState& shared_;
   std::uint64_t largest_;  ///< of all states of the scene [bytes]

@@ -137,6 +137,18 @@ TEST_F(LifecycleTest, AFileSystemThatDoesNotAnswerHoldsUpNobody) {
   std::filesystem::remove_all(here);
 }
 
+TEST_F(LifecycleTest, ASceneThatCannotBeReadDoesNotKeepTheNodeFromEnding) {
+  char directory[] = "/tmp/haptic_cloth_test_XXXXXX";
+  ASSERT_NE(mkdtemp(directory), nullptr);
+  const std::filesystem::path here = directory, scene = here / "slow_disk.yaml";
+  std::filesystem::copy_file(kScene, scene);
+  Process process(nodeCommand({"_scene_file:=" + scene.string()}), {"LD_PRELOAD=" HAPTIC_CLOTH_SLOW_DISK});
+  ASSERT_TRUE(waitFor([&] { return std::filesystem::exists(here / "waiting_to_load"); })) << process.output();
+  process.signal(SIGTERM);
+  EXPECT_EQ(process.wait(), 0) << process.output();
+  std::filesystem::remove_all(here);
+}
+
 TEST_F(LifecycleTest, BadParametersAreNamed) {
   const std::string scene = "_scene_file:=" + kScene;
   expectRefused({}, "cloth");
