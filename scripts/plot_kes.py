@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Draws a curve of kes_test (CSV on stdin) beside the fabric's loop.
-Usage: plot_kes.py FILE.png [TEMPORARY] < curve.csv    TEMPORARY: written instead, to be renamed to FILE.png
+Usage: plot_kes.py FILE.png [TEMPORARY] < curve.csv
+TEMPORARY: written instead, to be renamed to FILE.png.
 Exit status 4: the file cannot be written."""
 import os
 import sys

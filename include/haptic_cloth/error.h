@@ -32,8 +32,8 @@ class InputError : public std::runtime_error {
   }
 };
 
-/// Output that cannot be written, for instance because the disk is full. The message names the file and
-/// the reason.
+/// Output that cannot be written, for instance because the disk is full. The message names the file
+/// and the reason.
 class OutputError : public std::runtime_error {
  public:
   OutputError(const std::string& file, const std::string& reason)

@@ -5,9 +5,9 @@
 
 namespace haptic_cloth {
 
-/// Does the work on a thread of its own and waits until it is done, or until a moment after it is called
-/// off. A thread that is still at work then is left to itself: nothing can wake it while it waits for the
-/// file system.
+/// Does the work on a thread of its own and waits until it is done, or until a moment after it is
+/// called off. A thread that is still at work then is left to itself: nothing can wake it while it
+/// waits for the file system.
 /// @param work uses nothing but what it owns
 /// @param called_off is asked every few milliseconds
 /// @return whether the work was done  @throws what the work throws

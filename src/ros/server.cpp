@@ -44,7 +44,8 @@ DisplayPublishers advertise(ros::NodeHandle& node) {
           node.advertise<diagnostic_msgs::DiagnosticArray>(topics::kDiagnostics, topics::kDiagnosticsQueue)};
 }
 
-/// Answers services on a thread of their own: one that has to wait does not hold up those of others.
+/// Answers services on a thread of their own: one that has to wait does not hold up those of
+/// others.
 struct ServiceThread {
   ros::CallbackQueue queue;
   ros::AsyncSpinner spinner{1, &queue};

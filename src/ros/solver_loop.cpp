@@ -101,8 +101,8 @@ void SolverLoop::takeOptions() {
   }
 }
 
-/// The newest options are taken, couplings at the ends of their ramps. No step is made with these: the next
-/// one takes the couplings of its time again.
+/// The newest options are taken, couplings at the ends of their ramps. No step is made with these:
+/// the next one takes the couplings of its time again.
 void SolverLoop::skipRamps() {
   takeOptions();
   const LiveOptions& live = live_.newest();

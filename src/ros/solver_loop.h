@@ -22,8 +22,8 @@ class SolverLoop {
   // For SolverTasks, between two steps.
 
   const Simulation& simulation() const { return simulation_; }
-  /// The state with the options that are asked for, also while gains are still on their way to them: a
-  /// node that starts with these parameters can load it.
+  /// The state with the options that are asked for, also while gains are still on their way to
+  /// them: a node that starts with these parameters can load it.
   std::string saveState();
   /// Goes on from a state that was saved with the options that are asked for here.
   /// @throws InputError where the state does not fit; all is as it was then

@@ -12,12 +12,12 @@
 
 namespace haptic_cloth {
 
-/// Files are read and written by threads that may wait for a file system without holding up anything else
-/// (runFileWork); the solver only copies its state.
+/// Files are read and written by threads that may wait for a file system without holding up
+/// anything else (runFileWork); the solver only copies its state.
 class StateServices {
  public:
-  /// @param for_save, for_load private node handles with a callback queue each, so that a load that waits
-  ///   does not hold up saving, nor the other way round
+  /// @param for_save, for_load private node handles with a callback queue each: loading that waits
+  /// does not hold up saving, nor the other way round
   StateServices(ros::NodeHandle for_save, ros::NodeHandle for_load, const Scene& scene, SharedState& shared);
 
  private:

@@ -143,8 +143,8 @@ void readProbe(const YamlValue& value, ProbeOptions& probe) {
   for (const YamlValue& times : grasp->list()) probe.grasp.push_back(times.numbers<2>());
 }
 
-/// One as `probe`, or several by name as `probes`, where `probe` is what they have in common. A radius that
-/// the scene does not give suits its cloth.
+/// One as `probe`, or several by name as `probes`, where `probe` is what they have in common. A
+/// radius that the scene does not give suits its cloth.
 void readProbes(const YamlMap& root, const ClothOptions& cloth, std::vector<ProbeOptions>& probes) {
   probes.front().radius = std::max(probes.front().radius, smallestProbeRadius(cloth));
   const auto one = root.find("probe"), several = root.find("probes");

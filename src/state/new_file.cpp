@@ -30,8 +30,8 @@ std::string temporaryNameFor(const fs::path& target) {
   return (target.parent_path() / (start + "." + middle + ".partial")).string();
 }
 
-/// Opens a file that did not exist, with the permissions that the user's umask leaves. mkstemp() would
-/// keep others from reading it.
+/// Opens a file that did not exist, with the permissions that the user's umask leaves. mkstemp()
+/// would keep others from reading it.
 int createUnique(const fs::path& target, std::string& name) {
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     name = temporaryNameFor(target);

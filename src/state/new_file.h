@@ -19,8 +19,8 @@ void checkNewFile(const std::filesystem::path& file);
 std::filesystem::path linkedFile(const std::filesystem::path& file);
 
 /// A file written in the same directory under a temporary name that nobody else has,
-/// FILE.XXXXXXXX.partial. A file of the final name stays what it was until publish(); without that call
-/// nothing is left behind.
+/// FILE.XXXXXXXX.partial. A file of the final name stays what it was until publish(); without that
+/// call nothing is left behind.
 class NewFile {
  public:
   /// @param file its final name; a link is followed  @throws OutputError

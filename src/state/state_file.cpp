@@ -18,8 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Bounds with room to spare: a particle takes about 500 bytes and at most 4 for each probe that touches
-// it, fabric and obstacles less than 2 MiB.
+// Bounds with room to spare: a particle takes about 500 bytes and at most 4 for each probe that
+// touches it, fabric and obstacles less than 2 MiB.
 constexpr std::uint64_t kMostOverhead = std::uint64_t{1} << 26, kMostPerParticle = 4096;
 constexpr std::uint64_t kMostParticles = 1 << 24;
 

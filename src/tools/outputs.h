@@ -13,8 +13,8 @@ namespace haptic_cloth {
 /// @throws InputError naming the directory or the file
 void prepareDirectory(const std::filesystem::path& directory, const Scene& scene);
 
-/// Writes summary.json, steps.csv, probe.csv, particles.csv and mesh.ply, all of which get their names
-/// with files.publish(), summary.json last.
+/// Writes summary.json, steps.csv, probe.csv, particles.csv and mesh.ply, all of which get their
+/// names with files.publish(), summary.json last.
 /// @param succeeded what summary.json says of the run
 /// @throws OutputError naming the file that cannot be written
 void writeOutputs(const std::filesystem::path& directory, const Simulation& simulation,

@@ -3,7 +3,8 @@
 
 namespace haptic_cloth {
 
-/// Makes sure that all that was printed has reached standard output, which may be a file on a full disk.
+/// Makes sure that all that was printed has reached standard output, which may be a file on a full
+/// disk.
 /// @throws OutputError
 void requireStandardOutput();
 

@@ -72,7 +72,8 @@ class Simulate : public testing::Test {
     std::ofstream(folder_ / file) << text;
   }
 
-  /// Runs the program in the test's folder. @param before shell words in front of it, for instance limits
+  /// Runs the program in the test's folder. @param before shell words in front of it, for instance
+  /// limits
   Outcome run(const std::string& arguments, const std::string& before = "") const {
     return runProgram("'" HAPTIC_CLOTH_SIMULATE "' " + arguments + " >output.txt", before);
   }
@@ -259,8 +260,8 @@ TEST_F(Simulate, RefusesDirectoryItCannotWrite) {
   EXPECT_EQ(readText(folder_ / "file"), "occupied");
 }
 
-// As on a full disk, no more bytes are taken from some point on. The table of steps fits, 1089 particles do
-// not.
+// As on a full disk, no more bytes are taken from some point on. The table of steps fits, 1089
+// particles do not.
 constexpr const char* kFullDisk = "ulimit -f 32 &&";
 constexpr const char* kLargeTable = "--set cloth.particles=[33,33] --set stop.time=0.002";
 

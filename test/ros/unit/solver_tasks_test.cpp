@@ -1,6 +1,6 @@
 /// Work that services give to others: to the solver thread, and to threads that wait for files.
-/// Criteria: every caller gets its own answer; who waits can be called off; a state has the options that were
-/// asked for.
+/// Criteria: every caller gets its own answer; who waits can be called off; a state has the options
+/// that were asked for.
 #include "ros/solver_tasks.h"
 
 #include <gtest/gtest.h>
