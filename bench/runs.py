@@ -288,7 +288,7 @@ class Simulator:
         for key, value in settings.items():
             command += ["--set", "%s=%s" % (key, value if isinstance(value, str) else json.dumps(value))]
         child = Child(command, time_limit)
-        if child.status == 2:
+        if child.status in (2, 4):  # bad input, or no room for the results
             raise BenchError(child.errors)
         if child.status != 0:
             failed = "stopped after %g s" % time_limit if child.status is None else child.errors or (

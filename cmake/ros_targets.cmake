@@ -16,6 +16,8 @@ add_executable(monitor src/ros/monitor_main.cpp)
 add_executable(device_adapter src/ros/device_adapter_main.cpp)
 
 target_link_libraries(haptic_cloth_ros haptic_cloth haptic_cloth_private ${catkin_LIBRARIES})
+# A thread that waits for a file system outlives an unloaded nodelet; its code must stay.
+set_property(TARGET haptic_cloth_ros APPEND_STRING PROPERTY LINK_FLAGS " -Wl,-z,nodelete")
 foreach(target haptic_cloth_nodelet haptic_cloth_node hand mouse_hand path_hand monitor device_adapter)
   target_link_libraries(${target} haptic_cloth_ros)
 endforeach()

@@ -16,6 +16,12 @@ endforeach()
 add_test(NAME bench_latency_smoke COMMAND "${PROJECT_SOURCE_DIR}/bench/latency" --smoke
   --build "${PROJECT_BINARY_DIR}" --out "${PROJECT_BINARY_DIR}/bench_latency")
 
+# A file system that does not answer, for one of the tests.
+add_library(slow_disk MODULE EXCLUDE_FROM_ALL test/ros/slow_disk.cpp)
+target_link_libraries(slow_disk ${CMAKE_DL_LIBS})
+target_compile_definitions(ros_lifecycle_test PRIVATE HAPTIC_CLOTH_SLOW_DISK="$<TARGET_FILE:slow_disk>")
+add_dependencies(ros_lifecycle_test slow_disk)
+
 # What a node has to endure.
 foreach(name pose clock listener process)
   add_rostest_gtest(ros_${name}_faults_test test/ros/${name}_faults.test test/ros/${name}_faults_test.cpp

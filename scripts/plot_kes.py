@@ -1,5 +1,9 @@
 #!/usr/bin/python3
-"""Draws a curve of kes_test (CSV on stdin) beside the fabric's loop. Usage: plot_kes.py FILE.png < curve.csv"""
+"""Draws a curve of kes_test (CSV on stdin) beside the fabric's loop.
+Usage: plot_kes.py FILE.png [TEMPORARY] < curve.csv
+TEMPORARY: written instead, to be renamed to FILE.png.
+Exit status 4: the file cannot be written."""
+import os
 import sys
 
 import matplotlib
@@ -18,4 +22,10 @@ plt.xlabel("strain [-], angle [rad] or curvature [1/m]")
 plt.ylabel("force per width [N/m or N·m/m]")
 plt.legend()
 plt.tight_layout()
-plt.savefig(sys.argv[1], dpi=110)
+
+name = sys.argv[1]
+try:
+    plt.savefig(sys.argv[-1], dpi=110, format=os.path.splitext(name)[1][1:] or "png")
+except OSError as error:
+    print("%s: %s" % (name, error.strerror), file=sys.stderr)
+    sys.exit(4)

@@ -1,4 +1,4 @@
-/// The one exception of the library: an input that breaks a rule.
+/// The exceptions of the library: an input that breaks a rule, an output that cannot be written.
 #pragma once
 
 #include <cctype>
@@ -30,6 +30,14 @@ class InputError : public std::runtime_error {
     }
     return text;
   }
+};
+
+/// Output that cannot be written, for instance because the disk is full. The message names the file
+/// and the reason.
+class OutputError : public std::runtime_error {
+ public:
+  OutputError(const std::string& file, const std::string& reason)
+      : std::runtime_error(file + ": cannot be written" + (reason.empty() ? "" : ": " + reason)) {}
 };
 
 }  // namespace haptic_cloth

@@ -1,9 +1,9 @@
 #include "ros/live_options.h"
 
 #include <cmath>
-#include <sstream>
 
 #include "haptic_cloth/error.h"
+#include "state/number_text.h"
 
 namespace haptic_cloth {
 namespace {
@@ -141,10 +141,9 @@ std::string assign(const Field& field, const LiveValue& value) {
 }
 
 std::string toText(const LiveValue& value) {
-  std::ostringstream text;
-  text.imbue(std::locale::classic());
-  std::visit([&text](const auto& v) { text << v; }, value);
-  return text.str();
+  if (const int* whole = std::get_if<int>(&value)) return std::to_string(*whole);
+  if (const double* number = std::get_if<double>(&value)) return shortestText(*number);
+  return std::get<std::string>(value);
 }
 
 Gains gainsOf(const NodeOptions& options, std::size_t k) {

@@ -2,6 +2,7 @@
 #include <ros/ros.h>
 
 #include <atomic>
+#include <csignal>
 
 #include "ros/program.h"
 #include "ros/server.h"
@@ -12,12 +13,19 @@ namespace {
 int run(int argc, char** argv) {
   // Waits for the master if there are parameters on the command line; until here a signal just ends it.
   ros::init(argc, argv, "haptic_cloth", ros::init_options::NoSigintHandler);
+  std::signal(SIGXFSZ, SIG_IGN);  // a state that is too large for a file is no reason to end
   const haptic_cloth::Signals signals;
   std::atomic<bool> asked{false};
   if (!haptic_cloth::waitForMaster(signals)) return 0;
   ros::NodeHandle node, private_node("~");
   haptic_cloth::answerShutdownCall(asked);
-  haptic_cloth::HapticClothServer server(node, private_node);
+  bool ended = false;
+  const auto options = haptic_cloth::readParameters(private_node, [&] {
+    ended = asked || !ros::ok() || signals.wait(0);
+    return ended;
+  });
+  if (ended) return 0;
+  haptic_cloth::HapticClothServer server(node, private_node, *options);
   ROS_INFO("ready");
   while (!asked && ros::ok() && !signals.wait(100)) server.check();
   server.stop();

@@ -15,7 +15,9 @@ class HapticClothNodelet : public nodelet::Nodelet {
  private:
   void onInit() override {
     try {
-      server_ = std::make_unique<HapticClothServer>(getNodeHandle(), getPrivateNodeHandle());
+      const ros::NodeHandle private_node = getPrivateNodeHandle();
+      server_ =
+          std::make_unique<HapticClothServer>(getNodeHandle(), private_node, *readParameters(private_node));
     } catch (const std::exception& error) {
       NODELET_FATAL_STREAM(error.what());  // the manager only says that it failed
       throw;

@@ -11,6 +11,7 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <deque>
 #include <future>
@@ -18,6 +19,7 @@
 #include <vector>
 
 #include "ros/display_thread.h"
+#include "ros/file_work.h"
 #include "ros/haptic_thread.h"
 #include "ros/master_watch.h"
 #include "ros/node_options.h"
@@ -36,24 +38,43 @@ namespace {
 constexpr double kResetTimeout = 5.0;  ///< [s]
 constexpr double kFlush = 0.05;        ///< for the last wrench to leave the process [s]
 
-NodeOptions readParameters(const ros::NodeHandle& private_node) {
-  XmlRpc::XmlRpcValue tree;
-  private_node.getParam(private_node.getNamespace(), tree);
-  return parseNodeOptions(tree, private_node.getNamespace() + " (parameters)");
-}
-
 DisplayPublishers advertise(ros::NodeHandle& node) {
   return {node.advertise<visualization_msgs::MarkerArray>(topics::kMarkers, topics::kMarkersQueue),
           node.advertise<ClothState>(topics::kState, topics::kStateQueue),
           node.advertise<diagnostic_msgs::DiagnosticArray>(topics::kDiagnostics, topics::kDiagnosticsQueue)};
 }
 
+/// Answers services on a thread of their own: one that has to wait does not hold up those of
+/// others.
+struct ServiceThread {
+  ros::CallbackQueue queue;
+  ros::AsyncSpinner spinner{1, &queue};
+
+  /// A handle whose services this thread answers.
+  ros::NodeHandle handle(const ros::NodeHandle& node) {
+    ros::NodeHandle own(node);
+    own.setCallbackQueue(&queue);
+    return own;
+  }
+};
+
 }  // namespace
+
+std::optional<NodeOptions> readParameters(const ros::NodeHandle& private_node,
+                                          const std::function<bool()>& called_off) {
+  XmlRpc::XmlRpcValue tree;
+  private_node.getParam(private_node.getNamespace(), tree);
+  const std::string origin = private_node.getNamespace() + " (parameters)";
+  const auto options = std::make_shared<NodeOptions>();
+  const auto parse = [options, tree, origin] { *options = parseNodeOptions(tree, origin); };
+  if (!runFileWork(parse, called_off)) return std::nullopt;
+  return *options;
+}
 
 class HapticClothServer::Implementation {
  public:
-  Implementation(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
-      : options_(readParameters(private_node)),
+  Implementation(const ros::NodeHandle& node, const ros::NodeHandle& private_node, const NodeOptions& options)
+      : options_(options),
         shared_(options_.scene),
         solver_(options_, shared_),
         node_(node),
@@ -64,8 +85,7 @@ class HapticClothServer::Implementation {
         haptics_(options_, publishers(), shared_),
         master_(services()),
         display_(options_, advertise(node_), {probes_, obstacles_, haptics_, master_}, shared_),
-        pose_spinner_(1, &pose_queue_),
-        service_spinner_(1, &service_queue_) {
+        pose_spinner_(1, &pose_queue_) {
     warn();
     offerServices();
     start([this] { solver_.run(); });
@@ -74,7 +94,7 @@ class HapticClothServer::Implementation {
     start([this] { master_.run(shared_.stop); });
     prioritiseMessages(pose_queue_);
     pose_spinner_.start();
-    service_spinner_.start();
+    for (ServiceThread* thread : serviceThreads()) thread->spinner.start();
   }
 
   ~Implementation() { stop(); }
@@ -90,7 +110,7 @@ class HapticClothServer::Implementation {
   void stop() {
     if (shared_.stop.exchange(true)) return;
     pose_spinner_.stop();
-    service_spinner_.stop();
+    for (ServiceThread* thread : serviceThreads()) thread->spinner.stop();
     for (std::future<void>& thread : threads_) thread.wait();
     sleepUntil(steadyNow() + kFlush);
   }
@@ -113,7 +133,7 @@ class HapticClothServer::Implementation {
   std::deque<ProbeTopics> offerProbes() {
     std::deque<ProbeTopics> probes;
     for (std::size_t k = 0; k < options_.scene.probes.size(); ++k) {
-      probes.emplace_back(options_, k, transforms_, node_, Queues{pose_queue_, service_queue_}, shared_);
+      probes.emplace_back(options_, k, transforms_, node_, Queues{pose_queue_, quick_thread_.queue}, shared_);
     }
     return probes;
   }
@@ -147,11 +167,16 @@ class HapticClothServer::Implementation {
   }
 
   void offerServices() {
-    private_node_.setCallbackQueue(&service_queue_);
-    reset_service_ = private_node_.advertiseService(topics::kReset, &Implementation::reset, this);
-    reconfigure_.emplace(options_, private_node_, shared_);
-    pause_service_ = private_node_.advertiseService(topics::kPause, &Implementation::pause, this);
-    state_services_.emplace(private_node_, shared_);
+    ros::NodeHandle quick = quick_thread_.handle(private_node_), reset = reset_thread_.handle(private_node_);
+    pause_service_ = quick.advertiseService(topics::kPause, &Implementation::pause, this);
+    reset_service_ = reset.advertiseService(topics::kReset, &Implementation::reset, this);
+    reconfigure_.emplace(options_, options_thread_.handle(private_node_), shared_);
+    state_services_.emplace(save_thread_.handle(private_node_), load_thread_.handle(private_node_),
+                            options_.scene, shared_);
+  }
+
+  std::array<ServiceThread*, 5> serviceThreads() {
+    return {&quick_thread_, &reset_thread_, &options_thread_, &save_thread_, &load_thread_};
   }
 
   bool reset(std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
@@ -180,7 +205,10 @@ class HapticClothServer::Implementation {
   ros::NodeHandle node_, private_node_;
   tf2_ros::Buffer transforms_;
   tf2_ros::TransformListener transform_listener_;
-  ros::CallbackQueue pose_queue_, service_queue_;
+  ros::CallbackQueue pose_queue_;
+  ServiceThread quick_thread_;                   ///< pause and grasps, which never wait
+  ServiceThread reset_thread_, options_thread_;  ///< wait for the solver, for the master
+  ServiceThread save_thread_, load_thread_;      ///< wait for the file system
   std::deque<ProbeTopics> probes_;
   std::deque<ObstacleTopics> obstacles_;
   HapticThread haptics_;
@@ -189,12 +217,13 @@ class HapticClothServer::Implementation {
   ros::ServiceServer reset_service_, pause_service_;
   std::optional<StateServices> state_services_;
   std::optional<ReconfigureServer> reconfigure_;
-  ros::AsyncSpinner pose_spinner_, service_spinner_;
+  ros::AsyncSpinner pose_spinner_;
   std::vector<std::future<void>> threads_;
 };
 
-HapticClothServer::HapticClothServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
-    : implementation_(std::make_unique<Implementation>(node, private_node)) {}
+HapticClothServer::HapticClothServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
+                                     const NodeOptions& options)
+    : implementation_(std::make_unique<Implementation>(node, private_node, options)) {}
 
 HapticClothServer::~HapticClothServer() = default;
 

@@ -3,15 +3,25 @@
 
 #include <ros/node_handle.h>
 
+#include <functional>
 #include <memory>
+#include <optional>
+
+#include "ros/node_options.h"
 
 namespace haptic_cloth {
 
+/// Reads the private parameters and the files that they name.
+/// @param called_off is asked while a file system does not answer: whether to wait no longer
+/// @return the options, unless that was called off  @throws InputError for bad parameters
+std::optional<NodeOptions> readParameters(
+    const ros::NodeHandle& private_node, const std::function<bool()>& called_off = [] { return false; });
+
 class HapticClothServer {
  public:
-  /// Reads the private parameters and starts all threads.
-  /// @throws InputError for bad parameters, with nothing started
-  HapticClothServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node);
+  /// Starts all threads. @param options of readParameters()
+  HapticClothServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
+                    const NodeOptions& options);
 
   /// Stops as stop() does.
   ~HapticClothServer();

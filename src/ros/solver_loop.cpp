@@ -64,9 +64,15 @@ void SolverLoop::resetWhenAsked() {
   shared_.resets_done = wanted;
 }
 
+std::string SolverLoop::saveState() {
+  skipRamps();
+  return simulation_.saveState();
+}
+
 /// The hands are where they are now, and may have been elsewhere then: none may find itself holding cloth, or
 /// on the other side of it. So probes come as they do after silence.
 void SolverLoop::loadState(const std::string& state, const std::string& origin) {
+  skipRamps();
   simulation_.loadState(state, origin);
   for (std::size_t k = 0; k < probes_.size(); ++k) simulation_.removeDevice(static_cast<int>(k));
   startAnew();
@@ -101,6 +107,18 @@ void SolverLoop::takeOptions() {
     simulation_.setCoupling(static_cast<int>(k), gains.coupling_stiffness, gains.coupling_damping);
     gains_move_ = gains_move_ || !live.gains[k].isDone(now);
   }
+}
+
+/// The newest options are taken, couplings at the ends of their ramps. No step is made with these:
+/// the next one takes the couplings of its time again.
+void SolverLoop::skipRamps() {
+  takeOptions();
+  const LiveOptions& live = live_.newest();
+  for (std::size_t k = 0; k < live.gains.size(); ++k) {
+    const ProbeOptions& asked = live.options->scene.probes[k];
+    simulation_.setCoupling(static_cast<int>(k), asked.coupling_stiffness, asked.coupling_damping);
+  }
+  gains_move_ = !live.gains.empty();
 }
 
 void SolverLoop::copyFrameWhenWanted() {

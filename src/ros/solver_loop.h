@@ -19,8 +19,13 @@ class SolverLoop {
   /// Runs until shared.stop.
   void run();
 
-  /// For SolverTasks, between two steps.
+  // For SolverTasks, between two steps.
+
   const Simulation& simulation() const { return simulation_; }
+  /// The state with the options that are asked for, also while gains are still on their way to
+  /// them: a node that starts with these parameters can load it.
+  std::string saveState();
+  /// Goes on from a state that was saved with the options that are asked for here.
   /// @throws InputError where the state does not fit; all is as it was then
   void loadState(const std::string& state, const std::string& origin);
 
@@ -28,6 +33,7 @@ class SolverLoop {
   void resetWhenAsked();
   void startAnew();
   void takeOptions();
+  void skipRamps();
   void copyFrameWhenWanted();
   void waitUntilDue();
   void moveObstacles();

@@ -1,7 +1,7 @@
 #include "ros/solver_tasks.h"
 
+#include <algorithm>
 #include <chrono>
-#include <utility>
 
 #include "ros/steady_clock.h"
 
@@ -9,29 +9,31 @@ namespace haptic_cloth {
 
 bool SolverTasks::run(const Work& work, const std::atomic<bool>& stop, double patience) {
   constexpr std::chrono::milliseconds kLook(10);  // for the end of the solver
-  std::unique_lock<std::mutex> lock(mutex_);
-  work_ = &work;
-  waiting_ = true;
+  Task task{work, false, nullptr};
   const double give_up = steadyNow() + patience;
-  while (work_ != nullptr && !stop && steadyNow() < give_up) done_.wait_for(lock, kLook);
-  waiting_ = false;
-  const bool begun = std::exchange(work_, nullptr) == nullptr;
-  if (std::exception_ptr error = std::exchange(error_, nullptr)) std::rethrow_exception(error);
-  return begun;
+  std::unique_lock<std::mutex> lock(mutex_);
+  tasks_.push_back(&task);
+  waiting_ = true;
+  while (!task.done && !stop && steadyNow() < give_up) done_.wait_for(lock, kLook);
+  if (!task.done) tasks_.erase(std::find(tasks_.begin(), tasks_.end(), &task));
+  if (task.error) std::rethrow_exception(task.error);
+  return task.done;
 }
 
 void SolverTasks::work(SolverLoop& loop) {
   if (!waiting_) return;
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (work_ == nullptr) return;
-  try {
-    (*work_)(loop);
-  } catch (...) {
-    error_ = std::current_exception();
+  for (Task* task : tasks_) {
+    try {
+      task->work(loop);
+    } catch (...) {
+      task->error = std::current_exception();
+    }
+    task->done = true;
   }
-  work_ = nullptr;
+  tasks_.clear();
   waiting_ = false;
-  done_.notify_one();
+  done_.notify_all();
 }
 
 }  // namespace haptic_cloth

@@ -3,11 +3,14 @@
 #include <ros/console.h>
 
 #include <filesystem>
+#include <memory>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "haptic_cloth/state_file.h"
+#include "ros/file_work.h"
 #include "ros/solver_loop.h"
 #include "ros/topics.h"
 
@@ -39,35 +42,44 @@ std::string at(const std::string& what, const std::string& file, double time) {
 
 }  // namespace
 
-StateServices::StateServices(ros::NodeHandle& private_node, SharedState& shared)
+StateServices::StateServices(ros::NodeHandle for_save, ros::NodeHandle for_load, const Scene& scene,
+                             SharedState& shared)
     : shared_(shared),
-      save_service_(private_node.advertiseService(topics::kSaveState, &StateServices::save, this)),
-      load_service_(private_node.advertiseService(topics::kLoadState, &StateServices::load, this)) {}
+      largest_(largestState(scene)),
+      save_service_(for_save.advertiseService(topics::kSaveState, &StateServices::save, this)),
+      load_service_(for_load.advertiseService(topics::kLoadState, &StateServices::load, this)) {}
 
 bool StateServices::save(SaveState::Request& request, SaveState::Response& response) {
   return answer(response, [&] {
-    checkStateFile(request.file);
+    const std::string file = request.file;
+    runFiles([file] { checkStateFile(file); });
     std::string state;
     double time = 0.0;
     run([&](SolverLoop& loop) {
-      state = loop.simulation().saveState();
+      state = loop.saveState();
       time = loop.simulation().time();
     });
-    writeStateFile(request.file, state);
-    return at("saved", request.file, time);
+    runFiles([file, state = std::move(state)] { writeStateFile(file, state); });
+    return at("saved", file, time);
   });
 }
 
 bool StateServices::load(LoadState::Request& request, LoadState::Response& response) {
   return answer(response, [&] {
-    const std::string state = readStateFile(request.file);
+    const auto state = std::make_shared<std::string>();
+    runFiles([state, file = request.file, most = largest_] { *state = readStateFile(file, most); });
     double time = 0.0;
     run([&](SolverLoop& loop) {
-      loop.loadState(state, request.file);
+      loop.loadState(*state, request.file);
       time = loop.simulation().time();
     });
     return at("loaded", request.file, time);
   });
+}
+
+void StateServices::runFiles(const std::function<void()>& work) const {
+  if (!runFileWork(work, [this] { return shared_.stop.load(); }))
+    throw std::runtime_error("the node ends, and the file system has not answered");
 }
 
 void StateServices::run(const SolverTasks::Work& work) const {

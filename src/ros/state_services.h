@@ -5,22 +5,29 @@
 #include <haptic_cloth/SaveState.h>
 #include <ros/node_handle.h>
 
+#include <cstdint>
+#include <functional>
+
 #include "ros/shared_state.h"
 
 namespace haptic_cloth {
 
-/// Files are read and written by the thread of the services; the solver only copies its state.
+/// Files are read and written by threads that may wait for a file system without holding up
+/// anything else (runFileWork); the solver only copies its state.
 class StateServices {
  public:
-  /// @param private_node with the callback queue of the services
-  StateServices(ros::NodeHandle& private_node, SharedState& shared);
+  /// @param for_save, for_load private node handles with a callback queue each: loading that waits
+  /// does not hold up saving, nor the other way round
+  StateServices(ros::NodeHandle for_save, ros::NodeHandle for_load, const Scene& scene, SharedState& shared);
 
  private:
   bool save(SaveState::Request& request, SaveState::Response& response);
   bool load(LoadState::Request& request, LoadState::Response& response);
   void run(const SolverTasks::Work& work) const;
+  void runFiles(const std::function<void()>& work) const;
 
   SharedState& shared_;
+  std::uint64_t largest_;  ///< of all states of the scene [bytes]
   ros::ServiceServer save_service_, load_service_;
 };
 

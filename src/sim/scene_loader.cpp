@@ -143,8 +143,10 @@ void readProbe(const YamlValue& value, ProbeOptions& probe) {
   for (const YamlValue& times : grasp->list()) probe.grasp.push_back(times.numbers<2>());
 }
 
-/// One as `probe`, or several by name as `probes`, where `probe` is what they have in common.
-void readProbes(const YamlMap& root, std::vector<ProbeOptions>& probes) {
+/// One as `probe`, or several by name as `probes`, where `probe` is what they have in common. A
+/// radius that the scene does not give suits its cloth.
+void readProbes(const YamlMap& root, const ClothOptions& cloth, std::vector<ProbeOptions>& probes) {
+  probes.front().radius = std::max(probes.front().radius, smallestProbeRadius(cloth));
   const auto one = root.find("probe"), several = root.find("probes");
   if (one) readProbe(*one, probes.front());
   if (!several) return;
@@ -201,7 +203,7 @@ Scene readScene(YamlDocument document, const std::string& base_directory,
   if (const auto obstacles = root.find("obstacles")) {
     for (const YamlValue& obstacle : obstacles->list()) scene.obstacles.push_back(readObstacle(obstacle));
   }
-  readProbes(root, scene.probes);
+  readProbes(root, scene.cloth, scene.probes);
   if (const auto solver = root.find("solver")) readSolver(*solver, scene.solver);
   if (const auto adapt = root.find("adapt")) readAdapt(*adapt, scene.adapt);
   if (const auto stop = root.find("stop")) readStop(*stop, scene.stop);

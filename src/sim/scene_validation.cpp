@@ -8,6 +8,7 @@
 
 #include "haptic_cloth/error.h"
 #include "sim/scene_names.h"
+#include "state/number_text.h"
 
 namespace haptic_cloth {
 namespace {
@@ -20,9 +21,26 @@ constexpr double kMost =
 constexpr double kSmallest = 1e-12, kLargest = 1e12;  ///< of the rest: products and quotients stay finite
 constexpr double kMostContacts = 1 << 26;  ///< particles times solids: each of these has its places reserved
 constexpr std::size_t kMostProbes = 64, kMostObstacles = 1024, kMostPins = 4096;
-constexpr double kFinestProbe =
-    0.02;  ///< probe radius over the finest spacing: thinner ones need too many samples [-]
+constexpr double kFinestProbe = 0.02;    ///< smallest probe radius over the finest spacing [-]
 constexpr double kUnitTolerance = 1e-6;  ///< of a quaternion's norm [-]
+
+/// A count that is far too large: six digits say so.
+std::string rounded(double count) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << count;
+  return text.str();
+}
+
+std::string toText(double value) { return shortestText(value); }
+
+template <class T>
+std::string toText(const T& value) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << value;
+  return text.str();
+}
 
 /// Rules with names, each of which throws when it is broken.
 class Check {
@@ -32,10 +50,7 @@ class Check {
   template <class T>
   void that(bool holds, const std::string& key, const T& value, const std::string& rule) const {
     if (holds) return;
-    std::ostringstream text;
-    text.imbue(std::locale::classic());
-    text << value;
-    throw InputError(locate_(key), key, text.str(), rule);
+    throw InputError(locate_(key), key, toText(value), rule);
   }
 
   void positive(const std::string& key, double value) const {
@@ -90,7 +105,7 @@ void checkGrid(const Check& check, const ClothOptions& cloth, const AdaptOptions
     check.length(indexed("cloth.size", d), cloth.size[d]);
   }
   const double count = static_cast<double>(cloth.particles[0]) * cloth.particles[1];
-  check.that(count <= kMostParticles, "cloth.particles", count, "the product must be at most 2^24");
+  check.that(count <= kMostParticles, "cloth.particles", rounded(count), "the product must be at most 2^24");
 }
 
 void checkPins(const Check& check, const ClothOptions& cloth) {
@@ -162,9 +177,10 @@ void checkNames(const Check& check, const std::string& prefix, const std::vector
 }
 
 /// @param prefix the probe's key
-void checkProbe(const Check& check, const std::string& prefix, const ProbeOptions& probe, double spacing) {
+void checkProbe(const Check& check, const std::string& prefix, const ProbeOptions& probe,
+                const ClothOptions& cloth) {
   check.length(prefix + ".radius", probe.radius);
-  check.that(probe.radius >= kFinestProbe * spacing, prefix + ".radius", probe.radius,
+  check.that(probe.radius >= smallestProbeRadius(cloth), prefix + ".radius", probe.radius,
              "must be at least a fiftieth of the finest spacing");
   check.notNegative(prefix + ".length", probe.length);
   check.that(probe.length <= kMost, prefix + ".length", probe.length, "must be at most 1e6");
@@ -196,10 +212,7 @@ void checkOptions(const Check& check, const Scene& scene) {
   check.positive("adapt.refine_above_strain", adapt.refine_above_strain);
   check.notNegative("adapt.coarsen_below_strain", adapt.coarsen_below_strain);
   const auto below = [&check](const char* key, double value, const char* bound, double most) {
-    std::ostringstream rule;
-    rule.imbue(std::locale::classic());
-    rule << "must be below " << bound << " = " << most;
-    check.that(value < most, key, value, rule.str());
+    check.that(value < most, key, value, std::string("must be below ") + bound + " = " + shortestText(most));
   };
   below("adapt.coarsen_below", adapt.coarsen_below, "adapt.refine_above", adapt.refine_above);
   below("adapt.coarsen_below_strain", adapt.coarsen_below_strain, "adapt.refine_above_strain",
@@ -211,6 +224,11 @@ void checkOptions(const Check& check, const Scene& scene) {
 }
 
 }  // namespace
+
+double smallestProbeRadius(const ClothOptions& cloth) {
+  return kFinestProbe *
+         std::min(cloth.size[0] / (cloth.particles[0] - 1), cloth.size[1] / (cloth.particles[1] - 1));
+}
 
 void checkScene(const Scene& scene, const Locate& locate) {
   const Check check(locate);
@@ -224,7 +242,7 @@ void checkScene(const Scene& scene, const Locate& locate) {
   check.count("probes", scene.probes.size(), kMostProbes);
   const double contacts = static_cast<double>(scene.cloth.particles[0]) * scene.cloth.particles[1] *
                           static_cast<double>(scene.obstacles.size() + scene.probes.size());
-  check.that(contacts <= kMostContacts, "cloth.particles", contacts,
+  check.that(contacts <= kMostContacts, "cloth.particles", rounded(contacts),
              "the product, times the number of obstacles and probes, must be at most 2^26");
   check.notNegative("air_damping", scene.air_damping);
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
@@ -233,11 +251,9 @@ void checkScene(const Scene& scene, const Locate& locate) {
   checkNames(check, "obstacles", scene.obstacles, false);
   checkNames(check, "probes", scene.probes, true);
   check.that(!scene.probes.empty(), "probes", "{}", "must name at least one probe");
-  const double spacing = std::min(scene.cloth.size[0] / (scene.cloth.particles[0] - 1),
-                                  scene.cloth.size[1] / (scene.cloth.particles[1] - 1));
   for (const ProbeOptions& probe : scene.probes) {
     const bool only = scene.probes.size() == 1 && probe.name == ProbeOptions().name;
-    checkProbe(check, only ? "probe" : "probes." + probe.name, probe, spacing);
+    checkProbe(check, only ? "probe" : "probes." + probe.name, probe, scene.cloth);
   }
   checkOptions(check, scene);
 }

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <sstream>
 
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/state_file.h"
+#include "state/number_text.h"
 
 namespace haptic_cloth {
 namespace {
@@ -36,25 +36,33 @@ void append(std::string& bytes, const T& value) {
 
 }  // namespace
 
-Archive::Archive(const std::string& sealed, std::string origin) : loads_(true), origin_(std::move(origin)) {
+std::size_t Archive::headerSize() { return sizeof(kStateMagic) - 1 + sizeof(Envelope); }
+
+void Archive::checkHeader(const std::string& start, std::uint64_t size, const std::string& origin) {
+  const auto refuse = [&](const std::string& rule) { throw InputError(origin, "", "", rule); };
   const std::string magic = kStateMagic;
-  if (sealed.compare(0, magic.size(), magic) != 0)
-    fail("", "", "must be a state that was saved: it does not begin as one");
-  const std::size_t begin = magic.size() + sizeof(Envelope);
-  if (sealed.size() < begin) fail("", "", "is cut off");
+  if (start.compare(0, magic.size(), magic) != 0)
+    refuse("must be a state that was saved: it does not begin as one");
+  if (start.size() < headerSize()) refuse("is cut off");
   Envelope envelope{};
-  std::memcpy(&envelope, sealed.data() + magic.size(), sizeof(envelope));
-  if (envelope.byte_order != kByteOrder) fail("", "", "comes from a machine with another byte order");
+  std::memcpy(&envelope, start.data() + magic.size(), sizeof(envelope));
+  if (envelope.byte_order != kByteOrder) refuse("comes from a machine with another byte order");
   if (envelope.version != kVersion) {
-    fail("version", std::to_string(envelope.version),
-         "must be " + std::to_string(kVersion) + ", the one this program writes");
+    throw InputError(origin, "version", std::to_string(envelope.version),
+                     "must be " + std::to_string(kVersion) + ", the one this program writes");
   }
-  if (sealed.size() - begin != envelope.size) {
-    fail("", "",
-         "has " + std::to_string(sealed.size() - begin) + " bytes of " + std::to_string(envelope.size) +
-             ": it is cut off or has grown");
+  const std::uint64_t held = size - headerSize();
+  if (held != envelope.size) {
+    refuse("has " + std::to_string(held) + " bytes of " + std::to_string(envelope.size) +
+           ": it is cut off or has grown");
   }
-  entries_ = sealed.substr(begin);
+}
+
+Archive::Archive(const std::string& sealed, std::string origin) : loads_(true), origin_(std::move(origin)) {
+  checkHeader(sealed.substr(0, headerSize()), sealed.size(), origin_);
+  Envelope envelope{};
+  std::memcpy(&envelope, sealed.data() + headerSize() - sizeof(envelope), sizeof(envelope));
+  entries_ = sealed.substr(headerSize());
   if (checksum(entries_) != envelope.checksum) fail("", "", "is damaged: its checksum does not fit");
 }
 
@@ -158,16 +166,15 @@ std::string Archive::text(Type type, const char* bytes, std::size_t count) const
   if (type == Type::Byte) return count > 0 ? std::string(bytes, count) : "''";
   constexpr std::size_t kMost = 8;
   if (count > kMost) return std::to_string(count) + " values";
-  std::ostringstream text;
-  text.precision(12);
+  std::string text;
   for (std::size_t k = 0; k < count; ++k) {
     double number = 0.0;
     int whole = 0;
     if (type == Type::Int) std::memcpy(&whole, bytes + k * sizeof(whole), sizeof(whole));
     if (type == Type::Double) std::memcpy(&number, bytes + k * sizeof(number), sizeof(number));
-    text << (k > 0 ? ", " : "") << (type == Type::Int ? whole : number);
+    text += (k > 0 ? ", " : "") + (type == Type::Int ? std::to_string(whole) : shortestText(number));
   }
-  return count == 1 ? text.str() : "[" + text.str() + "]";
+  return count == 1 ? text : "[" + text + "]";
 }
 
 void Archive::differs(const std::string& name, const Header& found, const std::string& here) const {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -22,6 +23,13 @@ class Archive {
   /// To load what sealed() gave. @param origin names the source in messages
   /// @throws InputError where it is not whole, or of another version or kind of machine
   Archive(const std::string& sealed, std::string origin);
+
+  /// Checks what a sealed state begins with, before the rest of it is read.
+  /// @param start its first headerSize() bytes, or all of it if it is shorter
+  /// @param size of the whole [bytes]
+  /// @throws InputError as the constructor does, for all but the checksum and the entries
+  static void checkHeader(const std::string& start, std::uint64_t size, const std::string& origin);
+  static std::size_t headerSize();
 
   bool loads() const { return loads_; }
 

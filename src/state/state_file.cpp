@@ -1,119 +1,128 @@
 #include "haptic_cloth/state_file.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
-#include <stdexcept>
+#include <new>
 
 #include "haptic_cloth/error.h"
+#include "state/archive.h"
+#include "state/new_file.h"
 
 namespace haptic_cloth {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kPartial = ".partial";
-
-/// The file itself where `file` is a link.
-fs::path target(const std::string& file) {
-  std::error_code error;
-  const fs::path real = fs::canonical(file, error);
-  return error ? fs::absolute(file) : real;
-}
+// Bounds with room to spare: a particle takes about 500 bytes and at most 4 for each probe that
+// touches it, fabric and obstacles less than 2 MiB.
+constexpr std::uint64_t kMostOverhead = std::uint64_t{1} << 26, kMostPerParticle = 4096;
+constexpr std::uint64_t kMostParticles = 1 << 24;
 
 void requireName(const std::string& file) {
   if (file.empty()) throw InputError("state file", "", "", "must have a name");
 }
 
-/// A file of which other processes see nothing until it has its name.
-class PartialFile {
+/// A regular file that is open for reading. Opening it and reading from it do not wait for another
+/// process.
+class RegularFile {
  public:
-  explicit PartialFile(const fs::path& target) : target_(target), name_(target.string() + kPartial) {
-    unlink(name_.c_str());  // what a killed process has left
-    descriptor_ = open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor_ < 0) fail();
-  }
-  ~PartialFile() {
-    if (descriptor_ < 0) return;
-    close(descriptor_);
-    unlink(name_.c_str());
-  }
-  PartialFile(const PartialFile&) = delete;
-  PartialFile& operator=(const PartialFile&) = delete;
-
-  void write(const std::string& bytes) const {
-    for (std::size_t written = 0; written < bytes.size();) {
-      const ssize_t count = ::write(descriptor_, bytes.data() + written, bytes.size() - written);
-      if (count < 0 && errno != EINTR) fail();
-      if (count > 0) written += count;
+  explicit RegularFile(const std::string& name) : name_(name) {
+    struct stat status {};
+    // Devices are not even opened: that alone has effects on some.
+    if (stat(name.c_str(), &status) != 0) cannotBeRead();
+    requireRegular(status);
+    // Another process may have put a FIFO there since.
+    descriptor_ = open(name.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+    if (descriptor_ < 0) cannotBeRead();
+    try {
+      if (fstat(descriptor_, &status) != 0) cannotBeRead();
+      requireRegular(status);
+    } catch (const InputError&) {
+      close(descriptor_);
+      throw;
     }
+    size_ = static_cast<std::uint64_t>(status.st_size);
   }
+  ~RegularFile() { close(descriptor_); }
+  RegularFile(const RegularFile&) = delete;
+  RegularFile& operator=(const RegularFile&) = delete;
 
-  /// Puts it in place of the target, both on the disk.
-  void finish() {
-    if (fsync(descriptor_) != 0) fail();
-    if (rename(name_.c_str(), target_.c_str()) != 0) fail();
-    close(descriptor_);
-    descriptor_ = -1;
-    const int folder = open(target_.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (folder < 0) return;  // the file is there; only after a power cut it may be the old one
-    fsync(folder);
-    close(folder);
+  std::uint64_t size() const { return size_; }
+
+  /// Its first bytes, fewer where it ends before.
+  std::string read(std::size_t count) const {
+    std::string bytes(count, '\0');
+    std::size_t have = 0;
+    while (have < count) {
+      const ssize_t more = pread(descriptor_, &bytes[have], count - have, static_cast<off_t>(have));
+      if (more < 0 && errno != EINTR) cannotBeRead();
+      if (more == 0) break;
+      if (more > 0) have += static_cast<std::size_t>(more);
+    }
+    bytes.resize(have);
+    return bytes;
   }
 
  private:
-  [[noreturn]] void fail() const {
-    throw std::runtime_error(target_.string() + ": cannot be written: " + std::strerror(errno));
+  [[noreturn]] void cannotBeRead() const {
+    throw InputError(name_, "", "", std::string("cannot be read: ") + std::strerror(errno));
+  }
+  void requireRegular(const struct stat& status) const {
+    if (!S_ISREG(status.st_mode)) throw InputError(name_, "", "", "must be a regular file");
   }
 
-  fs::path target_;
   std::string name_;
   int descriptor_ = -1;
+  std::uint64_t size_ = 0;
 };
 
 }  // namespace
 
+std::uint64_t largestState(const Scene& scene) {
+  const auto [columns, rows] = scene.cloth.particles;
+  const auto particles = static_cast<std::uint64_t>(columns) * static_cast<std::uint64_t>(rows);
+  return kMostOverhead + particles * kMostPerParticle;
+}
+
+std::uint64_t largestState() { return kMostOverhead + kMostParticles * kMostPerParticle; }
+
 void checkStateFile(const std::string& file) {
   requireName(file);
-  const fs::path path = target(file);
-  const auto refuse = [&](const std::string& rule) { throw InputError(path.string(), "", "", rule); };
+  checkNewFile(file);
+  const fs::path path = linkedFile(file);
   std::error_code error;
-  if (fs::exists(path, error)) {
-    if (!fs::is_regular_file(path, error)) refuse("must be a regular file");
-    const std::string magic = kStateMagic;
-    std::string start(magic.size(), '\0');
-    std::ifstream stream(path, std::ios::binary);
-    if (!stream) refuse(std::string("cannot be read: ") + std::strerror(errno));
-    stream.read(&start[0], static_cast<std::streamsize>(start.size()));
-    if (stream.gcount() > 0 && start != magic) refuse("must be a state or new: what it holds would be lost");
-  }
-  const fs::path folder = path.parent_path();
-  if (access(folder.c_str(), W_OK | X_OK) != 0) {
-    refuse("cannot be written: " + folder.string() + ": " + std::strerror(errno));
-  }
+  if (!fs::exists(path, error)) return;
+  const std::string magic = kStateMagic;
+  const std::string start = RegularFile(path.string()).read(magic.size());
+  if (!start.empty() && start != magic)
+    throw InputError(path.string(), "", "", "must be a state or new: what it holds would be lost");
 }
 
 void writeStateFile(const std::string& file, const std::string& state) {
   checkStateFile(file);
-  PartialFile partial(target(file));
-  partial.write(state);
-  partial.finish();
+  NewFiles files;
+  files.add(file).stream() << state;
+  files.publish();
 }
 
-std::string readStateFile(const std::string& file) {
+std::string readStateFile(const std::string& file, std::uint64_t most) {
   requireName(file);
-  std::error_code error;
-  if (fs::is_directory(file, error)) throw InputError(file, "", "", "must be a file, not a directory");
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  if (stream) text << stream.rdbuf();
-  if (!stream) throw InputError(file, "", "", std::string("cannot be read: ") + std::strerror(errno));
-  return text.str();
+  const RegularFile regular(file);
+  Archive::checkHeader(regular.read(Archive::headerSize()), regular.size(), file);
+  if (regular.size() > most) {
+    throw InputError(file, "size", std::to_string(regular.size()) + " bytes",
+                     "must be at most " + std::to_string(most) + " for a state of this scene");
+  }
+  try {
+    return regular.read(regular.size());
+  } catch (const std::bad_alloc&) {
+    throw InputError(file, "", "", "needs more memory than there is");
+  }
 }
 
 }  // namespace haptic_cloth

@@ -1,9 +1,11 @@
 /// kes_test: the Kawabata tests on a virtual specimen of a fabric file.
+#include <sys/wait.h>
+
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <map>
 #include <sstream>
@@ -11,13 +13,15 @@
 
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/fabric.h"
+#include "state/new_file.h"
 #include "tools/kes_values.h"
 #include "tools/specimen.h"
+#include "tools/standard_output.h"
 
 namespace haptic_cloth {
 namespace {
 
-enum ExitCode { kSuccess = 0, kBadInput = 2, kFailed = 3 };
+enum ExitCode { kSuccess = 0, kBadInput = 2, kFailed = 3, kNotWritten = 4 };
 
 constexpr const char* kDescription =
     "Virtual Kawabata (KES-F) tests of a fabric file on a mesh.\n"
@@ -29,7 +33,8 @@ constexpr const char* kFooter =
     "the fabric's loop there. Tension goes up to 500 gf/cm and back; shear to 8 deg and bending to 2.5/cm: "
     "up,\n"
     "down to the negative end and up again. Printed: what a KES instrument would read, in KES units.\n"
-    "Exit status: 0 success; 2 bad input, nothing written; 3 failure.";
+    "Exit status: 0 success; 2 bad input, nothing written; 3 failure; 4 output cannot be written, for\n"
+    "instance because the disk is full: then neither file of this run is there.";
 
 struct Arguments {
   std::string fabric, out, plot, test;
@@ -73,26 +78,25 @@ std::string asCsv(const std::vector<KesRow>& rows) {
   return out.str();
 }
 
-void writeFile(const std::string& file, const std::string& text) {
-  const std::string partial = file + ".partial";
-  std::ofstream out(partial);
-  out << text;
-  out.close();
-  if (!out) throw InputError("--out", "", file, "cannot be written");
-  std::filesystem::rename(partial, file);
-}
-
-void plotCurve(const std::string& file, const std::string& csv) {
+/// Has the plot written under the temporary name of `file`.
+void plotCurve(const NewFile& file, const std::string& csv) {
   std::string script = HAPTIC_CLOTH_SOURCE_SCRIPTS "/plot_kes.py";
   if (!std::filesystem::exists(script)) script = HAPTIC_CLOTH_INSTALL_SCRIPTS "/plot_kes.py";
-  const std::string command = "/usr/bin/python3 '" + script + "' '" + file + "'";
+  const std::string name = file.target().string();
+  const std::string command =
+      "/usr/bin/python3 '" + script + "' '" + name + "' '" + file.temporaryName() + "'";
   FILE* python = popen(command.c_str(), "w");
   if (python == nullptr) throw std::runtime_error(command + ": cannot be started");
   std::fwrite(csv.data(), 1, csv.size(), python);
-  if (pclose(python) != 0) throw std::runtime_error("--plot " + file + ": the plot failed");
+  const int status = pclose(python);
+  if (WIFEXITED(status) && WEXITSTATUS(status) == kNotWritten) throw OutputError(name, "");
+  if (status != 0) throw std::runtime_error("--plot " + name + ": the plot failed");
 }
 
-int run(const Arguments& arguments) {
+int test(const Arguments& arguments) {
+  for (const std::string& file : {arguments.out, arguments.plot}) {
+    if (!file.empty()) checkNewFile(file);
+  }
   const Fabric fabric = loadFabric(arguments.fabric);
   const KesTest test = kTests.at(arguments.test);
   const Direction direction = kDirections.at(arguments.direction);
@@ -101,31 +105,48 @@ int run(const Arguments& arguments) {
   }
   const std::vector<KesRow> rows = runKesTest(fabric, test, direction, kMeshes.at(arguments.mesh));
   const std::string csv = asCsv(rows);
-  if (!arguments.out.empty()) writeFile(arguments.out, csv);
-  if (!arguments.plot.empty()) plotCurve(arguments.plot, csv);
+  NewFiles files;
+  if (!arguments.out.empty()) files.add(arguments.out).stream() << csv;
+  if (!arguments.plot.empty()) plotCurve(files.add(arguments.plot), csv);
+  files.publish();
   for (const auto& [name, value] : kesValues(rows, test)) std::cout << name << ' ' << value << '\n';
   const LoopAreas areas = loopAreas(rows, test);
-  std::cout << "loop_area " << areas.measured << " J/m2 (fabric: " << areas.input << ")" << std::endl;
+  std::cout << "loop_area " << areas.measured << " J/m2 (fabric: " << areas.input << ")\n";
+  requireStandardOutput();
   return kSuccess;
+}
+
+int run(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app(kDescription, "kes_test");
+  addArguments(app, arguments);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() != 0) {
+      std::cerr << "kes_test: " << error.what() << " (see --help)" << std::endl;
+      return kBadInput;
+    }
+    app.exit(error);  // --help
+    requireStandardOutput();
+    return kSuccess;
+  }
+  return test(arguments);
 }
 
 }  // namespace
 }  // namespace haptic_cloth
 
 int main(int argc, char** argv) {
-  haptic_cloth::Arguments arguments;
-  CLI::App app(haptic_cloth::kDescription, "kes_test");
+  std::signal(SIGXFSZ, SIG_IGN);  // the limit of a file's size is an error like a full disk
   try {
-    haptic_cloth::addArguments(app, arguments);
-    app.parse(argc, argv);
-    return haptic_cloth::run(arguments);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);
-    std::cerr << "kes_test: " << error.what() << " (see --help)" << std::endl;
-    return haptic_cloth::kBadInput;
+    return haptic_cloth::run(argc, argv);
   } catch (const haptic_cloth::InputError& error) {
     std::cerr << error.what() << std::endl;
     return haptic_cloth::kBadInput;
+  } catch (const haptic_cloth::OutputError& error) {
+    std::cerr << "kes_test: " << error.what() << std::endl;
+    return haptic_cloth::kNotWritten;
   } catch (const std::exception& error) {
     std::cerr << "kes_test: " << error.what() << std::endl;
     return haptic_cloth::kFailed;

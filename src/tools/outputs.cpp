@@ -1,12 +1,7 @@
 #include "tools/outputs.h"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <functional>
-#include <iomanip>
-#include <sstream>
-#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "haptic_cloth/error.h"
@@ -15,26 +10,23 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr int kDigits = 17;  // enough for a double to be read back bit for bit
-constexpr const char* kRunning = ".partial";
-
 namespace fs = std::filesystem;
 
-void writeFile(const fs::path& file, const std::function<void(std::ostream&)>& write) {
-  const fs::path partial = file.string() + kRunning;
-  {
-    std::ofstream stream(partial);
-    stream << std::setprecision(kDigits);
-    write(stream);
-    stream.close();
-    if (!stream) {
-      const int why = errno;
-      std::error_code ignored;
-      fs::remove(partial, ignored);  // a full disk needs the room
-      throw std::runtime_error(file.string() + ": cannot be written: " + std::strerror(why));
-    }
-  }
-  fs::rename(partial, file);
+// The rest of the names depends on the scene.
+constexpr const char* kSteps = "steps.csv";
+constexpr const char* kParticles = "particles.csv";
+constexpr const char* kMesh = "mesh.ply";
+constexpr const char* kSummary = "summary.json";
+
+std::string probeFile(const ProbeOptions& probe) {
+  return probe.name == ProbeOptions().name ? probe.name + ".csv" : "probe_" + probe.name + ".csv";
+}
+
+void writeFile(NewFiles& files, const fs::path& name, const std::function<void(std::ostream&)>& write) {
+  NewFile& file = files.add(name);
+  write(file.stream());
+  // A full disk is noticed here, not after the other files.
+  file.finish();
 }
 
 std::ostream& operator<<(std::ostream& stream, const Vec3& v) {
@@ -109,33 +101,31 @@ void writeMesh(std::ostream& stream, const Simulation& simulation) {
 
 }  // namespace
 
-void prepareDirectory(const fs::path& directory) {
+void prepareDirectory(const fs::path& directory, const Scene& scene) {
   std::error_code error;
   fs::create_directories(directory, error);
   if (!error && !fs::is_directory(directory)) error = std::make_error_code(std::errc::not_a_directory);
   if (error) throw InputError("--out", "", directory.string(), "must be a directory: " + error.message());
-  const fs::path trial = directory / (std::string("summary.json") + kRunning);
-  const bool writable = std::ofstream(trial).is_open();
-  if (!writable) {
-    throw InputError("--out", "", directory.string(),
-                     std::string("must be writable: ") + std::strerror(errno));
-  }
-  fs::remove(trial);
+  std::vector<std::string> names{kSteps, kParticles, kMesh, kSummary};
+  for (const ProbeOptions& probe : scene.probes) names.push_back(probeFile(probe));
+  for (const std::string& name : names) checkNewFile(directory / name);
+  const NewFile trial(directory / kSummary);  // better now than after an hour of simulation
 }
 
 void writeOutputs(const fs::path& directory, const Simulation& simulation, const RunRecord& record,
-                  bool succeeded) {
-  writeFile(directory / "steps.csv", [&](std::ostream& stream) { writeSteps(stream, record.steps); });
+                  bool succeeded, NewFiles& files) {
+  const auto write = [&](const std::string& name, const std::function<void(std::ostream&)>& content) {
+    writeFile(files, directory / name, content);
+  };
+  write(kSteps, [&](std::ostream& stream) { writeSteps(stream, record.steps); });
   for (std::size_t k = 0; k < record.probes.size(); ++k) {
-    const std::string& name = simulation.scene().probes[k].name;
-    const std::string file = name == ProbeOptions().name ? name + ".csv" : "probe_" + name + ".csv";
-    writeFile(directory / file, [&](std::ostream& stream) { writeProbe(stream, record.probes[k]); });
+    write(probeFile(simulation.scene().probes[k]),
+          [&](std::ostream& stream) { writeProbe(stream, record.probes[k]); });
   }
-  writeFile(directory / "particles.csv", [&](std::ostream& stream) { writeParticles(stream, simulation); });
-  writeFile(directory / "mesh.ply", [&](std::ostream& stream) { writeMesh(stream, simulation); });
-  writeFile(directory / "summary.json", [&](std::ostream& stream) {
-    stream << summaryJson(simulation, record.totals, succeeded) << '\n';
-  });
+  write(kParticles, [&](std::ostream& stream) { writeParticles(stream, simulation); });
+  write(kMesh, [&](std::ostream& stream) { writeMesh(stream, simulation); });
+  write(kSummary,
+        [&](std::ostream& stream) { stream << summaryJson(simulation, record.totals, succeeded) << '\n'; });
 }
 
 }  // namespace haptic_cloth

@@ -2,22 +2,22 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 
 #include "haptic_cloth/simulation.h"
+#include "state/new_file.h"
 #include "tools/run.h"
 
 namespace haptic_cloth {
 
-/// Creates the directory if need be and makes sure that files can be written there.
-/// @throws InputError naming the directory
-void prepareDirectory(const std::filesystem::path& directory);
+/// Creates the directory if need be and makes sure that the files of a scene can be written there.
+/// @throws InputError naming the directory or the file
+void prepareDirectory(const std::filesystem::path& directory, const Scene& scene);
 
-/// Writes summary.json, steps.csv, probe.csv, particles.csv and mesh.ply. Each file is written under a
-/// temporary name and renamed when complete, so a reader never sees half a file.
+/// Writes summary.json, steps.csv, probe.csv, particles.csv and mesh.ply, all of which get their
+/// names with files.publish(), summary.json last.
 /// @param succeeded what summary.json says of the run
-/// @throws std::runtime_error naming the file that could not be written
+/// @throws OutputError naming the file that cannot be written
 void writeOutputs(const std::filesystem::path& directory, const Simulation& simulation,
-                  const RunRecord& record, bool succeeded);
+                  const RunRecord& record, bool succeeded, NewFiles& files);
 
 }  // namespace haptic_cloth

@@ -3,6 +3,8 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <iostream>
@@ -13,8 +15,10 @@
 #include "haptic_cloth/scene.h"
 #include "haptic_cloth/simulation.h"
 #include "haptic_cloth/state_file.h"
+#include "state/new_file.h"
 #include "tools/outputs.h"
 #include "tools/run.h"
+#include "tools/standard_output.h"
 #include "tools/summary.h"
 
 namespace {
@@ -23,7 +27,7 @@ using haptic_cloth::RunRecord;
 using haptic_cloth::RunTotals;
 using haptic_cloth::Simulation;
 
-enum ExitCode { kSuccess = 0, kBadInput = 2, kSimulationFailed = 3 };
+enum ExitCode { kSuccess = 0, kBadInput = 2, kSimulationFailed = 3, kNotWritten = 4 };
 
 /// A run with a larger share of failed steps has not simulated its scene.
 constexpr double kMaxFailedShare = 0.1;
@@ -43,7 +47,8 @@ constexpr const char* kFooter =
     "simulate drape.yaml --resume drape.state --set stop.time=4. The files then tell of the second run.\n"
     "Exit status: 0 success; 2 bad input, nothing written; 3 the simulation failed (a final state\n"
     "that is not finite, or more than 10 % of the steps failed), files are written; a state only where\n"
-    "it is finite.";
+    "it is finite; 4 output cannot be written, for instance because the disk is full: then none of the\n"
+    "files of this run is there. They are whole where only the report cannot be printed.";
 
 struct Arguments {
   std::string scene;
@@ -93,10 +98,11 @@ void addArguments(CLI::App& app, Arguments& arguments) {
 int simulate(const Arguments& arguments) {
   Simulation simulation(haptic_cloth::loadScene(arguments.scene, arguments.overrides));
   if (!arguments.resume.empty()) {
-    simulation.loadState(haptic_cloth::readStateFile(arguments.resume), arguments.resume);
+    const std::uint64_t most = haptic_cloth::largestState(simulation.scene());
+    simulation.loadState(haptic_cloth::readStateFile(arguments.resume, most), arguments.resume);
   }
   if (!arguments.save_state.empty()) haptic_cloth::checkStateFile(arguments.save_state);
-  if (!arguments.out.empty()) haptic_cloth::prepareDirectory(arguments.out);
+  if (!arguments.out.empty()) haptic_cloth::prepareDirectory(arguments.out, simulation.scene());
 
   Progress progress(simulation.scene().stop.time);
   const RunRecord record = haptic_cloth::runScene(
@@ -107,13 +113,16 @@ int simulate(const Arguments& arguments) {
   const RunTotals& totals = record.totals;
   const bool finite = haptic_cloth::isFinite(simulation);
   const bool succeeded = finite && totals.failed_steps <= kMaxFailedShare * totals.steps;
-  if (arguments.out.empty()) {
-    std::cout << haptic_cloth::briefReport(simulation, totals) << std::endl;
-  } else {
-    haptic_cloth::writeOutputs(arguments.out, simulation, record, succeeded);
-  }
+  haptic_cloth::NewFiles files;
+  if (!arguments.out.empty()) haptic_cloth::writeOutputs(arguments.out, simulation, record, succeeded, files);
   if (!arguments.save_state.empty() && finite) {
-    haptic_cloth::writeStateFile(arguments.save_state, simulation.saveState());
+    haptic_cloth::checkStateFile(arguments.save_state);  // it may be another one by now
+    files.add(arguments.save_state).stream() << simulation.saveState();
+  }
+  files.publish();
+  if (arguments.out.empty()) {
+    std::cout << haptic_cloth::briefReport(simulation, totals) << '\n';
+    haptic_cloth::requireStandardOutput();
   }
   if (succeeded) return kSuccess;
   std::cerr << arguments.scene << ": simulation failed: "
@@ -124,22 +133,36 @@ int simulate(const Arguments& arguments) {
   return kSimulationFailed;
 }
 
+int run(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app(kDescription, "simulate");
+  addArguments(app, arguments);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() != 0) {
+      std::cerr << "simulate: " << error.what() << " (see --help)" << std::endl;
+      return kBadInput;
+    }
+    app.exit(error);  // --help
+    haptic_cloth::requireStandardOutput();
+    return kSuccess;
+  }
+  return simulate(arguments);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  Arguments arguments;
-  CLI::App app(kDescription, "simulate");
+  std::signal(SIGXFSZ, SIG_IGN);  // the limit of a file's size is an error like a full disk
   try {
-    addArguments(app, arguments);
-    app.parse(argc, argv);
-    return simulate(arguments);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);
-    std::cerr << "simulate: " << error.what() << " (see --help)" << std::endl;
-    return kBadInput;
+    return run(argc, argv);
   } catch (const haptic_cloth::InputError& error) {
     std::cerr << error.what() << std::endl;
     return kBadInput;
+  } catch (const haptic_cloth::OutputError& error) {
+    std::cerr << "simulate: " << error.what() << std::endl;
+    return kNotWritten;
   } catch (const std::exception& error) {
     std::cerr << "simulate: " << error.what() << std::endl;
     return kSimulationFailed;

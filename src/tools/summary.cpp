@@ -63,8 +63,9 @@ std::string summaryJson(const Simulation& simulation, const RunTotals& totals, b
   summary["max_strain"] = simulation.maxStrain();
   summary["max_speed"] = simulation.maxSpeed();
   summary["max_penetration"] = totals.max_penetration;
-  summary["probe_force"] = toJson(simulation.probe().force);
   const std::vector<ProbeOptions>& probes = simulation.scene().probes;
+  summary["probe_force"] = toJson(simulation.probe().force);
+  summary["probe_force_of"] = probes.front().name;
   for (std::size_t k = 0; k < probes.size() && probes.size() > 1; ++k) {
     summary["probe_forces"][probes[k].name] = toJson(simulation.probe(static_cast<int>(k)).force);
   }
@@ -91,8 +92,13 @@ std::string briefReport(const Simulation& simulation, const RunTotals& totals) {
        << "max strain " << 100.0 * simulation.maxStrain() << " %, max speed " << simulation.maxSpeed()
        << " m/s, max penetration " << 1e3 * totals.max_penetration << " mm\n"
        << "support force " << simulation.supportForce().transpose() << " N";
-  const ProbeReport probe = simulation.probe();
-  if (probe.present) text << ", force on the probe " << probe.force.transpose() << " N";
+  const std::vector<ProbeOptions>& probes = simulation.scene().probes;
+  for (std::size_t k = 0; k < probes.size(); ++k) {
+    const ProbeReport probe = simulation.probe(static_cast<int>(k));
+    if (!probe.present) continue;
+    text << ", force on " << (probes.size() == 1 ? "the probe" : probes[k].name) << " "
+         << probe.force.transpose() << " N";
+  }
   return text.str();
 }
 

@@ -1,14 +1,20 @@
 /// How the node starts and ends: bad parameters, signals, rosnode kill, a lost master.
+#include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
+#include <haptic_cloth/LoadState.h>
+#include <haptic_cloth/SaveState.h>
 #include <ros/ros.h>
 #include <signal.h>
 #include <std_srvs/Empty.h>
+#include <std_srvs/SetBool.h>
 #include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <thread>
+#include <vector>
 
 #include "ros/steady_clock.h"
 #include "ros_test_support.h"
@@ -30,8 +36,8 @@ class LifecycleTest : public testing::Test {
   void TearDown() override { ros::param::del("/cloth"); }
 
   /// A node whose probe presses on the cloth with a force that is felt.
-  void startPressed() {
-    process_ = std::make_unique<Process>(nodeCommand({"_scene_file:=" + kScene}));
+  void startPressed(const std::vector<std::string>& environment = {}) {
+    process_ = std::make_unique<Process>(nodeCommand({"_scene_file:=" + kScene}), environment);
     reaction_ = std::make_unique<ReactionListener>(node_, "probe/reaction");
     device_ = std::make_unique<TestDevice>(node_, Vec3(0.0, 0.0, 0.125));
     const DiagnosticsListener diagnostics(node_);  // a probe must have been clear of the cloth to press on it
@@ -77,6 +83,70 @@ TEST_F(LifecycleTest, RosnodeKillSendsZeroLast) {
   Process kill({"rosnode", "kill", "/cloth"});
   EXPECT_EQ(kill.wait(), 0) << kill.output();
   expectZeroAtTheEnd();
+}
+
+/// Calls of services that may not return before the node ends.
+class PendingCalls {
+ public:
+  explicit PendingCalls(Process& node) : node_(node) {}
+  ~PendingCalls() {
+    if (node_.running()) node_.signal(SIGKILL);
+    for (std::thread& call : calls_) call.join();
+  }
+  template <class Service>
+  void start(const std::string& name, const std::string& file) {
+    calls_.emplace_back([name, file] {
+      Service service;
+      service.request.file = file;
+      ros::service::call(name, service);
+    });
+  }
+
+ private:
+  Process& node_;
+  std::vector<std::thread> calls_;
+};
+
+TEST_F(LifecycleTest, AFileSystemThatDoesNotAnswerHoldsUpNobody) {
+  char directory[] = "/tmp/haptic_cloth_test_XXXXXX";
+  ASSERT_NE(mkdtemp(directory), nullptr);
+  const std::filesystem::path here = directory;
+  std::ofstream(here / "slow_disk") << "never read";
+  startPressed({"LD_PRELOAD=" HAPTIC_CLOTH_SLOW_DISK});
+  if (HasFatalFailure()) return;
+  PendingCalls pending(*process_);
+  pending.start<LoadState>("/cloth/load_state", here / "slow_disk");
+  ASSERT_TRUE(waitFor([&] { return std::filesystem::exists(here / "waiting_to_load"); }));
+  pending.start<SaveState>("/cloth/save_state", here / "slow_disk.state");
+  ASSERT_TRUE(waitFor([&] { return std::filesystem::exists(here / "waiting_to_save"); }))
+      << "loading holds up saving";
+  EXPECT_GT(reaction_->force().z(), 0.1) << "the force goes on";
+
+  std_srvs::SetBool pause;
+  pause.request.data = true;
+  ASSERT_TRUE(ros::service::call("/cloth/pause", pause));
+  EXPECT_TRUE(waitFor([this] { return reaction_->force() == Vec3::Zero(); }));
+  pause.request.data = false;
+  ASSERT_TRUE(ros::service::call("/cloth/pause", pause));
+  std_srvs::Empty reset;
+  EXPECT_TRUE(ros::service::call("/cloth/reset", reset));
+  dynamic_reconfigure::Reconfigure options;
+  EXPECT_TRUE(ros::service::call("/cloth/set_parameters", options));
+  process_->signal(SIGTERM);
+  expectZeroAtTheEnd();
+  std::filesystem::remove_all(here);
+}
+
+TEST_F(LifecycleTest, ASceneThatCannotBeReadDoesNotKeepTheNodeFromEnding) {
+  char directory[] = "/tmp/haptic_cloth_test_XXXXXX";
+  ASSERT_NE(mkdtemp(directory), nullptr);
+  const std::filesystem::path here = directory, scene = here / "slow_disk.yaml";
+  std::filesystem::copy_file(kScene, scene);
+  Process process(nodeCommand({"_scene_file:=" + scene.string()}), {"LD_PRELOAD=" HAPTIC_CLOTH_SLOW_DISK});
+  ASSERT_TRUE(waitFor([&] { return std::filesystem::exists(here / "waiting_to_load"); })) << process.output();
+  process.signal(SIGTERM);
+  EXPECT_EQ(process.wait(), 0) << process.output();
+  std::filesystem::remove_all(here);
 }
 
 TEST_F(LifecycleTest, BadParametersAreNamed) {

@@ -5,10 +5,14 @@
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
 #include <haptic_cloth/ClothState.h>
+#include <haptic_cloth/LoadState.h>
+#include <haptic_cloth/SaveState.h>
 #include <ros/ros.h>
+#include <stdlib.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include <cmath>
+#include <filesystem>
 #include <memory>
 
 #include "ros/reconfigure_messages.h"
@@ -163,6 +167,32 @@ TEST_F(LiveTest, GainsActAndComeWithoutSteps) {
           {"haptics/soft_start", 0.1},
           {"haptics/ramp_time", 0.05}});
   EXPECT_NEAR(forceWith({}), start, 0.05 * start);
+}
+
+TEST_F(LiveTest, AStateHoldsTheGainsThatWereAskedFor) {
+  // On the way for the whole test: no two steps have the same gain.
+  accept({{"gain_ramp", 1000.0}, {"probe/coupling_stiffness", 900.0}});
+  char folder[] = "/tmp/haptic_cloth_test_XXXXXX";
+  ASSERT_NE(mkdtemp(folder), nullptr);
+  const std::string file = std::string(folder) + "/ramp.state";
+  SaveState save;
+  save.request.file = file;
+  ASSERT_TRUE(ros::service::call("/haptic_cloth/save_state", save));
+  EXPECT_TRUE(save.response.success) << save.response.message;
+  const long seen = steps_.count();
+  EXPECT_TRUE(waitFor([&] { return steps_.count() > seen + 100; })) << "the gain moves on";
+  LoadState load;
+  load.request.file = file;
+  ASSERT_TRUE(ros::service::call("/haptic_cloth/load_state", load));
+  EXPECT_TRUE(load.response.success) << load.response.message;
+  // Nor does it fit a node that was asked for something else; the message says for what.
+  accept({{"probe/coupling_stiffness", 900.0000001}});
+  ASSERT_TRUE(ros::service::call("/haptic_cloth/load_state", load));
+  EXPECT_FALSE(load.response.success);
+  EXPECT_NE(load.response.message.find("coupling_stiffness = 900: the scene here has 900.0000001"),
+            std::string::npos)
+      << load.response.message;
+  std::filesystem::remove_all(folder);
 }
 
 TEST_F(LiveTest, TheSolverWorksHarderOrLess) {

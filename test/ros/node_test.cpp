@@ -7,6 +7,7 @@
 #include <ros/ros.h>
 #include <std_srvs/Empty.h>
 #include <std_srvs/SetBool.h>
+#include <sys/stat.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 #include <visualization_msgs/MarkerArray.h>
 
@@ -284,6 +285,12 @@ TEST_F(NodeTest, RefusesStatesThatDoNotFitAndGoesOn) {
   expect(call<SaveState>("save_state", folder.file("none/here")), "No such file");
   expect(call<SaveState>("save_state", "/dev/full"), "regular file");
   expect(call<SaveState>("save_state", ""), "must have a name");
+  // Nothing that could give bytes without end, or none for ever, is opened.
+  ASSERT_EQ(mkfifo(folder.file("fifo").c_str(), 0600), 0);
+  for (const std::string& file : {folder.file("fifo"), std::string("/dev/null"), folder.path.string()}) {
+    expect(call<LoadState>("load_state", file), "must be a regular file");
+    expect(call<SaveState>("save_state", file), "must be a regular file");
+  }
   // A relative name is one where the node runs, not where the caller does: the answer says where that is.
   const std::string saved = call<SaveState>("save_state", "haptic_cloth_node_test.state");
   const std::string::size_type end = saved.find(',');

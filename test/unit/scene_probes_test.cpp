@@ -27,6 +27,25 @@ TEST(SceneProbes, WithoutAWordThereIsOneSphere) {
   EXPECT_EQ(scene.probes[0].length, 0.0);
 }
 
+TEST(SceneProbes, ACoarseClothWithoutAProbeIsNotRefusedForIt) {
+  // Particles 2.5 m apart: a fiftieth of that is 50 mm, more than the default of 8 mm.
+  const std::string coarse = "cloth: {fabric: linear, particles: [5, 5], size: [10, 10]}\n";
+  const auto radius = [&](const std::string& rest) {
+    return parseScene(coarse + rest, "scene", ".").probes[0].radius;
+  };
+  EXPECT_DOUBLE_EQ(radius(""), 0.05);
+  EXPECT_DOUBLE_EQ(radius("probe: {coupling_stiffness: 800}"), 0.05) << "as a node keeps a live change";
+  EXPECT_DOUBLE_EQ(radius("probe: {radius: 0.06}"), 0.06);
+  EXPECT_EQ(parse("").probes[0].radius, ProbeOptions().radius);
+  try {
+    radius("probe: {radius: 0.008}");
+    ADD_FAILURE() << "a radius that was asked for is judged";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "scene: probe.radius = 0.008: must be at least a fiftieth of the finest spacing");
+  }
+}
+
 TEST(SceneProbes, SeveralHaveNamesAndKeepTheirOrder) {
   const Scene scene = parse(
       "probes:\n"

@@ -1,5 +1,6 @@
 /// The command-line program `simulate`, run as a user runs it: exit status, messages, files.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -76,19 +77,34 @@ class Simulate : public testing::Test {
     std::ofstream(folder_ / file) << text;
   }
 
-  /// Runs the program in the test's folder. @param environment "NAME=value" before the command
-  Outcome run(const std::string& arguments, const std::string& environment = "") const {
-    const std::string command = "cd '" + folder_.string() + "' && " + environment +
-                                " '" HAPTIC_CLOTH_SIMULATE "' " + arguments + " >output.txt 2>error.txt";
+  /// Runs the program in the test's folder. @param before shell words in front of it, for instance
+  /// limits
+  Outcome run(const std::string& arguments, const std::string& before = "") const {
+    return runProgram("'" HAPTIC_CLOTH_SIMULATE "' " + arguments + " >output.txt", before);
+  }
+
+  /// Runs any command in the test's folder.
+  Outcome runProgram(const std::string& words, const std::string& before = "") const {
+    write("output.txt", "");
+    const std::string command = "cd '" + folder_.string() + "' && " + before + " " + words + " 2>error.txt";
     const int status = std::system(command.c_str());
     return {WEXITSTATUS(status), readText(folder_ / "output.txt"), readText(folder_ / "error.txt")};
   }
 
+  /// Names in a folder of the test's.
+  std::vector<std::string> files(const std::string& folder) const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder_ / folder))
+      names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
   /// Bad input: status 2, one line that contains every word, no result folder.
   void expectRefused(const std::string& arguments, const std::vector<std::string>& words,
-                     const std::string& environment = "") const {
-    SCOPED_TRACE(environment + " " + arguments);
-    const Outcome outcome = run(arguments + " --out result", environment);
+                     const std::string& before = "") const {
+    SCOPED_TRACE(before + " " + arguments);
+    const Outcome outcome = run(arguments + " --out result", before);
     EXPECT_EQ(outcome.status, 2);
     EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
     EXPECT_EQ(outcome.output, "");
@@ -105,12 +121,8 @@ TEST_F(Simulate, WritesEveryFile) {
   const Outcome outcome = run("scene.yaml --out result/of/run");
   ASSERT_EQ(outcome.status, 0) << outcome.error;
   EXPECT_EQ(outcome.error, "") << "progress belongs on a terminal only";
-  const fs::path result = folder_ / "result/of/run";
-  std::vector<std::string> files;
-  for (const auto& entry : fs::directory_iterator(result)) files.push_back(entry.path().filename().string());
-  std::sort(files.begin(), files.end());
-  EXPECT_EQ(files, (std::vector<std::string>{"mesh.ply", "particles.csv", "probe.csv", "steps.csv",
-                                             "summary.json"}));
+  EXPECT_EQ(files("result/of/run"), (std::vector<std::string>{"mesh.ply", "particles.csv", "probe.csv",
+                                                              "steps.csv", "summary.json"}));
 }
 
 TEST_F(Simulate, SummaryHasItsKeys) {
@@ -137,6 +149,23 @@ TEST_F(Simulate, SummaryHasItsKeys) {
   EXPECT_EQ(summary["probe_force"].size(), 3u);
   EXPECT_EQ(summary["processor"], haptic_cloth::processorName());
   EXPECT_EQ(summary["simd"], haptic_cloth::instructionSet());
+  EXPECT_EQ(summary["probe_force_of"], "probe");
+}
+
+TEST_F(Simulate, ForcesAreThoseOfNamedProbes) {
+  // Both are there, but only the second touches the cloth.
+  const std::string probes =
+      "--set 'probes={thumb: {path: [[0, 0, 0, 0.5]]}, index: {path: [[0, 0, 0, 0.08], [0.02, 0, 0, "
+      "0.04]]}}'";
+  ASSERT_EQ(run("scene.yaml " + probes + " --out result").status, 0);
+  const auto summary = nlohmann::json::parse(readText(folder_ / "result/summary.json"));
+  EXPECT_EQ(summary["probe_force_of"], "thumb");
+  EXPECT_EQ(summary["probe_force"], summary["probe_forces"]["thumb"]);
+  EXPECT_NE(summary["probe_forces"]["index"], summary["probe_forces"]["thumb"]);
+  const Outcome report = run("scene.yaml " + probes);
+  ASSERT_EQ(report.status, 0) << report.error;
+  for (const char* words : {"force on thumb 0 0 0 N", "force on index "})
+    EXPECT_NE(report.output.find(words), std::string::npos) << report.output;
 }
 
 TEST_F(Simulate, TablesHaveARowForEach) {
@@ -298,15 +327,64 @@ TEST_F(Simulate, RefusesDirectoryItCannotWrite) {
   EXPECT_EQ(readText(folder_ / "file"), "occupied");
 }
 
-TEST_F(Simulate, AFullDiskIsNamedAndLeavesNoHalfFile) {
-  fs::create_directories(folder_ / "out");
-  // Every byte that is written there finds no room.
-  fs::create_symlink("/dev/full", folder_ / "out" / "steps.csv.partial");
-  const Outcome outcome = run("scene.yaml --out out");
-  EXPECT_EQ(outcome.status, 3);
-  EXPECT_NE(outcome.error.find("steps.csv: cannot be written: No space left on device"), std::string::npos)
+// As on a full disk, no more bytes are taken from some point on. The table of steps fits, 1089
+// particles do not.
+constexpr const char* kFullDisk = "ulimit -f 32 &&";
+constexpr const char* kLargeTable = "--set cloth.particles=[33,33] --set stop.time=0.002";
+
+TEST_F(Simulate, AFullDiskIsNamedAndLeavesNoFile) {
+  const std::string run_it = std::string("scene.yaml ") + kLargeTable;
+  const Outcome outcome = run(run_it + " --out out", kFullDisk);
+  EXPECT_EQ(outcome.status, 4) << outcome.error;
+  EXPECT_NE(outcome.error.find("particles.csv: cannot be written: File too large"), std::string::npos)
       << outcome.error;
   EXPECT_TRUE(fs::is_empty(folder_ / "out"));
+  // Results of an earlier run stay, and a state is not written without them.
+  ASSERT_EQ(run("scene.yaml --out out").status, 0);
+  const std::string before = readText(folder_ / "out/steps.csv");
+  EXPECT_EQ(run(run_it + " --out out --save-state new.state", kFullDisk).status, 4);
+  EXPECT_EQ(readText(folder_ / "out/steps.csv"), before);
+  EXPECT_EQ(files("out").size(), 5u);
+  EXPECT_FALSE(fs::exists(folder_ / "new.state"));
+  const Outcome state = run(run_it + " --save-state new.state", kFullDisk);
+  EXPECT_EQ(state.status, 4);
+  EXPECT_NE(state.error.find("new.state: cannot be written: File too large"), std::string::npos)
+      << state.error;
+  EXPECT_FALSE(fs::exists(folder_ / "new.state"));
+}
+
+TEST_F(Simulate, AReportThatCannotBePrintedIsAnError) {
+  const std::string no_room = "standard output: cannot be written: No space left on device";
+  const std::string simulate = "'" HAPTIC_CLOTH_SIMULATE "' ", kes_test = "'" HAPTIC_CLOTH_KES_TEST "' ";
+  for (const std::string& command : {simulate + "scene.yaml --save-state a.state", simulate + "--help",
+                                     kes_test + "linen.yaml --test tensile", kes_test + "--help"}) {
+    SCOPED_TRACE(command);
+    const Outcome outcome = runProgram(command + " >/dev/full");
+    EXPECT_EQ(outcome.status, 4);
+    EXPECT_NE(outcome.error.find(no_room), std::string::npos) << outcome.error;
+  }
+  EXPECT_EQ(run("scene.yaml --resume a.state --out rest").status, 0) << "the state is whole";
+  EXPECT_EQ(runProgram(simulate + "scene.yaml --out nothing_to_print >/dev/full").status, 0);
+}
+
+TEST_F(Simulate, AUsersFileIsNotTakenForATemporaryOne) {
+  fs::create_directories(folder_ / "out");
+  for (const char* name : {"out/summary.json.partial", "out/steps.csv.partial", "curve.csv.partial"})
+    write(name, "the user's");
+  ASSERT_EQ(run("scene.yaml --out out").status, 0);
+  ASSERT_EQ(
+      runProgram("'" HAPTIC_CLOTH_KES_TEST "' linen.yaml --test tensile --out curve.csv >output.txt").status,
+      0);
+  for (const char* name : {"out/summary.json.partial", "out/steps.csv.partial", "curve.csv.partial"})
+    EXPECT_EQ(readText(folder_ / name), "the user's") << name;
+}
+
+TEST_F(Simulate, AResultThatIsNoRegularFileIsRefused) {
+  fs::create_directories(folder_ / "out/summary.json");
+  const Outcome outcome = run("scene.yaml --out out");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.error.find("summary.json: must be a regular file"), std::string::npos) << outcome.error;
+  EXPECT_EQ(files("out").size(), 1u);
 }
 
 TEST_F(Simulate, BadInputLeavesOldResultsAlone) {
@@ -344,6 +422,33 @@ TEST_F(Simulate, KesTestNamesTheWordsItKnows) {
       << readText(error);
   EXPECT_EQ(WEXITSTATUS(std::system((command + "tensile >" + error).c_str())), 0);
   EXPECT_NE(readText(error).find("LT "), std::string::npos) << readText(error);
+}
+
+TEST_F(Simulate, KesTestLeavesNoHalfFile) {
+  const std::string command = "'" HAPTIC_CLOTH_KES_TEST "' linen.yaml --test tensile --out ";
+  const Outcome full = runProgram(command + "curve.csv >output.txt", "ulimit -f 8 &&");
+  EXPECT_EQ(full.status, 4) << full.error;
+  EXPECT_NE(full.error.find("curve.csv: cannot be written: File too large"), std::string::npos) << full.error;
+  for (const std::string& name : files(".")) EXPECT_EQ(name.find("curve"), std::string::npos) << name;
+  EXPECT_EQ(runProgram(command + "nowhere/curve.csv >output.txt").status, 2);
+  ASSERT_EQ(mkfifo((folder_ / "fifo").c_str(), 0600), 0);
+  EXPECT_EQ(runProgram(command + "fifo >output.txt").status, 2);
+  EXPECT_TRUE(fs::is_fifo(folder_ / "fifo"));
+  ASSERT_EQ(runProgram(command + "curve.csv >output.txt").status, 0);
+  EXPECT_GT(readLines(folder_ / "curve.csv").size(), 100u);
+}
+
+TEST_F(Simulate, StatesAreReadFromRegularFilesOnly) {
+  // The limits are for a program that reads without end, or waits for a writer that never comes.
+  const std::string guard = "ulimit -v 4000000 && timeout 300";
+  ASSERT_EQ(mkfifo((folder_ / "fifo").c_str(), 0600), 0);
+  for (const std::string name : {"/dev/zero", "/dev/null", "fifo", "."}) {
+    expectRefused("scene.yaml --resume " + name, {name + ": must be a regular file"}, guard);
+    expectRefused("scene.yaml --save-state " + name, {"must be a regular file"}, guard);
+  }
+  ASSERT_EQ(run("scene.yaml --set stop.time=0.002 --save-state a.state").status, 0);
+  ASSERT_EQ(truncate((folder_ / "a.state").c_str(), off_t{1} << 36), 0);
+  expectRefused("scene.yaml --resume a.state", {"a.state: has 68719476693 bytes of ", "has grown"}, guard);
 }
 
 TEST_F(Simulate, RefusesStatesItCannotUse) {

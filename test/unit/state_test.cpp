@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <csignal>
 #include <cstring>
 #include <filesystem>
@@ -139,6 +140,8 @@ TEST_F(State, AnotherSceneIsRefusedByTheKeyThatDiffers) {
   refused({"solver.cost = condensed", "joint"}, [](Scene& s) { s.solver.cost = Cost::Joint; });
   refused({"solver.tolerance = 0.1", "0.2"}, [](Scene& s) { s.solver.minimizer.tolerance = 0.2; });
   refused({"solver.time_step = 0.001", "0.002"}, [](Scene& s) { s.solver.time_step = 0.002; });
+  refused({"probes.probe.coupling_stiffness = 400:", "has 400.00000000000006"},
+          [](Scene& s) { s.probes[0].coupling_stiffness = std::nextafter(400.0, 500.0); });
   refused({"adapt.strategy = amrc", "finest"}, [](Scene& s) { s.adapt.strategy = Strategy::Finest; });
   refused({"adapt.levels = 2", "1"}, [](Scene& s) { s.adapt.levels = 1; });
   refused({"adapt.start = finest", "coarsest"}, [](Scene& s) { s.adapt.start = StartMesh::Coarsest; });
@@ -225,13 +228,20 @@ TEST_F(StateFile, HoldsWhatWasWritten) {
   const std::string later = Simulation(run_.scene).saveState();
   writeStateFile(file("one"), later);  // a state may be replaced
   EXPECT_EQ(readStateFile(file("one")), later);
-  write(file("one.partial"), "left by a process that was killed");
-  writeStateFile(file("one"), saved_);
-  EXPECT_EQ(readStateFile(file("one")), saved_);
   fs::create_symlink("one", file("link"));
   writeStateFile(file("link"), later);
   EXPECT_TRUE(fs::is_symlink(file("link")));
   EXPECT_EQ(readStateFile(file("one")), later);
+  EXPECT_EQ(files(), 2u);
+}
+
+TEST_F(StateFile, AFileOfTheUsersIsNotTakenForATemporaryOne) {
+  write(file("one.partial"), "the user's");
+  writeStateFile(file("one"), saved_);
+  EXPECT_EQ(readStateFile(file("one")), saved_);
+  std::ostringstream kept;
+  kept << std::ifstream(file("one.partial")).rdbuf();
+  EXPECT_EQ(kept.str(), "the user's");
   EXPECT_EQ(files(), 2u);
 }
 
@@ -266,14 +276,56 @@ TEST_F(StateFile, OnlyWhatMayBeLostIsReplaced) {
   EXPECT_EQ(files(), 2u);
 }
 
+/// @return what readStateFile() says, or "read"
+std::string refusal(const std::string& file, std::uint64_t most = largestState()) {
+  try {
+    readStateFile(file, most);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "read";
+}
+
 TEST_F(StateFile, WhatCannotBeReadIsNamed) {
-  for (const std::string& name : {file("absent"), folder_.string()}) {
-    try {
-      readStateFile(name);
-      ADD_FAILURE() << name << " was read";
-    } catch (const InputError& error) {
-      EXPECT_EQ(std::string(error.what()).find(name + ": "), 0u) << error.what();
-    }
+  EXPECT_EQ(refusal(file("absent")).find(file("absent") + ": cannot be read: No such file"), 0u);
+  EXPECT_EQ(refusal(folder_.string()).find(folder_.string() + ": "), 0u);
+}
+
+TEST_F(StateFile, OnlyRegularFilesAreRead) {
+  // A FIFO that nobody writes to would be waited for, a device may give zeros without end.
+  ASSERT_EQ(mkfifo(file("fifo").c_str(), 0600), 0);
+  fs::create_symlink("fifo", file("link"));
+  for (const std::string& name : {std::string("/dev/null"), folder_.string(), file("fifo"), file("link")}) {
+    EXPECT_EQ(refusal(name), name + ": must be a regular file");
+    EXPECT_NE(message<InputError>(name, saved_).find("must be a regular file"), std::string::npos) << name;
+  }
+}
+
+TEST_F(StateFile, HeaderAndSizeAreCheckedBeforeTheRestIsRead) {
+  // Holes: files that have no such content on the disk, but would give it.
+  constexpr std::uint64_t kHuge = std::uint64_t{1} << 40;
+  const auto grow = [&](const std::string& name, const std::string& start) {
+    write(file(name), start);
+    EXPECT_EQ(truncate(file(name).c_str(), static_cast<off_t>(kHuge)), 0);
+    return file(name);
+  };
+  EXPECT_NE(refusal(grow("zeros", "")).find("does not begin"), std::string::npos);
+  EXPECT_NE(refusal(grow("grown", saved_)).find("has grown"), std::string::npos);
+  // What the header says, magic, byte order and version before it, fits the file.
+  std::string honest = saved_;
+  const std::uint64_t entries = kHuge - 43;
+  std::memcpy(&honest[27], &entries, sizeof(entries));
+  const std::string said = refusal(grow("honest", honest), largestState(run_.scene));
+  EXPECT_NE(said.find("1099511627776 bytes: must be at most"), std::string::npos) << said;
+}
+
+TEST(LargestState, LeavesRoomForEveryState) {
+  for (const StateCase& run : stateCases()) {
+    Simulation simulation(run.scene);
+    for (int step = 0; step < run.steps; ++step) advance(run, simulation, step);
+    // Without what all scenes allow for together, so that it holds for large ones too.
+    const std::uint64_t particles = largestState(run.scene) - (std::uint64_t{1} << 26);
+    EXPECT_LT(simulation.saveState().size(), 0.5 * static_cast<double>(particles) + 500000.0) << run.name;
   }
 }
 

@@ -1,0 +1,133 @@
+#include "state/new_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <iomanip>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "haptic_cloth/error.h"
+
+namespace haptic_cloth {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kAttempts = 100;             ///< to find a temporary name that is free
+constexpr std::size_t kLongestName = 200;  ///< of the part taken from the file's own [bytes]
+
+/// FILE.XXXXXXXX.partial
+std::string temporaryNameFor(const fs::path& target) {
+  static const std::string kLetters = "abcdefghijklmnopqrstuvwxyz0123456789";
+  std::random_device random;
+  std::string middle;
+  for (int k = 0; k < 8; ++k) middle += kLetters[random() % kLetters.size()];
+  const std::string start = target.filename().string().substr(0, kLongestName);
+  return (target.parent_path() / (start + "." + middle + ".partial")).string();
+}
+
+/// Opens a file that did not exist, with the permissions that the user's umask leaves. mkstemp()
+/// would keep others from reading it.
+int createUnique(const fs::path& target, std::string& name) {
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    name = temporaryNameFor(target);
+    const int descriptor = open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor >= 0 || errno != EEXIST) return descriptor;
+  }
+  return -1;
+}
+
+}  // namespace
+
+fs::path linkedFile(const fs::path& file) {
+  std::error_code error;
+  const fs::path real = fs::canonical(file, error);
+  return error ? fs::absolute(file) : real;
+}
+
+void checkNewFile(const fs::path& file) {
+  const fs::path path = linkedFile(file);
+  const auto refuse = [&](const std::string& rule) { throw InputError(path.string(), "", "", rule); };
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (fs::exists(status) && !fs::is_regular_file(status)) refuse("must be a regular file");
+  const fs::path folder = path.parent_path();
+  if (access(folder.c_str(), W_OK | X_OK) != 0)
+    refuse("cannot be written: " + folder.string() + ": " + std::strerror(errno));
+}
+
+void NewFile::Buffer::open(int descriptor) {
+  descriptor_ = descriptor;
+  setp(bytes_.data(), bytes_.data() + bytes_.size());
+}
+
+NewFile::Buffer::int_type NewFile::Buffer::overflow(int_type next) {
+  if (sync() != 0) return traits_type::eof();
+  if (next != traits_type::eof()) sputc(traits_type::to_char_type(next));
+  return traits_type::not_eof(next);
+}
+
+int NewFile::Buffer::sync() {
+  const char* from = pbase();
+  while (error_ == 0 && from < pptr()) {
+    const ssize_t count = ::write(descriptor_, from, static_cast<std::size_t>(pptr() - from));
+    if (count >= 0) from += count;
+    if (count < 0 && errno != EINTR) error_ = errno;
+  }
+  setp(bytes_.data(), bytes_.data() + bytes_.size());
+  return error_ == 0 ? 0 : -1;
+}
+
+NewFile::NewFile(const fs::path& file) : target_(linkedFile(file)), stream_(&buffer_) {
+  descriptor_ = createUnique(target_, name_);
+  if (descriptor_ < 0) fail(errno);
+  buffer_.open(descriptor_);
+  stream_ << std::setprecision(std::numeric_limits<double>::max_digits10);
+}
+
+NewFile::~NewFile() {
+  if (descriptor_ < 0) return;
+  close(descriptor_);
+  unlink(name_.c_str());
+}
+
+void NewFile::finish() {
+  stream_.flush();
+  if (!stream_) fail(buffer_.error());
+  // Some file systems know no synchronisation (EINVAL).
+  if (fsync(descriptor_) != 0 && errno != EINVAL) fail(errno);
+}
+
+void NewFile::publish() {
+  if (rename(name_.c_str(), target_.c_str()) != 0) fail(errno);
+  close(descriptor_);
+  descriptor_ = -1;
+  const int folder = open(target_.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder < 0) return;  // the file is there; only after a power cut it may be the old one
+  fsync(folder);
+  close(folder);
+}
+
+void NewFile::fail(int error) const {
+  throw OutputError(target_.string(), error != 0 ? std::strerror(error) : "");
+}
+
+void NewFiles::publish() {
+  for (NewFile& file : files_) file.finish();
+  std::vector<fs::path> published;
+  try {
+    for (NewFile& file : files_) {
+      file.publish();
+      published.push_back(file.target());
+    }
+  } catch (const OutputError&) {
+    for (const fs::path& file : published) unlink(file.c_str());
+    throw;
+  }
+}
+
+}  // namespace haptic_cloth

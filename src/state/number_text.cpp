@@ -1,0 +1,39 @@
+#include "state/number_text.h"
+
+#include <cmath>
+#include <limits>
+#include <locale>
+#include <sstream>
+
+namespace haptic_cloth {
+namespace {
+
+std::string text(double value, int digits) {
+  std::ostringstream stream;
+  stream.imbue(std::locale::classic());
+  stream.precision(digits);
+  stream << value;
+  return stream.str();
+}
+
+double number(const std::string& text) {
+  std::istringstream stream(text);
+  stream.imbue(std::locale::classic());
+  double value = 0.0;
+  stream >> value;
+  return value;
+}
+
+}  // namespace
+
+std::string shortestText(double value) {
+  // With fewer digits 400 would be 4e+02.
+  constexpr int kUsual = 6, kEnough = std::numeric_limits<double>::max_digits10;
+  for (int digits = kUsual; digits < kEnough && std::isfinite(value); ++digits) {
+    const std::string shorter = text(value, digits);
+    if (number(shorter) == value) return shorter;
+  }
+  return text(value, kEnough);
+}
+
+}  // namespace haptic_cloth

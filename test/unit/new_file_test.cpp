@@ -1,0 +1,133 @@
+/// Files appear under their names when they are complete, and what is not theirs stays as it was.
+#include "state/new_file.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+
+#include "haptic_cloth/error.h"
+
+namespace haptic_cloth {
+namespace {
+
+namespace fs = std::filesystem;
+
+class NewFileTest : public testing::Test {
+ protected:
+  NewFileTest() : folder_(fs::temp_directory_path() / ("haptic_cloth_new_file_" + std::to_string(getpid()))) {
+    fs::create_directories(folder_);
+  }
+  ~NewFileTest() override { fs::remove_all(folder_); }
+
+  fs::path file(const std::string& name) const { return folder_ / name; }
+  void write(const std::string& name, const std::string& text) const { std::ofstream(file(name)) << text; }
+
+  /// All files of the folder with what they hold.
+  std::map<std::string, std::string> contents() const {
+    std::map<std::string, std::string> found;
+    for (const auto& entry : fs::directory_iterator(folder_)) {
+      std::ostringstream text;
+      if (entry.is_regular_file()) text << std::ifstream(entry.path()).rdbuf();
+      found[entry.path().filename().string()] = text.str();
+    }
+    return found;
+  }
+  using Contents = std::map<std::string, std::string>;
+
+  fs::path folder_;
+};
+
+TEST_F(NewFileTest, HasItsNameWhenItIsPublished) {
+  write("a", "old");
+  {
+    NewFile file(folder_ / "a");
+    file.stream() << "new " << 0.1;
+    file.finish();
+    EXPECT_EQ(contents().at("a"), "old");
+    file.publish();
+  }
+  EXPECT_EQ(contents(), (Contents{{"a", "new 0.10000000000000001"}}));
+}
+
+TEST_F(NewFileTest, LeavesNothingWhereItIsNotPublished) {
+  write("a", "old");
+  { NewFile(folder_ / "a").stream() << "new"; }
+  EXPECT_EQ(contents(), (Contents{{"a", "old"}}));
+}
+
+TEST_F(NewFileTest, TwoWritersOfOneNameDoNotMeet) {
+  NewFile one(folder_ / "a"), two(folder_ / "a");
+  one.stream() << "one";
+  two.stream() << "two";
+  for (NewFile* file : {&one, &two}) {
+    file->finish();
+    file->publish();
+  }
+  EXPECT_EQ(contents(), (Contents{{"a", "two"}}));
+}
+
+TEST_F(NewFileTest, CanBeReadByThoseWhoMayReadAnyNewFile) {
+  write("a", "");
+  NewFile file(folder_ / "b");
+  file.finish();
+  file.publish();
+  EXPECT_EQ(fs::status(folder_ / "a").permissions(), fs::status(folder_ / "b").permissions());
+}
+
+TEST_F(NewFileTest, ALongNameIsNoObstacle) {
+  const std::string name(250, 'n');
+  NewFile file(folder_ / name);
+  file.finish();
+  file.publish();
+  EXPECT_EQ(contents().count(name), 1u);
+}
+
+TEST_F(NewFileTest, AllOfAGroupAppearOrNone) {
+  write("first", "old");
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto on_signal = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{1000, before.rlim_max};
+  std::string message;
+  {
+    NewFiles files;
+    files.add(folder_ / "first").stream() << "new";
+    files.add(folder_ / "second").stream() << std::string(100000, 'x');
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+    try {
+      files.publish();
+    } catch (const OutputError& error) {
+      message = error.what();
+    }
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
+    std::signal(SIGXFSZ, on_signal);
+  }
+  EXPECT_NE(message.find("second: cannot be written: File too large"), std::string::npos) << message;
+  EXPECT_EQ(contents(), (Contents{{"first", "old"}}));
+}
+
+TEST_F(NewFileTest, OnlyRegularFilesAreReplaced) {
+  ASSERT_EQ(mkfifo(file("fifo").c_str(), 0600), 0);
+  fs::create_symlink("fifo", file("link"));
+  for (const fs::path& name : {file("fifo"), file("link"), folder_, fs::path("/dev/null")}) {
+    std::string message = "may be written";
+    try {
+      checkNewFile(name);
+    } catch (const InputError& error) {
+      message = error.what();
+    }
+    EXPECT_NE(message.find("must be a regular file"), std::string::npos) << name << ": " << message;
+  }
+  EXPECT_NO_THROW(checkNewFile(file("new")));
+}
+
+}  // namespace
+}  // namespace haptic_cloth
