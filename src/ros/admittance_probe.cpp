@@ -25,13 +25,14 @@ void AdmittanceProbe::tick(double now, bool paused) {
   heard_ = hand.sample.received;
   if (known) loop_.place(device.sample.position);
   loop_.tick(hand.sample, shared_.snapshot.read(), paused, now);
-  sendReaction(hand, loop_.reaction());
+  const Wrench reaction{loop_.reaction(), loop_.torque()};
+  sendReaction(hand, reaction);
   if (loop_.started()) sendCommand(device);
   StampedSample tool;
   tool.sample = loop_.device();
   tool.orientation = known ? device.orientation : orientation_;
   shared_.device_for_solver.write(tool);
-  felt_.note(loop_.status(), loop_.reaction());
+  felt_.note(loop_.status(), reaction);
   shared_.felt.write(felt_);
 }
 
@@ -48,14 +49,14 @@ void AdmittanceProbe::sendCommand(const StampedSample& device) {
   command_.publish(command);
 }
 
-void AdmittanceProbe::sendReaction(const StampedForce& hand, const Vec3& force) {
+void AdmittanceProbe::sendReaction(const StampedForce& hand, const Wrench& wrench) {
   const bool answers = hand.sample.received >= 0.0;
-  reaction_.publish(toWrench(forceForDriver(gains_.device(), hand.frame_rotation, force),
+  reaction_.publish(toWrench(wrenchForDriver(gains_.device(), hand.frame_rotation, wrench),
                              answers ? hand.stamp : ros::Time::now(), answers ? hand.frame_id : frame_id_));
 }
 
 void AdmittanceProbe::sendLast() {
-  sendReaction(StampedForce(), Vec3::Zero());
+  sendReaction(StampedForce(), Wrench());
   if (loop_.started()) sendCommand(shared_.device_for_haptics.read());
 }
 

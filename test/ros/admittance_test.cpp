@@ -53,7 +53,7 @@ class TestSensor {
       sleepUntil(steadyNow() + 2e-3);
       if (silent_) continue;
       const std::lock_guard<std::mutex> lock(mutex_);
-      publisher_.publish(toWrench(force_, ros::Time::now(), "world"));
+      publisher_.publish(toWrench({force_, Vec3::Zero()}, ros::Time::now(), "world"));
     }
   }
   ros::Publisher publisher_;

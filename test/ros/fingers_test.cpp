@@ -154,6 +154,34 @@ TEST_F(FingersTest, TheCapsuleTurnsWithItsDevice) {
   })) << toPose(proxy.last().pose).orientation.coeffs().transpose();
 }
 
+/// The capsule lies across an edge of the cloth and is pressed 4 mm below the table's top: only the half
+/// that is over the cloth is touched.
+TEST_F(FingersTest, TheCapsuleFeelsTheTorqueOfTheClothsEdge) {
+  constexpr double kEdge = 0.05, kHalfLength = 0.01, kCapsuleRadius = 0.008;
+  const Vec3 over(kEdge, 0.0, 0.08), pressed(kEdge, 0.0, kTable + kCapsuleRadius - 0.004);
+  const Quat along_x = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitX());
+  const Quat axes(Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitZ()));  // of the driver
+  TestDevice right(node_, forRight(over), "right/pose");
+  right.turn(axes.conjugate() * along_x);
+  ASSERT_TRUE(says("right", "status", "free"));
+  EXPECT_TRUE(right_force_.torque().isZero(0.0));
+  right.moveTo(forRight(pressed));
+  ASSERT_TRUE(waitFor([&] { return right.arrived() && right_force_.force().z() > 0.5; }));
+  // A force F upwards at the distance a towards -x is a torque a F about y, which is the driver's
+  // x axis.
+  const auto arm = [&] {
+    const geometry_msgs::Wrench wrench = right_force_.last().wrench;
+    return Vec3(wrench.torque.x, wrench.torque.y, wrench.torque.z) / wrench.force.z;
+  };
+  EXPECT_TRUE(waitFor([&] { return arm().x() > 0.1 * kHalfLength; })) << arm().transpose();
+  EXPECT_LT(arm().x(), kHalfLength + kCapsuleRadius);
+  EXPECT_LT(std::abs(arm().y()), 0.2 * arm().x()) << "the other way is symmetrical";
+  EXPECT_GT(diagnostics_.number("right", "torque [N m]"), -1.0);
+  pause(true);
+  EXPECT_TRUE(waitFor([this] { return right_force_.force().isZero(0.0); }));
+  EXPECT_TRUE(waitFor([this] { return right_force_.torque().isZero(0.0); }));
+}
+
 TEST_F(FingersTest, AGraspLiftsTheClothAndItsWeightIsFelt) {
   holdWithLeft();
   left_->moveTo(kLeftAbove + Vec3(0.0, 0.0, 0.12));
