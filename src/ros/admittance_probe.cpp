@@ -18,6 +18,7 @@ AdmittanceProbe::AdmittanceProbe(const NodeOptions& options, std::size_t number,
       loop_(limitsAtProbe(options.probes[number].haptics, options.probes[number].device)) {}
 
 void AdmittanceProbe::tick(double now, bool paused) {
+  const ros::Time stamp = ros::Time::now();  // that of `now`, whatever keeps the command from going out
   gains_.move(now, [this](const HapticOptions& options, double unit) { loop_.setOptions(options, unit); });
   const StampedForce& hand = shared_.force.read();
   const StampedSample& device = shared_.device_for_haptics.read();
@@ -27,7 +28,7 @@ void AdmittanceProbe::tick(double now, bool paused) {
   loop_.tick(hand.sample, shared_.snapshot.read(), paused, now);
   const Wrench reaction{loop_.reaction(), loop_.torque()};
   sendReaction(hand, reaction);
-  if (loop_.started()) sendCommand(device);
+  if (loop_.started()) sendCommand(device, stamp);
   StampedSample tool;
   tool.sample = loop_.device();
   tool.orientation = known ? device.orientation : orientation_;
@@ -37,10 +38,10 @@ void AdmittanceProbe::tick(double now, bool paused) {
 }
 
 /// In the frame in which the device says where it is; in the cloth's where it does not.
-void AdmittanceProbe::sendCommand(const StampedSample& device) {
+void AdmittanceProbe::sendCommand(const StampedSample& device, const ros::Time& stamp) {
   const bool known = device.sample.received >= 0.0;
   geometry_msgs::PoseStamped command;
-  command.header.stamp = ros::Time::now();
+  command.header.stamp = stamp;
   command.header.frame_id = known ? device.frame_id : frame_id_;
   const Quat into = device.frame_rotation.conjugate();
   const Quat orientation = known ? device.orientation : orientation_;
@@ -57,7 +58,7 @@ void AdmittanceProbe::sendReaction(const StampedForce& hand, const Wrench& wrenc
 
 void AdmittanceProbe::sendLast() {
   sendReaction(StampedForce(), Wrench());
-  if (loop_.started()) sendCommand(shared_.device_for_haptics.read());
+  if (loop_.started()) sendCommand(shared_.device_for_haptics.read(), ros::Time::now());
 }
 
 }  // namespace haptic_cloth

@@ -28,7 +28,7 @@ class AdmittanceProbe : public ProbeTick {
   }
 
  private:
-  void sendCommand(const StampedSample& device);
+  void sendCommand(const StampedSample& device, const ros::Time& stamp);
   void sendReaction(const StampedForce& hand, const Wrench& wrench);
 
   std::string frame_id_;

@@ -157,6 +157,10 @@ bool FaultTest::recovers() {
   });
 }
 
+bool FaultTest::feels() const {
+  return waitFor([this] { return reaction_.force().z() > kFelt; });
+}
+
 bool FaultTest::reaches(const std::string& key, double value) const {
   return waitFor([&] { return count(key) >= value; });
 }

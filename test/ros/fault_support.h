@@ -90,6 +90,9 @@ class FaultTest : public testing::Test {
   void press();
   /// @return whether a force is felt again after the hand was lifted and lowered
   bool recovers();
+  /// @return whether the hand that presses feels a force. It may do so after a while: where a busy machine
+  /// holds the hand up for 50 ms the force goes, and comes back without a new press.
+  bool feels() const;
   double count(const std::string& key) const { return diagnostics_.number("probe", key); }
   /// Waits until the probe's `key` is at least `value`.
   bool reaches(const std::string& key, double value) const;

@@ -135,7 +135,7 @@ TEST_F(FingersTest, EachFeelsWhatItTouches) {
   ASSERT_TRUE(waitFor([this] { return right_force_.force().z() > 0.1; }));
   left_->moveTo(kLeftAbove);
   EXPECT_TRUE(waitFor([this] { return left_force_.force().isZero(0.0); }));
-  EXPECT_GT(right_force_.force().z(), 0.1);
+  EXPECT_TRUE(waitFor([this] { return right_force_.force().z() > 0.1; })) << "without another press";
 }
 
 TEST_F(FingersTest, TheCapsuleTurnsWithItsDevice) {
@@ -166,17 +166,18 @@ TEST_F(FingersTest, TheCapsuleFeelsTheTorqueOfTheClothsEdge) {
   ASSERT_TRUE(says("right", "status", "free"));
   EXPECT_TRUE(right_force_.torque().isZero(0.0));
   right.moveTo(forRight(pressed));
-  ASSERT_TRUE(waitFor([&] { return right.arrived() && right_force_.force().z() > 0.5; }));
+  ASSERT_TRUE(waitFor([&] { return right.arrived(); }));
   // A force F upwards at the distance a towards -x is a torque a F about y, which is the driver's
-  // x axis.
-  const auto arm = [&] {
+  // x axis. Both of one wrench: a busy machine may take the force away for a while.
+  Vec3 arm = Vec3::Zero();
+  EXPECT_TRUE(waitFor([&] {
     const geometry_msgs::Wrench wrench = right_force_.last().wrench;
-    return Vec3(wrench.torque.x, wrench.torque.y, wrench.torque.z) / wrench.force.z;
-  };
-  EXPECT_TRUE(waitFor([&] { return arm().x() > 0.1 * kHalfLength; })) << arm().transpose();
-  EXPECT_LT(arm().x(), kHalfLength + kCapsuleRadius);
-  EXPECT_LT(std::abs(arm().y()), 0.2 * arm().x()) << "the other way is symmetrical";
-  EXPECT_GT(diagnostics_.number("right", "torque [N m]"), -1.0);
+    if (wrench.force.z < 0.5) return false;
+    arm = Vec3(wrench.torque.x, wrench.torque.y, wrench.torque.z) / wrench.force.z;
+    const bool touched = arm.x() > 0.1 * kHalfLength && arm.x() < kHalfLength + kCapsuleRadius;
+    return touched && std::abs(arm.y()) < 0.2 * arm.x();  // the other way all is symmetrical
+  })) << arm.transpose();
+  EXPECT_TRUE(waitFor([&] { return diagnostics_.number("right", "torque [N m]") > 0.0; }));
   pause(true);
   EXPECT_TRUE(waitFor([this] { return right_force_.force().isZero(0.0); }));
   EXPECT_TRUE(waitFor([this] { return right_force_.torque().isZero(0.0); }));
