@@ -1,6 +1,7 @@
 /// Two probes, what they grasp, a table that is moved, and the mouse, on the running node.
 /// Criteria: a grasped sheet in the air weighs what mass and gravity say; a cloth on a table goes where the
 /// table goes; poses come back as they were sent.
+#include <dynamic_reconfigure/Reconfigure.h>
 #include <geometry_msgs/PoseStamped.h>
 #include <gtest/gtest.h>
 #include <haptic_cloth/ClothState.h>
@@ -88,6 +89,14 @@ class FingersTest : public testing::Test {
     std_srvs::SetBool request;
     request.request.data = paused;
     ASSERT_TRUE(ros::service::call("/haptic_cloth/pause", request));
+  }
+  /// Live, as all of the limits.
+  void limitTorque(double most) {
+    dynamic_reconfigure::Reconfigure call;
+    call.request.config.doubles.emplace_back();
+    call.request.config.doubles.back().name = "haptics/max_torque";
+    call.request.config.doubles.back().value = most;
+    ASSERT_TRUE(ros::service::call("/haptic_cloth/set_parameters", call));
   }
   /// @return whether the node agrees
   bool grasp(const std::string& probe, bool closed) {
@@ -178,6 +187,12 @@ TEST_F(FingersTest, TheCapsuleFeelsTheTorqueOfTheClothsEdge) {
     return touched && std::abs(arm.y()) < 0.2 * arm.x();  // the other way all is symmetrical
   })) << arm.transpose();
   EXPECT_TRUE(waitFor([&] { return diagnostics_.number("right", "torque [N m]") > 0.0; }));
+
+  limitTorque(0.0);
+  EXPECT_TRUE(
+      waitFor([this] { return right_force_.torque().isZero(0.0) && right_force_.force().z() > 0.5; }));
+  limitTorque(0.1);
+  EXPECT_TRUE(waitFor([this] { return right_force_.torque().x() > 1e-3; }));
   pause(true);
   EXPECT_TRUE(waitFor([this] { return right_force_.force().isZero(0.0); }));
   EXPECT_TRUE(waitFor([this] { return right_force_.torque().isZero(0.0); }));
