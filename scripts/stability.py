@@ -8,7 +8,7 @@ import sys
 COMMON = {"energy gained / turned over": "energy gained", "made by a mesh change / turned over": "mesh change",
           "made by turning normals / turned over": "normals",
           "largest strain": "strain", "fastest particle": "speed, m/s", "failed steps": "failed"}
-Margin = collections.namedtuple("Margin", "case criterion measured limit unit")
+Margin = collections.namedtuple("Margin", "case criterion measured limit unit unchecked")
 
 
 def number(value):
@@ -16,7 +16,7 @@ def number(value):
 
 
 def pair(margin):
-    return f"{number(margin.measured)} ({number(margin.limit)})"
+    return f"{number(margin.measured)} ({'not checked' if margin.unchecked else number(margin.limit)})"
 
 
 def common_table(margins):
@@ -30,6 +30,8 @@ def common_table(margins):
             continue
         cells = [pair(own[criterion]) if criterion in own else "" for criterion in COMMON]
         rest = [f"{criterion} {pair(m)}" for criterion, m in own.items() if criterion not in COMMON]
+        rest += [f"{COMMON[criterion]}: not checked, because {own[criterion].unchecked}"
+                 for criterion in COMMON if criterion in own and own[criterion].unchecked]
         lines.append(f"| {case} | " + " | ".join(cells) + f" | {'; '.join(rest)} |")
     return lines
 
@@ -56,7 +58,8 @@ def put(text, name, lines):
 
 def main():
     with open(sys.argv[1], newline="") as file:
-        margins = [Margin(row[0], row[1], float(row[2]), float(row[3]), row[4]) for row in csv.reader(file)]
+        margins = [Margin(row[0], row[1], float(row[2]), float(row[3]), row[4], row[5])
+                   for row in csv.reader(file)]
     with open(sys.argv[2], encoding="utf-8") as file:
         text = file.read()
     text = put(text, "cases", common_table(margins))

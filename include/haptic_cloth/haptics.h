@@ -12,6 +12,12 @@
 
 namespace haptic_cloth {
 
+/// What acts on a probe, about its origin.
+struct Wrench {
+  Vec3 force = Vec3::Zero();   ///< [N]
+  Vec3 torque = Vec3::Zero();  ///< [N·m]
+};
+
 /// What the solver hands to the haptic thread after each step. Times are of one steady clock [s].
 struct ProbeSnapshot {
   double taken = -1.0;            ///< when the snapshot was published; < 0: none yet
@@ -21,6 +27,7 @@ struct ProbeSnapshot {
   Vec3 drift = Vec3::Zero();      ///< of the proxy where the device stands, in wall-clock time [m/s]
   Mat3 follow = Mat3::Zero();     ///< dProxy/dDevice, symmetric, 0: a wall, 1: nothing resists [-]
   Vec3 force = Vec3::Zero();      ///< on the probe at that solve [N]
+  Vec3 torque = Vec3::Zero();     ///< on the probe about its proxy at that solve [N·m]
   bool contact = false;
   int cloth = 0;  ///< counts up where the probe begins anew: by a jump, a reset or a loaded state
 };
@@ -62,6 +69,9 @@ struct HapticOptions {
   double rate = 1000.0;           ///< ticks a second [Hz]
   double max_force = 3.3;         ///< [N]
   double max_force_rate = 200.0;  ///< largest change of the force [N/s]
+  /// [N·m]; 0: no torque. It takes as long from zero to its limit as the force does at
+  /// max_force_rate.
+  double max_torque = 0.1;
   double soft_start = 0.5;        ///< the limit rises from zero in this time after start, pause and fault [s]
   double pose_timeout = 0.05;     ///< an older device pose ramps the force to zero [s]
   double snapshot_timeout = 0.1;  ///< an older snapshot ramps the force to zero [s]
@@ -100,32 +110,38 @@ class HapticLoop {
   /// Force on the probe [N] in the cloth's frame for the newest pose at `now` (steady clock [s]).
   /// Always finite, at most max_force, changes by at most max_force_rate; ramps to exactly zero when an input
   /// is stale, paused or not finite, or the device has jumped away from the cloth it felt. No contact in the
-  /// snapshot: no force.
+  /// snapshot: no force. torque() then gives the torque, limited and ramped in the same way.
   Vec3 tick(const DeviceSample& device, const ProbeSnapshot& snapshot, bool paused, double now);
 
   /// Other options from the next tick on. The force goes on from where it is, within max_force_rate.
-  /// @param unit forces are stated in from now on, over that until now: what the hand feels does not jump
-  /// where the scale between hand and probe changes
+  /// @param unit forces and torques are stated in from now on, over that until now: what the hand
+  /// feels does not jump where the scale between hand and probe changes
   /// @pre the options are valid
   void setOptions(const HapticOptions& options, double unit = 1.0);
 
   HapticStatus status() const { return status_; }
 
+  /// Torque on the probe about its origin at the last tick [N·m], in the cloth's frame.
+  const Vec3& torque() const { return wrench_.torque; }
+
   /// What the hand has put in and not got back [J]; < 0: what the loop has made and owes.
   double energy() const { return passivity_.energy(); }
 
  private:
-  Vec3 contactForce(const DeviceSample& device, const ProbeSnapshot& snapshot, double now, double limit);
-  Vec3 handedOver(const DeviceSample& device, const ProbeSnapshot& snapshot, const Vec3& force, double now);
+  Wrench contactWrench(const DeviceSample& device, const ProbeSnapshot& snapshot, double now);
+  Wrench handedOver(const DeviceSample& device, const ProbeSnapshot& snapshot, const Wrench& wrench,
+                    double now);
+  double torqueRate(double force_rate);
 
   HapticOptions options_;
   PassivityController passivity_;
-  ProbeSnapshot snapshot_;        ///< of the last tick
-  Vec3 handover_ = Vec3::Zero();  ///< what the last snapshot's force differed by from the newest's [N]
-  double handover_start_ = 0.0;   ///< steady clock [s]
-  double handover_time_ = 0.0;    ///< in which that fades [s]
+  ProbeSnapshot snapshot_;       ///< of the last tick
+  Wrench handover_;              ///< what the last snapshot's wrench differed by from the newest's
+  double handover_start_ = 0.0;  ///< steady clock [s]
+  double handover_time_ = 0.0;   ///< in which that fades [s]
   HapticStatus status_ = HapticStatus::NoPose;
-  Vec3 force_ = Vec3::Zero();
+  Wrench wrench_;             ///< of the last tick
+  double torque_span_ = 0.0;  ///< max_torque, or more until a lowered one is reached [N·m]
   double last_tick_ = -1.0;
   double soft_ = 0.0;  ///< 0..1, progress of the soft start
 };

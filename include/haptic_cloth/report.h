@@ -59,6 +59,7 @@ struct ProbeReport {
   Vec3 proxy = Vec3::Zero();     ///< [m]
   Vec3 velocity = Vec3::Zero();  ///< of the proxy [m/s]
   Vec3 force = Vec3::Zero();     ///< on the probe, by the cloth [N]
+  Vec3 torque = Vec3::Zero();    ///< on the probe about its proxy, by the cloth [N·m]
   bool contact = false;          ///< some sample of the cloth presses on the probe, or it grasps
   bool grasps = false;           ///< it holds some of the cloth
 };

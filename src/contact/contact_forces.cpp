@@ -153,6 +153,11 @@ Vec3 ContactSet::proxyGradient(int probe) const {
   return sumOf(probe, [this](int k) { return Vec3(-gradient_[k]); });
 }
 
+Vec3 ContactSet::proxyTorque(int probe, const Field& nodes) const {
+  const Vec3& proxy = solids_[obstacles_ + probe].position();
+  return sumOf(probe, [&](int k) { return Vec3((at(samples_[k], nodes) - proxy).cross(gradient_[k])); });
+}
+
 Vec3 ContactSet::proxyDiagonal(int probe) const {
   return sumOf(probe, [this](int k) { return Vec3(blockOf(k).head<3>()); });
 }

@@ -120,6 +120,9 @@ class ContactSet {
 
   /// Gradient and diagonal at a proxy, from all of its samples.
   Vec3 proxyGradient(int probe) const;
+  /// Torque of the cloth on a probe about its proxy, at the last evaluation [N·m].
+  /// @param nodes positions of that evaluation [m]
+  Vec3 proxyTorque(int probe, const Field& nodes) const;
   Vec3 proxyDiagonal(int probe) const;
 
   /// Force of the obstacles on the cloth [N], at the last evaluation.

@@ -33,6 +33,7 @@ class AdmittanceLoop {
 
   const Vec3& position() const { return tool_.position(); }  ///< where the tool is to go now [m]
   const Vec3& reaction() const { return reaction_; }         ///< of the cloth on the tool [N]
+  const Vec3& torque() const { return cloth_.torque(); }     ///< the same about the tool's origin [N·m]
   HapticStatus status() const { return status_; }
   bool atRest() const { return tool_.velocity().isZero(0.0); }
 

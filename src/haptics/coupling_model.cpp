@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptics/limits.h"
+
 namespace haptic_cloth {
 namespace {
 
@@ -16,6 +18,9 @@ constexpr double kHeldShare = 4.0;
 
 /// Where the proxy follows the device fully, the stiffness is taken to be this share of the coupling's [-].
 constexpr double kLeastHold = 0.05;
+
+/// A force below this share of the largest says little of where it acts [-].
+constexpr double kTellingForce = 0.05;
 
 struct ProxyNow {
   Vec3 position, velocity;
@@ -37,6 +42,15 @@ Vec3 couplingForce(const HapticOptions& options, const DeviceSample& device, con
   const ProxyNow proxy = proxyFor(device, snapshot);
   return options.coupling_stiffness * (proxy.position - device.position) +
          options.coupling_damping * (proxy.velocity - device.velocity);
+}
+
+Wrench couplingWrench(const HapticOptions& options, const DeviceSample& device,
+                      const ProbeSnapshot& snapshot) {
+  const Vec3 force = couplingForce(options, device, snapshot);
+  const double small = kTellingForce * options.max_force;
+  const Vec3 arm = snapshot.force.cross(snapshot.torque) / (snapshot.force.squaredNorm() + small * small);
+  const Vec3 change = arm.cross(force - snapshot.force);
+  return {force, snapshot.torque + limited(change, snapshot.torque.norm())};
 }
 
 HeldEnergy heldEnergy(const HapticOptions& options, const DeviceSample& device,

@@ -28,7 +28,7 @@ bool isFinite(const DeviceSample& sample) {
 bool isFinite(const ProbeSnapshot& snapshot) {
   return std::isfinite(snapshot.taken) && std::isfinite(snapshot.device_received) &&
          snapshot.device.allFinite() && snapshot.proxy.allFinite() && snapshot.drift.allFinite() &&
-         snapshot.follow.allFinite();
+         snapshot.follow.allFinite() && snapshot.force.allFinite() && snapshot.torque.allFinite();
 }
 
 /// The device is not where it was when the snapshot was solved for, nor can it have moved there: what that
@@ -75,6 +75,7 @@ void validateHapticOptions(const HapticOptions& options, const std::string& orig
   }
   require("haptics/max_force", options.max_force, false);
   require("haptics/max_force_rate", options.max_force_rate, false);
+  require("haptics/max_torque", options.max_torque, true);
   require("haptics/soft_start", options.soft_start, true);
   require("haptics/pose_timeout", options.pose_timeout, false);
   require("haptics/snapshot_timeout", options.snapshot_timeout, false);
@@ -127,7 +128,9 @@ HapticLoop::HapticLoop(const HapticOptions& options)
 
 void HapticLoop::setOptions(const HapticOptions& options, double unit) {
   options_ = options;
-  force_ /= unit;
+  wrench_.force /= unit;
+  wrench_.torque /= unit;
+  torque_span_ /= unit;
   passivity_.setOptions(options.passivity, 1.0 / options.rate, unit);
 }
 
@@ -149,10 +152,10 @@ Vec3 HapticLoop::tick(const DeviceSample& device, const ProbeSnapshot& snapshot,
           : options_.soft_start > 0.0 ? std::min(1.0, soft_ + elapsed / options_.soft_start)
                                       : 1.0;
 
-  Vec3 target = Vec3::Zero();
+  Wrench target;
   double rate = options_.max_force_rate;
   if (status_ == HapticStatus::Contact) {
-    target = contactForce(device, snapshot, now, soft_ * options_.max_force);
+    target = contactWrench(device, snapshot, now);
   } else if (status_ == HapticStatus::Free) {
     passivity_.observe(device.position, {});
     passivity_.forgive();
@@ -160,23 +163,35 @@ Vec3 HapticLoop::tick(const DeviceSample& device, const ProbeSnapshot& snapshot,
     passivity_.reset();
     rate = std::min(rate, options_.max_force / options_.ramp_time);
   }
-  force_ = approach(force_, target, rate * elapsed);
-  passivity_.sent(force_);
+  wrench_.force = approach(wrench_.force, target.force, rate * elapsed);
+  wrench_.torque = approach(wrench_.torque, target.torque, torqueRate(rate) * elapsed);
+  passivity_.sent(wrench_.force);
   snapshot_ = snapshot;
-  return force_;
+  return wrench_.force;
 }
 
-/// Coupling and passivity within the limit of the force.
-Vec3 HapticLoop::contactForce(const DeviceSample& device, const ProbeSnapshot& snapshot, double now,
-                              double limit) {
-  const Vec3 force = handedOver(device, snapshot, couplingForce(options_, device, snapshot), now);
+/// Largest change of the torque [N·m/s]: the same share of its limit as `force_rate` is of the force's.
+/// A torque above a lowered limit, which may be zero, goes down at the pace of the limit it had.
+double HapticLoop::torqueRate(double force_rate) {
+  if (!(wrench_.torque.norm() > options_.max_torque)) torque_span_ = 0.0;
+  torque_span_ = std::max(torque_span_, options_.max_torque);
+  return force_rate / options_.max_force * torque_span_;
+}
+
+/// Coupling and passivity within the limits. The torque is cut by the same factor as the coupling's
+/// force: both come from the same contact.
+Wrench HapticLoop::contactWrench(const DeviceSample& device, const ProbeSnapshot& snapshot, double now) {
+  const double limit = soft_ * options_.max_force;
+  const Wrench wrench = handedOver(device, snapshot, couplingWrench(options_, device, snapshot), now);
   passivity_.observe(device.position, heldEnergy(options_, device, snapshot));
-  return limited(passivity_.gain() * limited(force, limit) + passivity_.damping(), limit);
+  const double gain = passivity_.gain();
+  return {limited(gain * limited(wrench.force, limit) + passivity_.damping(), limit),
+          limited(gain * shareWithin(wrench.force, limit) * wrench.torque, soft_ * options_.max_torque)};
 }
 
-/// `force` of the newest snapshot, without a step where the last one said something else.
-Vec3 HapticLoop::handedOver(const DeviceSample& device, const ProbeSnapshot& snapshot, const Vec3& force,
-                            double now) {
+/// `wrench` of the newest snapshot, without a step where the last one said something else.
+Wrench HapticLoop::handedOver(const DeviceSample& device, const ProbeSnapshot& snapshot, const Wrench& wrench,
+                              double now) {
   const auto remaining = [&] {
     const double passed = now - handover_start_;
     return handover_time_ > 0.0 ? std::clamp(1.0 - passed / handover_time_, 0.0, 1.0) : 0.0;
@@ -184,14 +199,19 @@ Vec3 HapticLoop::handedOver(const DeviceSample& device, const ProbeSnapshot& sna
   if (snapshot.taken != snapshot_.taken) {
     const bool both =
         snapshot_.taken >= 0.0 && snapshot_.contact && isFinite(snapshot_) && !hasJumped(device, snapshot_);
-    const Vec3 before =
-        both ? Vec3(couplingForce(options_, device, snapshot_) + remaining() * handover_) : force;
-    handover_ = limited(before - force, options_.max_force);
+    Wrench before = wrench;
+    if (both) {
+      before = couplingWrench(options_, device, snapshot_);
+      before.force += remaining() * handover_.force;
+      before.torque += remaining() * handover_.torque;
+    }
+    handover_ = {limited(before.force - wrench.force, options_.max_force),
+                 limited(before.torque - wrench.torque, options_.max_torque)};
     handover_time_ =
         std::clamp(kHandoverShare * (snapshot.taken - snapshot_.taken), kMinHandover, kMaxHandover);
     handover_start_ = now - 1.0 / options_.rate;  // the first step of it is this tick's
   }
-  return force + remaining() * handover_;
+  return {wrench.force + remaining() * handover_.force, wrench.torque + remaining() * handover_.torque};
 }
 
 }  // namespace haptic_cloth

@@ -14,6 +14,13 @@ inline Vec3 limited(const Vec3& vector, double limit) {
   return norm > limit ? Vec3(vector * (limit / norm)) : vector;
 }
 
+/// What limited() leaves of `vector` [-]; 0 if it is not finite.
+inline double shareWithin(const Vec3& vector, double limit) {
+  const double norm = vector.norm();
+  if (!std::isfinite(norm)) return 0.0;
+  return norm > limit ? limit / norm : 1.0;
+}
+
 /// One step of at most `step` from `from` towards `to`; arrives exactly.
 inline Vec3 approach(const Vec3& from, const Vec3& to, double step) {
   const Vec3 change = to - from;

@@ -22,6 +22,7 @@ ProbeSnapshot ProbeTracker::update(const ProbeReport& probe, const DeviceSample&
   snapshot.device = probe.device;
   snapshot.proxy = probe.proxy;
   snapshot.force = probe.force;
+  snapshot.torque = probe.torque;
   snapshot.contact = probe.present && probe.contact;
   if (!snapshot.contact || !known_) {
     follow_.setIdentity();

@@ -18,6 +18,7 @@ AdmittanceProbe::AdmittanceProbe(const NodeOptions& options, std::size_t number,
       loop_(limitsAtProbe(options.probes[number].haptics, options.probes[number].device)) {}
 
 void AdmittanceProbe::tick(double now, bool paused) {
+  const ros::Time stamp = ros::Time::now();  // that of `now`, whatever keeps the command from going out
   gains_.move(now, [this](const HapticOptions& options, double unit) { loop_.setOptions(options, unit); });
   const StampedForce& hand = shared_.force.read();
   const StampedSample& device = shared_.device_for_haptics.read();
@@ -25,21 +26,22 @@ void AdmittanceProbe::tick(double now, bool paused) {
   heard_ = hand.sample.received;
   if (known) loop_.place(device.sample.position);
   loop_.tick(hand.sample, shared_.snapshot.read(), paused, now);
-  sendReaction(hand, loop_.reaction());
-  if (loop_.started()) sendCommand(device);
+  const Wrench reaction{loop_.reaction(), loop_.torque()};
+  sendReaction(hand, reaction);
+  if (loop_.started()) sendCommand(device, stamp);
   StampedSample tool;
   tool.sample = loop_.device();
   tool.orientation = known ? device.orientation : orientation_;
   shared_.device_for_solver.write(tool);
-  felt_.note(loop_.status(), loop_.reaction());
+  felt_.note(loop_.status(), reaction);
   shared_.felt.write(felt_);
 }
 
 /// In the frame in which the device says where it is; in the cloth's where it does not.
-void AdmittanceProbe::sendCommand(const StampedSample& device) {
+void AdmittanceProbe::sendCommand(const StampedSample& device, const ros::Time& stamp) {
   const bool known = device.sample.received >= 0.0;
   geometry_msgs::PoseStamped command;
-  command.header.stamp = ros::Time::now();
+  command.header.stamp = stamp;
   command.header.frame_id = known ? device.frame_id : frame_id_;
   const Quat into = device.frame_rotation.conjugate();
   const Quat orientation = known ? device.orientation : orientation_;
@@ -48,15 +50,15 @@ void AdmittanceProbe::sendCommand(const StampedSample& device) {
   command_.publish(command);
 }
 
-void AdmittanceProbe::sendReaction(const StampedForce& hand, const Vec3& force) {
+void AdmittanceProbe::sendReaction(const StampedForce& hand, const Wrench& wrench) {
   const bool answers = hand.sample.received >= 0.0;
-  reaction_.publish(toWrench(forceForDriver(gains_.device(), hand.frame_rotation, force),
+  reaction_.publish(toWrench(wrenchForDriver(gains_.device(), hand.frame_rotation, wrench),
                              answers ? hand.stamp : ros::Time::now(), answers ? hand.frame_id : frame_id_));
 }
 
 void AdmittanceProbe::sendLast() {
-  sendReaction(StampedForce(), Vec3::Zero());
-  if (loop_.started()) sendCommand(shared_.device_for_haptics.read());
+  sendReaction(StampedForce(), Wrench());
+  if (loop_.started()) sendCommand(shared_.device_for_haptics.read(), ros::Time::now());
 }
 
 }  // namespace haptic_cloth

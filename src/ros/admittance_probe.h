@@ -13,7 +13,7 @@ namespace haptic_cloth {
 /// From the newest force and snapshot of a probe to where its device is to go. One thread calls it.
 class AdmittanceProbe : public ProbeTick {
  public:
-  /// @param number of the probe in the scene  @param reaction for those who watch: force on the tool
+  /// @param number of the probe in the scene  @param reaction for those who watch: what acts on the tool
   AdmittanceProbe(const NodeOptions& options, std::size_t number, const ros::Publisher& command,
                   const ros::Publisher& reaction, SharedProbe& shared);
 
@@ -23,11 +23,13 @@ class AdmittanceProbe : public ProbeTick {
   void tick(double now, bool paused) override;
   void sendLast() override;
   double heard() const override { return heard_; }
-  bool isQuiet() const override { return loop_.atRest() && loop_.reaction().isZero(0.0); }
+  bool isQuiet() const override {
+    return loop_.atRest() && felt_.force.isZero(0.0) && felt_.torque.isZero(0.0);
+  }
 
  private:
-  void sendCommand(const StampedSample& device);
-  void sendReaction(const StampedForce& hand, const Vec3& force);
+  void sendCommand(const StampedSample& device, const ros::Time& stamp);
+  void sendReaction(const StampedForce& hand, const Wrench& wrench);
 
   std::string frame_id_;
   MovingGains gains_;

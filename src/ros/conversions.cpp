@@ -102,15 +102,19 @@ Pose composed(const Pose& frame, const Pose& pose) {
   return {frame.position + frame.orientation * pose.position, frame.orientation * pose.orientation};
 }
 
-geometry_msgs::WrenchStamped toWrench(const Vec3& force, const ros::Time& stamp,
+geometry_msgs::WrenchStamped toWrench(const Wrench& wrench, const ros::Time& stamp,
                                       const std::string& frame_id) {
-  geometry_msgs::WrenchStamped wrench;
-  wrench.header.stamp = stamp;
-  wrench.header.frame_id = frame_id;
-  wrench.wrench.force.x = force.x();
-  wrench.wrench.force.y = force.y();
-  wrench.wrench.force.z = force.z();
-  return wrench;
+  const auto assign = [](const Vec3& from, geometry_msgs::Vector3& to) {
+    to.x = from.x();
+    to.y = from.y();
+    to.z = from.z();
+  };
+  geometry_msgs::WrenchStamped message;
+  message.header.stamp = stamp;
+  message.header.frame_id = frame_id;
+  assign(wrench.force, message.wrench.force);
+  assign(wrench.torque, message.wrench.torque);
+  return message;
 }
 
 void toClothState(const DisplayFrame& frame, int columns, int rows, std::vector<int>& scratch,

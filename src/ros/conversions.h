@@ -34,8 +34,8 @@ Pose toPose(const geometry_msgs::TransformStamped& transform);
 /// A pose given in `frame`, in what `frame` is given in.
 Pose composed(const Pose& frame, const Pose& pose);
 
-/// A pure force [N].
-geometry_msgs::WrenchStamped toWrench(const Vec3& force, const ros::Time& stamp, const std::string& frame_id);
+geometry_msgs::WrenchStamped toWrench(const Wrench& wrench, const ros::Time& stamp,
+                                      const std::string& frame_id);
 
 /// The active mesh of a frame as a message. @param columns, rows of the finest grid
 /// @param scratch maps finest particles to vertices; reused between calls

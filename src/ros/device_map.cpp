@@ -55,6 +55,11 @@ Vec3 forceForDriver(const DeviceOptions& device, const Quat& frame, const Vec3& 
   return device.force_scale * ((frame * device.orientation * device.force_axes).conjugate() * force);
 }
 
+Wrench wrenchForDriver(const DeviceOptions& device, const Quat& frame, const Wrench& wrench) {
+  return {forceForDriver(device, frame, wrench.force),
+          forceForDriver(device, frame, wrench.torque) / device.position_scale};
+}
+
 Vec3 forceAtProbe(const DeviceOptions& device, const Quat& frame, const Vec3& force) {
   return (frame * device.orientation * device.force_axes) * force / device.force_scale;
 }
@@ -62,6 +67,7 @@ Vec3 forceAtProbe(const DeviceOptions& device, const Quat& frame, const Vec3& fo
 HapticOptions limitsAtProbe(HapticOptions haptics, const DeviceOptions& device) {
   haptics.max_force /= device.force_scale;
   haptics.max_force_rate /= device.force_scale;
+  haptics.max_torque *= device.position_scale / device.force_scale;
   AdmittanceOptions& tool = haptics.admittance;
   tool.mass /= device.force_scale * device.position_scale;
   tool.damping /= device.force_scale * device.position_scale;

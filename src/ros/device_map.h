@@ -49,12 +49,17 @@ Quat orientationForDriver(const DeviceOptions& device, const Quat& orientation);
 /// @param frame rotation of the pose's frame in the cloth's, from tf
 Vec3 forceForDriver(const DeviceOptions& device, const Quat& frame, const Vec3& force);
 
+/// The same for force and torque. Torque scales with force_scale/position_scale: the lever arm at the
+/// device is that at the probe over position_scale. Orientations are not scaled, so the power of
+/// turning changes by the same factor as that of moving.
+Wrench wrenchForDriver(const DeviceOptions& device, const Quat& frame, const Wrench& wrench);
+
 /// What a driver has measured of the hand's force on the device, as force on the probe [N]: undoes
 /// forceForDriver().
 Vec3 forceAtProbe(const DeviceOptions& device, const Quat& frame, const Vec3& force);
 
-/// The limits of the force, and the tool of an admittance device, which hold at the device, for a loop that
-/// computes in the cloth's forces and places.
+/// The limits of force and torque, and the tool of an admittance device, which hold at the device,
+/// for a loop that computes in the cloth's forces and places.
 HapticOptions limitsAtProbe(HapticOptions haptics, const DeviceOptions& device);
 
 /// Stiffness that the hand feels of the coupling: K · position_scale · force_scale [N/m].

@@ -156,6 +156,7 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
   }
   add(status, "status", std::string(toString(felt.status)));
   add(status, "force [N]", felt.force.norm());
+  add(status, "torque [N m]", felt.torque.norm());
   add(status, "grasp", std::string(graspText(grasp)));
   add(status, "received", counters.received.load());
   add(status, "dropped", dropped);

@@ -19,16 +19,17 @@ void HapticProbe::tick(double now, bool paused) {
   const StampedSample& device = shared_.device_for_haptics.read();
   heard_ = device.sample.received;
   const Vec3 force = loop_.tick(device.sample, shared_.snapshot.read(), paused, now);
+  const Wrench wrench{force, loop_.torque()};
   // Stated in the frame, axes and scale of the pose it answers. With the pose's stamp the receiver can tell
   // how old the force is; without a pose, the clock's.
   const bool answers = device.sample.received >= 0.0;
-  reaction_.publish(toWrench(forceForDriver(gains_.device(), device.frame_rotation, force),
+  reaction_.publish(toWrench(wrenchForDriver(gains_.device(), device.frame_rotation, wrench),
                              answers ? device.stamp : ros::Time::now(),
                              answers ? device.frame_id : frame_id_));
-  felt_.note(loop_.status(), force);
+  felt_.note(loop_.status(), wrench);
   shared_.felt.write(felt_);
 }
 
-void HapticProbe::sendLast() { reaction_.publish(toWrench(Vec3::Zero(), ros::Time::now(), frame_id_)); }
+void HapticProbe::sendLast() { reaction_.publish(toWrench(Wrench(), ros::Time::now(), frame_id_)); }
 
 }  // namespace haptic_cloth

@@ -22,7 +22,7 @@ class HapticProbe : public ProbeTick {
   void tick(double now, bool paused) override;
   void sendLast() override;
   double heard() const override { return heard_; }
-  bool isQuiet() const override { return felt_.force.isZero(0.0); }
+  bool isQuiet() const override { return felt_.force.isZero(0.0) && felt_.torque.isZero(0.0); }
 
  private:
   std::string frame_id_;

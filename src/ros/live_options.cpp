@@ -54,6 +54,8 @@ void addHaptics(Group haptics) {
   haptics.add("max_force", "on the hand [N]", 0.1, 12.0, [](auto& o) { return &o.haptics.max_force; });
   haptics.add("max_force_rate", "on the hand [N/s]", 1.0, 1000.0,
               [](auto& o) { return &o.haptics.max_force_rate; });
+  haptics.add("max_torque", "on the hand [N m]; 0: none", 0.0, 1.0,
+              [](auto& o) { return &o.haptics.max_torque; });
   haptics.add("soft_start", "the limit rises from zero after start, pause and fault [s]", 0.0, 5.0,
               [](auto& o) { return &o.haptics.soft_start; });
   haptics.add("pose_timeout", "an older pose ramps the force to zero [s]", 0.01, 0.5,

@@ -40,6 +40,7 @@ void readHaptics(ParameterGroup group, HapticOptions& haptics) {
   group.read("rate", haptics.rate, false);
   group.read("max_force", haptics.max_force, false);
   group.read("max_force_rate", haptics.max_force_rate, false);
+  group.read("max_torque", haptics.max_torque, true);
   group.read("soft_start", haptics.soft_start, true);
   group.read("pose_timeout", haptics.pose_timeout, false);
   group.read("snapshot_timeout", haptics.snapshot_timeout, false);

@@ -83,17 +83,19 @@ struct HapticStats {
 struct FeltForce {
   HapticStatus status = HapticStatus::NoPose;
   Vec3 force = Vec3::Zero();                          ///< on the probe [N]
+  Vec3 torque = Vec3::Zero();                         ///< on the probe [N·m]
   std::uint64_t input_stops = 0, snapshot_stops = 0;  ///< how often either was stale, since start
 
   /// What a tick found and sent.
-  void note(HapticStatus now, const Vec3& sent) {
+  void note(HapticStatus now, const Wrench& sent) {
     const auto stale = [](HapticStatus s) {
       return s == HapticStatus::PoseStale || s == HapticStatus::ForceStale;
     };
     input_stops += stale(now) && !stale(status);
     snapshot_stops += now == HapticStatus::SnapshotStale && status != now;
     status = now;
-    force = sent;
+    force = sent.force;
+    torque = sent.torque;
   }
 };
 

@@ -31,7 +31,7 @@ ClothObjective::ClothObjective(const Scene& scene, const ActiveMesh& mesh, Inter
   for (const ProbeOptions& probe : scene.probes) {
     couplings_.push_back({probe.coupling_stiffness, probe.coupling_damping});
   }
-  for (Proxies* list : {&proxies_, &proxy_motions_, &hold_forces_})
+  for (Proxies* list : {&proxies_, &proxy_motions_, &hold_forces_, &hold_torques_})
     list->assign(probes_.size(), Vec3::Zero());
   held_.reserve(mesh.grid.particles());
   if (preconditioner_ == Preconditioner::Jacobi) blocks_.reserve(mesh.grid.particles());
@@ -72,7 +72,8 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
   }
   nodes_ = positions;
   for (std::size_t k = 0; k < probes_.size(); ++k) proxies_[k] = probes_[k].proxy;
-  for (Proxies* list : {&proxy_motions_, &hold_forces_}) std::fill(list->begin(), list->end(), Vec3::Zero());
+  for (Proxies* list : {&proxy_motions_, &hold_forces_, &hold_torques_})
+    std::fill(list->begin(), list->end(), Vec3::Zero());
   mass_.assign(padded(mesh_.nodes()), 0.0);
   moving_mass_ = mass_;
   std::copy(mesh_.mass.begin(), mesh_.mass.end(), mass_.begin());
@@ -177,9 +178,10 @@ double ClothObjective::evaluate(const Vector& x, Vector& gradient) {
 /// The proxies' part of the gradient, that of the nodes they hold included. @return energy and loss of the
 /// couplings [J]
 double ClothObjective::evaluateProbes(Vector& gradient) {
-  std::fill(hold_forces_.begin(), hold_forces_.end(), Vec3::Zero());
+  for (Proxies* list : {&hold_forces_, &hold_torques_}) std::fill(list->begin(), list->end(), Vec3::Zero());
   for (const HeldNode& held : held_) {
     hold_forces_[held.probe] -= gradient_[held.node];
+    hold_torques_[held.probe] -= held.offset.cross(gradient_[held.node]);
     gradient_.set(held.node, Vec3::Zero());
   }
   double value = 0.0;

@@ -142,7 +142,8 @@ class ClothObjective : public Objective {
   const Vec3& proxy(int probe) const { return proxies_[probe]; }
   const std::vector<ProbeStep>& probeSteps() const { return probes_; }  ///< as begin() was given them
   int proxyAt(const ProbeStep& probe) const { return 3 * (mesh_.free + probe.unknown); }  ///< in x
-  Vec3 holdForce(int probe) const { return hold_forces_[probe]; }  ///< of the nodes it holds on it [N]
+  Vec3 holdForce(int probe) const { return hold_forces_[probe]; }    ///< of the nodes it holds on it [N]
+  Vec3 holdTorque(int probe) const { return hold_torques_[probe]; }  ///< the same about its proxy [N·m]
   double internalEnergy(
       Sums& parts) const;         ///< stretch, bend, shear, contact [J] as parts 0..3; returns their sum
   double couplingEnergy() const;  ///< springs between devices and proxies [J]
@@ -191,7 +192,7 @@ class ClothObjective : public Objective {
   std::vector<double> mass_, moving_mass_;  ///< of all nodes; of the free ones, zero for others; padded [kg]
   Field nodes_, motion_, gradient_, diagonal_;
   BlockField blocks_;  ///< of the Jacobi preconditioner
-  Proxies proxies_, proxy_motions_, hold_forces_;
+  Proxies proxies_, proxy_motions_, hold_forces_, hold_torques_;
   Sums energies_ = Sums::Zero();
   Vector inverse_diagonal_, residual_weight_;
   std::optional<MultilevelPreconditioner> multilevel_;

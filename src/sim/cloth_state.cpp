@@ -48,6 +48,7 @@ void ClothWorld::serializeProbes(Archive& archive) {
   archive.each("probe_proxy", probes, &ProbeReport::proxy);
   archive.each("probe_velocity", probes, &ProbeReport::velocity);
   archive.each("probe_force", probes, &ProbeReport::force);
+  archive.each("probe_torque", probes, &ProbeReport::torque);
   archive.each("probe_contact", probes, &ProbeReport::contact);
   archive.each("probe_grasps", probes, &ProbeReport::grasps);
   for (int k = 0; k < count; ++k) {

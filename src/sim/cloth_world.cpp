@@ -326,6 +326,7 @@ void ClothWorld::acceptProbe(int k) {
   probe.proxy = objective.proxy(k);
   probe.velocity = (probe.proxy - probe_steps_[k].proxy) / scene.solver.time_step;
   probe.force = objective.holdForce(k) - contacts.proxyGradient(k);
+  probe.torque = objective.holdTorque(k) + contacts.proxyTorque(k, nodes_);
   probe.grasps = std::any_of(held_nodes_.begin(), held_nodes_.end(),
                              [k](const HeldNode& held) { return held.probe == k; });
   probe.contact = probe.grasps || contacts.probeTouched(k);
@@ -347,7 +348,7 @@ void ClothWorld::restore() {
   objective.evaluate(start_, gradient_);
   for (ProbeReport& probe : probes) {
     probe.velocity = Vec3::Zero();
-    probe.force = Vec3::Zero();
+    probe.force = probe.torque = Vec3::Zero();
     probe.contact = false;
   }
 }

@@ -13,7 +13,7 @@ namespace haptic_cloth {
 namespace {
 
 constexpr std::uint32_t kByteOrder = 0x01020304;
-constexpr std::uint32_t kVersion = 1;  // of the envelope and of what is in it
+constexpr std::uint32_t kVersion = 2;  // of the envelope and of what is in it
 
 /// After kStateMagic, before the entries.
 struct Envelope {

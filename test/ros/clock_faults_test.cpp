@@ -49,7 +49,7 @@ class ClockFaultTest : public FaultTest {
   /// @return whether the pressed hand, which does nothing of its own, is felt again
   bool comesBack() {
     sleepUntil(steadyNow() + 0.3);  // the fault is felt at once if at all
-    return waitFor([this] { return reaction_.force().z() > 0.1; });
+    return feels();
   }
 };
 
@@ -82,7 +82,7 @@ TEST_F(ClockFaultTest, AClockThatStandsStillChangesNothing) {
   const double dropped = count("dropped");
   clock.setRate(0.0);
   sleepUntil(steadyNow() + 1.0);
-  EXPECT_GT(reaction_.force().z(), 0.1);
+  EXPECT_TRUE(feels());
   clock.setRate(1.0);
   freshDiagnostics();
   EXPECT_EQ(count("dropped"), dropped);

@@ -18,7 +18,7 @@ namespace haptic_cloth {
 namespace {
 
 constexpr double kLateTicks = 5.0;  ///< periods of the rate limit that a late tick may make use of [-]
-constexpr double kRoundOff = 1e-9;  ///< [N]
+constexpr double kRoundOff = 1e-9;  ///< [N], [N·m]
 constexpr double kFelt = 0.1;       ///< a force that a hand tells from none [N]
 constexpr double kDownAndUp = 4.0;  ///< patience with one press before the hand is lifted again [s]
 
@@ -26,19 +26,22 @@ constexpr double kDownAndUp = 4.0;  ///< patience with one press before the hand
 
 WrenchFindings examine(const std::vector<HeardWrench>& wrenches, const HapticOptions& limits) {
   WrenchFindings found;
-  const double step = kLateTicks * limits.max_force_rate / limits.rate + kRoundOff;
+  const double step = kLateTicks * limits.max_force_rate / limits.rate;
+  const double torque_step = step / limits.max_force * limits.max_torque;
   const HeardWrench* last = nullptr;
   for (const HeardWrench& wrench : wrenches) {
     ++found.heard;
-    if (!wrench.force.allFinite()) ++found.not_finite;
+    if (!wrench.force.allFinite() || !wrench.torque.allFinite()) ++found.not_finite;
     found.strongest = std::max(found.strongest, wrench.force.norm());
-    if (wrench.force.norm() > limits.max_force + kRoundOff) ++found.too_strong;
+    found.too_strong += wrench.force.norm() > limits.max_force + kRoundOff ||
+                        wrench.torque.norm() > limits.max_torque + kRoundOff;
     if (last != nullptr && wrench.number > last->number) {
       const double ticks = wrench.number - last->number;
       const double change = (wrench.force - last->force).norm() / ticks;
       found.lost += static_cast<long>(ticks) - 1;
       found.fastest = std::max(found.fastest, change);
-      if (change > step) ++found.too_fast;
+      const double torque_change = (wrench.torque - last->torque).norm() / ticks;
+      found.too_fast += change > step + kRoundOff || torque_change > torque_step + kRoundOff;
     } else {
       ++found.starts;
     }
@@ -49,9 +52,10 @@ WrenchFindings examine(const std::vector<HeardWrench>& wrenches, const HapticOpt
 
 ReactionRecord::ReactionRecord(ros::NodeHandle& node, const std::string& topic) {
   const auto keep = [this](const geometry_msgs::WrenchStamped::ConstPtr& message) {
-    const auto& force = message->wrench.force;
+    const auto& [force, torque] = message->wrench;
     const std::lock_guard<std::mutex> lock(mutex_);
-    last_ = {message->header.seq, message->header.stamp, Vec3(force.x, force.y, force.z), steadyNow()};
+    last_ = {message->header.seq, message->header.stamp, Vec3(force.x, force.y, force.z),
+             Vec3(torque.x, torque.y, torque.z), steadyNow()};
     wrenches_.push_back(last_);
     ++count_;
   };
@@ -151,6 +155,10 @@ bool FaultTest::recovers() {
     hand_->moveTo(kPressed);
     return waitFor([this] { return hand_->arrived() && reaction_.force().z() > kFelt; }, kDownAndUp);
   });
+}
+
+bool FaultTest::feels() const {
+  return waitFor([this] { return reaction_.force().z() > kFelt; });
 }
 
 bool FaultTest::reaches(const std::string& key, double value) const {

@@ -3,10 +3,15 @@
 #include <gtest/gtest.h>
 #include <ros/ros.h>
 
+#include <cmath>
+
 #include "ros_test_support.h"
 
 namespace haptic_cloth {
 namespace {
+
+// Of HandOptions: damped by 0.73 of what is critical, which overshoots by 4 %.
+constexpr double kWill = 0.050, kStiffness = 300.0, kDamping = 8.0;
 
 TEST(Hand, PressesFeelsAndLifts) {
   ros::NodeHandle node;
@@ -22,15 +27,23 @@ TEST(Hand, PressesFeelsAndLifts) {
       });
   ASSERT_TRUE(waitFor([&] { return reaction.count() > 0 && poses > 0; }));
   ASSERT_TRUE(waitFor([&] { return reaction.force().z() > 0.2; })) << "the hand felt nothing";
-  // The cloth lies on a box of 50 mm and the probe's radius is 8 mm: the will goes to 50 mm, the box holds
-  // it.
+  // The cloth lies on a box of 50 mm and the probe's radius is 8 mm. The will goes to 50 mm, the box holds
+  // the hand above it where arm and force balance, but for what 30 mm/s take of the arm's damper.
+  double held = 0.0, force = 0.0;
+  EXPECT_TRUE(waitFor([&] {
+    held = height;
+    force = reaction.force().z();
+    const double slow = 0.03 * kDamping / kStiffness;
+    return force > 0.2 && held < 0.062 && std::abs(held - kWill - force / kStiffness) < slow;
+  })) << held
+      << " m, " << force << " N";
   double lowest = height;
   ASSERT_TRUE(waitFor([&] {
     lowest = std::min(lowest, height.load());
     return height > 0.12;
   })) << "the hand did not lift";
-  EXPECT_GT(lowest, 0.050);
-  EXPECT_LT(lowest, 0.062);
+  // A busy machine may take the force away: then the arm ends at its will, overshooting by 4 % of the way.
+  EXPECT_GT(lowest, kWill - 0.04 * (0.062 - kWill));
   EXPECT_TRUE(waitFor([&] { return reaction.force().isZero(0.0); }));
   EXPECT_TRUE(reaction.finite());
 

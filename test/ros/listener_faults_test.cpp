@@ -36,7 +36,7 @@ TEST_F(ListenerFaultTest, AHundredSubscribers) {
   {
     const RawListeners listeners(kNode, "/probe/reaction", 100);
     ASSERT_TRUE(waitFor([&] { return listeners.fewest() > 300; }));
-    EXPECT_GT(reaction_.force().z(), 0.1);
+    EXPECT_TRUE(feels());
     freshDiagnostics();
     EXPECT_EQ(listeners.closed(), 0);
     RecordProperty("rate_Hz", std::to_string(rate()));
@@ -60,7 +60,7 @@ TEST_F(ListenerFaultTest, ListenersThatHang) {
   const double frames = diagnostics_.number("display", "marker frames");
   ASSERT_TRUE(waitFor([&] { return reaction_.count() > seen + 3000; }));
   EXPECT_TRUE(waitFor([&] { return diagnostics_.number("display", "marker frames") > frames + 60; }));
-  EXPECT_GT(reaction_.force().z(), 0.1);
+  EXPECT_TRUE(feels());
   EXPECT_LT(residentMemory(pid), before + kMemory);
   RecordProperty("memory_MB", std::to_string(residentMemory(pid) - before));
 

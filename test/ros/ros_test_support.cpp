@@ -49,6 +49,11 @@ void TestDevice::moveTo(const Vec3& target) {
   arrived_ = false;
 }
 
+void TestDevice::turn(const Quat& orientation) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  orientation_ = orientation;
+}
+
 void TestDevice::run() {
   constexpr double kPeriod = 2e-3, kStep = 0.1 * kPeriod;
   while (!stop_) {
@@ -60,7 +65,7 @@ void TestDevice::run() {
       const Vec3 way = target_ - position_;
       position_ = way.norm() > kStep ? Vec3(position_ + kStep * way.normalized()) : target_;
       arrived_ = position_ == target_;
-      pose.pose = toPose(position_);
+      pose.pose = toPose(position_, orientation_);
     }
     pose.header.stamp = ros::Time::now();
     pose.header.frame_id = "world";
@@ -74,8 +79,9 @@ ReactionListener::ReactionListener(ros::NodeHandle& node, const std::string& top
       [this](const geometry_msgs::WrenchStamped::ConstPtr& message) {
         const std::lock_guard<std::mutex> lock(mutex_);
         last_ = *message;
-        const auto& force = message->wrench.force;
-        if (!Vec3(force.x, force.y, force.z).allFinite()) finite_ = false;
+        const auto& [force, torque] = message->wrench;
+        finite_ = finite_ && Vec3(force.x, force.y, force.z).allFinite() &&
+                  Vec3(torque.x, torque.y, torque.z).allFinite();
         ++count_;
       },
       ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
@@ -89,6 +95,11 @@ geometry_msgs::WrenchStamped ReactionListener::last() const {
 Vec3 ReactionListener::force() const {
   const geometry_msgs::Vector3 force = last().wrench.force;
   return {force.x, force.y, force.z};
+}
+
+Vec3 ReactionListener::torque() const {
+  const geometry_msgs::Vector3 torque = last().wrench.torque;
+  return {torque.x, torque.y, torque.z};
 }
 
 DiagnosticsListener::DiagnosticsListener(ros::NodeHandle& node) {

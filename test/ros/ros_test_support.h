@@ -35,6 +35,8 @@ class TestDevice {
   TestDevice(ros::NodeHandle& node, const Vec3& start, const std::string& topic = "probe/pose");
   ~TestDevice();
   void moveTo(const Vec3& target);
+  /// Its orientation from the next pose on.
+  void turn(const Quat& orientation);
   bool arrived() const { return arrived_; }
   /// Silence: no more poses until resume().
   void silence() { silent_ = true; }
@@ -45,6 +47,7 @@ class TestDevice {
   ros::Publisher publisher_;
   std::mutex mutex_;
   Vec3 position_, target_;
+  Quat orientation_ = Quat::Identity();
   std::atomic<bool> silent_{false}, arrived_{false}, stop_{false};
   std::thread thread_;
 };
@@ -57,6 +60,7 @@ class ReactionListener {
   bool finite() const { return finite_; }
   geometry_msgs::WrenchStamped last() const;
   Vec3 force() const;
+  Vec3 torque() const;
 
  private:
   mutable std::mutex mutex_;

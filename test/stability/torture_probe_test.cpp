@@ -175,6 +175,7 @@ TEST(Torture, TornAtAPin) {
   probe.grasp = {{0.0, 0.12}};
   sheet.scene.stop.time = 0.2;
   sheet.limits.strain = mostStrain(probe, 0.112, 490.3 / 0.0603);
+  sheet.limits.any_speed = "the threads at the pin store enough for 800 m/s";
   torture(sheet);
 }
 

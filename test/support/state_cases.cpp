@@ -191,7 +191,8 @@ std::uint64_t readings(const Simulation& simulation) {
   add(hash, simulation.energy());
   for (std::size_t k = 0; k < simulation.scene().probes.size(); ++k) {
     const ProbeReport probe = simulation.probe(static_cast<int>(k));
-    for (const Vec3& vector : {probe.device, probe.proxy, probe.velocity, probe.force}) hash.add(vector);
+    for (const Vec3& vector : {probe.device, probe.proxy, probe.velocity, probe.force, probe.torque})
+      hash.add(vector);
     hash.add(4.0 * probe.present + 2.0 * probe.contact + probe.grasps);
   }
   for (std::size_t k = 0; k < simulation.scene().obstacles.size(); ++k) {
@@ -301,7 +302,7 @@ std::string sealState(const std::vector<StateEntry>& entries) {
   hash.add(content.data(), content.size());
   std::string sealed = kMagic;
   put(sealed, std::uint32_t{0x01020304});
-  put(sealed, std::uint32_t{1});
+  put(sealed, std::uint32_t{2});
   put(sealed, static_cast<std::uint64_t>(content.size()));
   put(sealed, hash.value());
   return sealed + content;

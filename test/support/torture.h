@@ -18,25 +18,27 @@ namespace haptic_cloth {
 /// and Schwarz that is residual · |g| · mass · rms_m(Δx); residual: what the step reports, or its tolerance.
 /// A change of the mesh makes energy at once, and motion gives it back later; so do surface normals, which
 /// turn between steps and not in them. Both are allowed, too, but no more than a tenth and a hundredth of
-/// what was turned over. Speed: a particle is set in motion by what devices and obstacles do, twice their
-/// speed where something heavy hits something light without loss; by its fall, √(2 g · 2 · way it sank),
-/// since half of a chain may get what the other half has fallen, and its tip outruns free fall [Tomaszewski
-/// et al. 2006]; and by what the fabric gives back, no more than it stores at the largest strain of the run:
-/// ρ v²/2 = w_warp + w_weft, twice that at a free edge, where a wave is thrown back, or where one quarter
-/// gets it all. speedLimit() is the sum. Strain: where a case says nothing nearer, that of the threads which
-/// carry all that pulls, forces of the probes and twice the weight, as it is sudden; and that of cloth which
-/// moves as fast as inputs and fall explain, twice that at a held edge, and is stopped at once along its
-/// softer, compressed way: strainLimit() is the sum. Force: that on a probe is what its coupling can pull
-/// with, k · distance + b · speeds of both ends; and what the residual leaves on the proxy, which counts with
-/// the mass h² k + h b.
+/// what was turned over. All in all the rise is no more than a tenth of that: where a step is cut short far
+/// from its solution, its residual would explain any. Speed: a particle is set in motion by what devices and
+/// obstacles do, twice their speed where something heavy hits something light without loss; by its fall, √(2
+/// g · 2 · way it sank), since half of a chain may get what the other half has fallen, and its tip outruns
+/// free fall [Tomaszewski et al. 2006]; and by what the fabric gives back, no more than it stores at the
+/// largest strain of the run: ρ v²/2 = w_warp + w_weft, twice that at a free edge, where a wave is thrown
+/// back, or where one quarter gets it all. speedLimit() is the sum. Strain: where a case says nothing nearer,
+/// that of the threads which carry all that pulls, forces of the probes and twice the weight, as it is
+/// sudden; and that of cloth which moves as fast as inputs and fall explain, twice that at a held edge, and
+/// is stopped at once along its softer, compressed way: strainLimit() is the sum. Force: that on a probe is
+/// what its coupling can pull with, k · distance + b · speeds of both ends; and what the residual leaves on
+/// the proxy, which counts with the mass h² k + h b.
 struct TortureLimits {
   double strain = 0.0;  ///< largest |strain| of an edge in the whole run; 0: strainLimit() [-]
   bool pushed = false;  ///< a probe pushes the cloth together as hard as it pulls, along its softer way: what
                         ///< is stretched and what is shortened have limits of their own, the latter at most 1
   double thrown = 0.0;  ///< speed by what is not named above [m/s]
-  double created = 0.1;  ///< energy that one change of the mesh makes, over what was turned over [-]
-  double turned = 0.01;  ///< bending energy that normals make by turning between steps, in all, likewise [-]
-  int failed = 0;        ///< steps whose state had to be restored
+  std::string any_speed;  ///< why speedLimit() would say nothing, so that no speed is asked; empty: it is
+  double created = 0.1;   ///< energy that one change of the mesh makes, over what was turned over [-]
+  double turned = 0.01;   ///< bending energy that normals make by turning between steps, in all, likewise [-]
+  int failed = 0;         ///< steps whose state had to be restored
 };
 
 /// A case: a scene that `simulate` could run, and what a scene file cannot say.
@@ -96,10 +98,11 @@ TortureResult torture(const Torture& wanted);
 /// Files of a case: DIR/scene.yaml, DIR/fabric.yaml. @return path of the scene
 std::string saveTorture(const Torture& wanted, const std::string& directory);
 
-/// What a case measured, beside its limit, for the table in docs/stability.md: printed, and appended to
+/// What a case measured, beside its limit, for the table in docs/stability.md: appended to
 /// $HAPTIC_CLOTH_TORTURE_OUT/margins.csv where that is set.
+/// @param unchecked why nothing is asked; empty: the limit is. It says something: it is finite
 void recordMargin(const std::string& test_case, const std::string& criterion, double measured, double limit,
-                  const std::string& unit);
+                  const std::string& unit, const std::string& unchecked = "");
 
 /// How long a case goes on: what the environment variable says, else `short_form`, which is for every build.
 double tortureLength(const char* variable, double short_form);

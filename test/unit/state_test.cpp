@@ -109,8 +109,8 @@ TEST_F(State, WhatIsCutOffOrDamagedIsRefused) {
 
 TEST_F(State, OtherVersionsAndMachinesAreRefused) {
   std::string other = saved_;
-  other[23] = 2;  // after the magic and the byte order
-  expectRefused(other, {"version = 2", "must be 1"});
+  other[23] = 1;  // after the magic and the byte order
+  expectRefused(other, {"version = 1", "must be 2"});
   other = saved_;
   std::reverse(other.begin() + 19, other.begin() + 23);
   expectRefused(other, {"byte order"});

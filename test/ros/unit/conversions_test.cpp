@@ -59,9 +59,10 @@ TEST(Conversions, Transformed) {
 }
 
 TEST(Conversions, Wrench) {
-  const auto wrench = toWrench(Vec3(1, 2, 3), ros::Time(5, 6), "frame");
+  const auto wrench = toWrench({Vec3(1, 2, 3), Vec3(4, 5, 6)}, ros::Time(5, 6), "frame");
   EXPECT_EQ(wrench.wrench.force.y, 2.0);
-  EXPECT_EQ(wrench.wrench.torque.x, 0.0);
+  EXPECT_EQ(wrench.wrench.torque.x, 4.0);
+  EXPECT_EQ(wrench.wrench.torque.z, 6.0);
   EXPECT_EQ(wrench.header.stamp, ros::Time(5, 6));
   EXPECT_EQ(wrench.header.frame_id, "frame");
 }

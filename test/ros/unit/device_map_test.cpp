@@ -57,6 +57,13 @@ TEST_F(DeviceMapTest, PowerOnTheHandIsThatOnTheProbeTimesAConstant) {
     const Vec3 hand_force = options.force_axes * forceForDriver(options, frame, force);
     EXPECT_NEAR(hand_force.dot(hand_velocity),
                 options.force_scale / options.position_scale * force.dot(probe_velocity), 1e-12);
+    // Turning: the driver's orientations are those of the cloth's frame in other axes, not scaled.
+    const Vec3 spin = vector(), torque = vector();
+    const Vec3 probe_spin = frame * options.orientation * spin;
+    const Vec3 hand_torque = options.force_axes * wrenchForDriver(options, frame, {force, torque}).torque;
+    EXPECT_NEAR(hand_torque.dot(spin), options.force_scale / options.position_scale * torque.dot(probe_spin),
+                1e-12);
+    EXPECT_EQ(wrenchForDriver(options, frame, {force, torque}).force, forceForDriver(options, frame, force));
   }
 }
 
@@ -97,24 +104,35 @@ TEST(DeviceMap, AxesOfOpenHapticsAndForceDimensionStandUpright) {
 TEST(DeviceMap, LimitsOfTheForceHoldAtTheDevice) {
   DeviceOptions device;
   device.force_scale = 0.25;
+  device.position_scale = 3.0;
   HapticOptions haptics;
   haptics.max_force = 3.0;
+  haptics.max_torque = 0.05;
   haptics.soft_start = 0.0;
   HapticLoop loop(limitsAtProbe(haptics, device));
   DeviceSample sample;
   ProbeSnapshot snapshot;
   snapshot.contact = true;
   snapshot.proxy = Vec3(0, 0, 1.0);  // 400 N of coupling
+  snapshot.force = Vec3(0, 0, 400.0);
+  snapshot.torque = Vec3(400.0, 0, 0);  // at a metre
   double largest = 0.0, fastest = 0.0, last = 0.0;
+  double largest_torque = 0.0, fastest_torque = 0.0, last_torque = 0.0;
   for (int tick = 1; tick <= 500; ++tick) {
     const double now = tick * 1e-3;
     sample.received = snapshot.taken = now;
-    const double force =
-        forceForDriver(device, Quat::Identity(), loop.tick(sample, snapshot, false, now)).norm();
+    const Vec3 at_probe = loop.tick(sample, snapshot, false, now);
+    const Wrench wrench = wrenchForDriver(device, Quat::Identity(), {at_probe, loop.torque()});
+    const double force = wrench.force.norm(), torque = wrench.torque.norm();
     largest = std::max(largest, force);
     fastest = std::max(fastest, (force - last) / 1e-3);
     last = force;
+    largest_torque = std::max(largest_torque, torque);
+    fastest_torque = std::max(fastest_torque, (torque - last_torque) / 1e-3);
+    last_torque = torque;
   }
+  EXPECT_NEAR(largest_torque, haptics.max_torque, 1e-9);
+  EXPECT_NEAR(fastest_torque, haptics.max_force_rate / haptics.max_force * haptics.max_torque, 1e-6);
   EXPECT_NEAR(largest, haptics.max_force, 1e-9);
   EXPECT_NEAR(fastest, haptics.max_force_rate, 1e-6);
 }
@@ -269,12 +287,12 @@ TEST(DevicePresets, EveryPairOfDeviceAndDriverLoadsWithoutWarning) {
 /// 2009, b = 0).
 TEST(DevicePresets, StayWithinThePublishedLimits) {
   struct Limits {
-    double force, stiffness, damping, radius, delay;
+    double force, torque, stiffness, damping, radius, delay;
   };
   const std::map<std::string, Limits> published = {
-      {"touch", {3.3, 400, 4, 0.075, 1e-3}},    {"omni", {3.3, 700, 5, 0.100, 1e-3}},
-      {"premium", {8.5, 800, 5, 0.120, 1e-3}},  {"omega", {12.0, 5000, 30, 0.075, 1e-3}},
-      {"sigma", {12.0, 4000, 30, 0.075, 1e-3}}, {"falcon", {8.0, 3000, 20, 0.040, 2e-3}}};
+      {"touch", {3.3, 0.0, 400, 4, 0.075, 1e-3}},     {"omni", {3.3, 0.0, 700, 5, 0.100, 1e-3}},
+      {"premium", {8.5, 0.188, 800, 5, 0.120, 1e-3}}, {"omega", {12.0, 0.0, 5000, 30, 0.075, 1e-3}},
+      {"sigma", {12.0, 0.2, 4000, 30, 0.075, 1e-3}},  {"falcon", {8.0, 0.0, 3000, 20, 0.040, 2e-3}}};
   for (const auto& [name, limits] : published) {
     SCOPED_TRACE(name);
     const NodeOptions options = load({kConfig / "node.yaml", kConfig / "devices" / (name + ".yaml")});
@@ -282,6 +300,7 @@ TEST(DevicePresets, StayWithinThePublishedLimits) {
     EXPECT_EQ(options.device.max_damping, limits.damping);
     EXPECT_EQ(options.device.workspace_radius, limits.radius);
     EXPECT_LE(options.haptics.max_force, limits.force);
+    EXPECT_LE(options.haptics.max_torque, limits.torque);
     const double felt = feltStiffness(options.device, options.probes[0].haptics);
     EXPECT_LE(felt, 0.5 * limits.stiffness);
     EXPECT_LE(felt, feltDamping(options.device, options.probes[0].haptics) / (0.5e-3 + limits.delay) *

@@ -64,9 +64,9 @@ std::string textOf(const NodeOptions& options) {
   }
   text << options.scene.solver.minimizer.time_budget << '\n';
   for (const ProbeSettings& probe : options.probes) {
-    text << probe.haptics.rate << ' ' << probe.haptics.max_force << ' ' << probe.haptics.passivity.store
-         << ' ' << probe.haptics.coupling_stiffness << ' ' << probe.haptics.coupling_damping << ' '
-         << probe.device.force_scale << '\n';
+    text << probe.haptics.rate << ' ' << probe.haptics.max_force << ' ' << probe.haptics.max_torque << ' '
+         << probe.haptics.passivity.store << ' ' << probe.haptics.coupling_stiffness << ' '
+         << probe.haptics.coupling_damping << ' ' << probe.device.force_scale << '\n';
   }
   return text.str();
 }
@@ -129,6 +129,8 @@ TEST(LiveOptions, ImpossibleOnesAreRefusedByNameValueAndRule) {
   expect({{"devices/probe/force_scale", std::string("x")}},
          "devices/probe/force_scale = x: must be a number");
   expect({{"haptics/max_force", infinity}}, "haptics/max_force = inf: must be finite and > 0");
+  expect({{"haptics/max_torque", -1.0}}, "haptics/max_torque = -1.000000: must be finite and >= 0");
+  expect({{"haptics/max_torque", nan}}, "haptics/max_torque = nan: must be finite and >= 0");
   expect({{"haptics/rate", 1e6}}, "haptics/rate = 1000000.000000: must be in 1 to 10000");
   expect({{"markers/rate", 1e9}}, "markers/rate = 1e+09: must be at most 1000");
   expect({{"markers/colouring", std::string("blue")}},

@@ -47,6 +47,7 @@ TEST(NodeOptions, TheShippedSettingsAreTheDefaults) {
   EXPECT_EQ(loaded.haptics.rate, plain.haptics.rate);
   EXPECT_EQ(loaded.haptics.max_force, plain.haptics.max_force);
   EXPECT_EQ(loaded.haptics.max_force_rate, plain.haptics.max_force_rate);
+  EXPECT_EQ(loaded.haptics.max_torque, plain.haptics.max_torque);
   EXPECT_EQ(loaded.haptics.soft_start, plain.haptics.soft_start);
   EXPECT_EQ(loaded.haptics.pose_timeout, plain.haptics.pose_timeout);
   EXPECT_EQ(loaded.haptics.snapshot_timeout, plain.haptics.snapshot_timeout);
@@ -57,11 +58,11 @@ TEST(NodeOptions, TheShippedSettingsAreTheDefaults) {
   EXPECT_EQ(loaded.haptics.passivity.device_damping, plain.haptics.passivity.device_damping);
   EXPECT_EQ(loaded.haptics.passivity.loop_delay, plain.haptics.passivity.loop_delay);
   // Every key of the code stands in the file: 8 beside the groups, of which device has 11, devices 0, haptics
-  // 9, among them passivity with 5 and admittance (admittance_options_test.cpp), markers 5, state 1.
+  // 10, among them passivity with 5 and admittance (admittance_options_test.cpp), markers 5, state 1.
   EXPECT_EQ(shipped.size(), 13u);
   EXPECT_EQ(shipped["devices"].size(), 0u);
   EXPECT_EQ(shipped["device"].size(), 11u);
-  EXPECT_EQ(shipped["haptics"].size(), 9u);
+  EXPECT_EQ(shipped["haptics"].size(), 10u);
   EXPECT_EQ(shipped["haptics"]["passivity"].size(), 5u);
   EXPECT_EQ(shipped["markers"].size(), 5u);
   EXPECT_EQ(shipped["state"].size(), 1u);

@@ -1,0 +1,283 @@
+/// The torque that a hand feels: with the force, limited and ramped as the force is.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "haptic_cloth/haptics.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kTick = 1e-3;
+/// Torques here are at most 0.1 N·m, forces 10 N: products of a few doubles, good to 1e-12.
+constexpr double kRoundOff = 1e-12;
+const Vec3 kArm(0.02, -0.01, 0.0);    ///< from the proxy to where the cloth presses [m]
+const Vec3 kSpring(0.0, 0.0, 0.005);  ///< from the device to the proxy: 2 N of the default coupling [m]
+
+DeviceSample deviceAt(const Vec3& position, double received) {
+  DeviceSample sample;
+  sample.received = received;
+  sample.position = position;
+  return sample;
+}
+
+/// A solve in which the coupling is in balance with a point load.
+ProbeSnapshot loadedAt(const Vec3& arm, double taken) {
+  ProbeSnapshot snapshot;
+  snapshot.taken = snapshot.device_received = taken;
+  snapshot.proxy = kSpring;
+  snapshot.force = HapticOptions().coupling_stiffness * kSpring;
+  snapshot.torque = arm.cross(snapshot.force);
+  snapshot.contact = true;
+  return snapshot;
+}
+
+/// No soft start and no noticeable limit.
+HapticOptions bareOptions() {
+  HapticOptions options;
+  options.soft_start = 0.0;
+  options.max_force = 3.3;
+  options.max_force_rate = 1e9;
+  options.max_torque = 1.0;
+  return options;
+}
+
+/// A loop that has reached its full wrench.
+struct LoadedLoop {
+  HapticOptions options;
+  HapticLoop loop{options};
+  double now = 1.0;
+  Vec3 force = Vec3::Zero();
+
+  LoadedLoop() {
+    for (int i = 0; i < 1000; ++i) tick(false);
+  }
+  void tick(bool paused) { tick(deviceAt(Vec3::Zero(), now + kTick), loadedAt(kArm, now + kTick), paused); }
+  void tick(const DeviceSample& device, const ProbeSnapshot& snapshot, bool paused) {
+    const Vec3 before = loop.torque();
+    now += kTick;
+    force = loop.tick(device, snapshot, paused, now);
+    ASSERT_TRUE(loop.torque().allFinite());
+    EXPECT_LE((loop.torque() - before).norm(), mostChange() + kRoundOff);
+    EXPECT_LE(loop.torque().norm(), std::max(options.max_torque, before.norm()) + kRoundOff);
+  }
+  /// From zero to its limit the torque takes as long as the force.
+  double mostChange() const {
+    return options.max_force_rate / options.max_force * options.max_torque * kTick;
+  }
+};
+
+TEST(HapticTorque, IsThatOfTheSolveWhereNothingHasMovedSince) {
+  HapticLoop loop(bareOptions());
+  const ProbeSnapshot snapshot = loadedAt(kArm, 1.0);
+  const Vec3 force = loop.tick(deviceAt(Vec3::Zero(), 1.0), snapshot, false, 1.0);
+  EXPECT_LT((force - snapshot.force).norm(), kRoundOff);
+  EXPECT_LT((loop.torque() - snapshot.torque).norm(), kRoundOff);
+}
+
+/// The arm is known from force and torque of the solve but for its part along the force, and to the square of
+/// kTellingForce · max_force over the force: (0.165 N / 2 N)² = 0.7 % of the change.
+TEST(HapticTorque, KeepsItsArmWhereTheForceHasChangedSince) {
+  const Vec3 moves[] = {Vec3(0.0, 0.0, -0.001), Vec3(0.0, 0.0, 0.002), Vec3(0.001, 0.0, 0.0)};
+  for (const Vec3& moved : moves) {
+    HapticLoop loop(bareOptions());
+    const ProbeSnapshot snapshot = loadedAt(kArm, 1.0);
+    const Vec3 force = loop.tick(deviceAt(moved, 1.001), snapshot, false, 1.001);
+    const Vec3 change = kArm.cross(force - snapshot.force);
+    ASSERT_GT(change.norm(), 1e-3);
+    EXPECT_LT((loop.torque() - snapshot.torque - change).norm(), 0.007 * change.norm()) << moved.transpose();
+  }
+}
+
+TEST(HapticTorque, OfAForceThroughTheOriginIsZeroWhereverItPoints) {
+  HapticLoop loop(bareOptions());
+  for (int i = 1; i <= 100; ++i) {
+    const double now = 1.0 + i * kTick;
+    const Vec3 moved(0.002 * std::sin(0.3 * i), 0.003 * std::cos(0.2 * i), -0.001 * std::sin(0.1 * i));
+    EXPECT_GT(loop.tick(deviceAt(moved, now), loadedAt(Vec3::Zero(), now - 5 * kTick), false, now).norm(),
+              0.5);
+    EXPECT_EQ(loop.torque(), Vec3::Zero());
+  }
+}
+
+/// Two sides of a fold may turn a probe and not push it. Nothing then says where a force acts that comes up
+/// later.
+TEST(HapticTorque, ACoupleWithoutAForceIsKeptAndNeverMoreThanDoubled) {
+  ProbeSnapshot snapshot = loadedAt(Vec3::Zero(), 1.0);
+  snapshot.torque = Vec3(0.0, 0.03, 0.04);
+  snapshot.proxy = snapshot.force = Vec3::Zero();
+  HapticLoop still(bareOptions());
+  still.tick(deviceAt(Vec3::Zero(), 1.0), snapshot, false, 1.0);
+  EXPECT_LT((still.torque() - snapshot.torque).norm(), kRoundOff);
+  for (const double force : {0.0, 1e-9, 1e-3, 0.1}) {
+    snapshot.force = Vec3(force, 0.0, 0.0);
+    for (const double way : {-0.004, 1e-4, 0.004}) {
+      HapticLoop loop(bareOptions());
+      loop.tick(deviceAt(Vec3(way, way, -way), 1.001), snapshot, false, 1.001);
+      EXPECT_LE(loop.torque().norm(), 2.0 * snapshot.torque.norm() + kRoundOff) << force << " N, " << way;
+      // Below 5 % of the largest force the arm counts as F T/(5 % of it)², so next to nothing here.
+      const double small = 0.05 * bareOptions().max_force, change = 400.0 * std::sqrt(3.0) * std::abs(way);
+      const double most = (force + change) * force * snapshot.torque.norm() / (small * small);
+      EXPECT_LE((loop.torque() - snapshot.torque).norm(), most + kRoundOff) << force << " N, " << way;
+    }
+  }
+}
+
+/// What a limit takes from the force it takes from the torque: the arm stays.
+TEST(HapticTorque, IsCutWithTheForce) {
+  HapticOptions options = bareOptions();
+  options.max_force = 0.5;
+  HapticLoop loop(options);
+  const Vec3 force = loop.tick(deviceAt(Vec3::Zero(), 1.0), loadedAt(kArm, 1.0), false, 1.0);
+  EXPECT_NEAR(force.norm(), 0.5, kRoundOff);
+  EXPECT_LT((loop.torque() - kArm.cross(force)).norm(), kRoundOff);
+}
+
+TEST(HapticTorque, NeverExceedsItsLimit) {
+  HapticOptions options = bareOptions();
+  options.max_torque = 0.01;
+  HapticLoop loop(options);
+  const ProbeSnapshot snapshot = loadedAt(kArm, 1.0);
+  loop.tick(deviceAt(Vec3::Zero(), 1.0), snapshot, false, 1.0);
+  EXPECT_NEAR(loop.torque().norm(), 0.01, kRoundOff);
+  EXPECT_NEAR(loop.torque().normalized().dot(snapshot.torque.normalized()), 1.0, kRoundOff);
+  options.max_torque = 0.0;
+  HapticLoop none(options);
+  EXPECT_GT(none.tick(deviceAt(Vec3::Zero(), 1.0), snapshot, false, 1.0).norm(), 1.0);
+  EXPECT_EQ(none.torque(), Vec3::Zero());
+}
+
+TEST(HapticTorque, ComesInSoftlyWithTheForce) {
+  HapticOptions options;
+  HapticLoop loop(options);
+  for (int i = 1; i <= 600; ++i) {
+    const double now = 1.0 + i * kTick;
+    const Vec3 force = loop.tick(deviceAt(Vec3::Zero(), now), loadedAt(kArm, now), false, now);
+    const double soft = std::min(1.0, i * kTick / options.soft_start);
+    EXPECT_LE(loop.torque().norm(), soft * options.max_torque + kRoundOff) << "tick " << i;
+    // Neither limit of the torque is reached here, so it is the force's at any time.
+    EXPECT_LT((loop.torque() - kArm.cross(force)).norm(), 1e-9) << "tick " << i;
+  }
+  EXPECT_NEAR(loop.torque().norm(), kArm.norm() * 2.0, kRoundOff);
+  options.max_torque = 0.01;  // reached long before the force is
+  HapticLoop limited(options);
+  for (int i = 1; i <= 600; ++i) {
+    const double now = 1.0 + i * kTick, soft = std::min(1.0, i * kTick / options.soft_start);
+    limited.tick(deviceAt(Vec3::Zero(), now), loadedAt(kArm, now), false, now);
+    EXPECT_LE(limited.torque().norm(), soft * options.max_torque + kRoundOff) << "tick " << i;
+  }
+  EXPECT_NEAR(limited.torque().norm(), options.max_torque, kRoundOff);
+}
+
+TEST(HapticTorque, NeverExceedsItsRate) {
+  LoadedLoop loaded;
+  for (int i = 0; i < 300; ++i) {
+    // The load jumps from one end of the probe to the other every 40 ticks; contact comes and goes.
+    ProbeSnapshot snapshot = loadedAt((i / 40) % 2 ? kArm : Vec3(-kArm), loaded.now + kTick);
+    snapshot.contact = (i / 100) % 2 == 0;
+    loaded.tick(deviceAt(Vec3::Zero(), loaded.now + kTick), snapshot, false);  // checks the rate
+  }
+  loaded.now += 0.5;  // a stall of the thread: a late tick may catch up five ticks
+  const Vec3 before = loaded.loop.torque();
+  loaded.now += kTick;
+  loaded.loop.tick(deviceAt(Vec3::Zero(), loaded.now), loadedAt(kArm, loaded.now), false, loaded.now);
+  EXPECT_LE((loaded.loop.torque() - before).norm(), 5.0 * loaded.mostChange() + kRoundOff);
+}
+
+/// The load's arm jumps by 45 mm in one solve. Snapshots come every 10 ms, so it is blended in over 5 ms.
+TEST(HapticTorque, ANewSnapshotIsBlendedIn) {
+  HapticLoop loop(bareOptions());
+  const Vec3 far = -kArm, from = kArm.cross(Vec3(0, 0, 2.0)), to = far.cross(Vec3(0, 0, 2.0));
+  double now = 1.0;
+  for (int i = 0; i < 10; ++i, now += kTick)
+    loop.tick(deviceAt(Vec3::Zero(), now), loadedAt(kArm, 1.0), false, now);
+  EXPECT_LT((loop.torque() - from).norm(), kRoundOff);
+  for (int i = 1; i <= 8; ++i, now += kTick) {
+    ProbeSnapshot snapshot = loadedAt(far, 1.01);
+    loop.tick(deviceAt(Vec3::Zero(), now), snapshot, false, now);
+    const double share = std::min(1.0, i / 5.0);
+    EXPECT_LT((loop.torque() - from - share * (to - from)).norm(), 1e-9) << "tick " << i;
+  }
+}
+
+/// In ramp_time, whatever the size of force and torque.
+TEST(HapticTorque, EndsInZeroWhereTheForceDoes) {
+  enum Fault { Pause, Pose, Snapshot, Jump, OtherCloth, NotFinite };
+  for (const Fault fault : {Pause, Pose, Snapshot, Jump, OtherCloth, NotFinite}) {
+    SCOPED_TRACE(static_cast<int>(fault));
+    LoadedLoop loaded;
+    ASSERT_GT(loaded.loop.torque().norm(), 0.04);
+    const double start = loaded.now, wait = fault == Pose       ? loaded.options.pose_timeout
+                                            : fault == Snapshot ? loaded.options.snapshot_timeout
+                                                                : 0.0;
+    int cloth = 0;
+    const int ticks = static_cast<int>(std::lround((wait + loaded.options.ramp_time) / kTick)) + 1;
+    for (int i = 0; i < ticks; ++i) {
+      const double next = loaded.now + kTick;
+      DeviceSample device = deviceAt(Vec3::Zero(), fault == Pose ? start : next);
+      ProbeSnapshot snapshot = loadedAt(kArm, fault == Snapshot ? start : next);
+      if (fault == Jump) device.position.x() = 1.0;
+      if (fault == OtherCloth) snapshot.cloth = ++cloth;
+      if (fault == NotFinite) snapshot.torque.y() = std::numeric_limits<double>::quiet_NaN();
+      loaded.tick(device, snapshot, fault == Pause);
+    }
+    EXPECT_EQ(loaded.force, Vec3::Zero());
+    EXPECT_EQ(loaded.loop.torque(), Vec3::Zero());
+    // And back softly.
+    loaded.tick(deviceAt(Vec3::Zero(), loaded.now + kTick), loadedAt(kArm, loaded.now + kTick), false);
+    EXPECT_LE(loaded.loop.torque().norm(),
+              loaded.options.max_torque * kTick / loaded.options.soft_start + kRoundOff);
+  }
+}
+
+TEST(HapticTorque, IsFiniteWhateverTheSnapshotHolds) {
+  const double huge[] = {1e-320, 1e200, 1e308, std::numeric_limits<double>::infinity(),
+                         std::numeric_limits<double>::quiet_NaN()};
+  for (const double force : huge) {
+    for (const double torque : huge) {
+      HapticLoop loop(bareOptions());
+      for (int i = 0; i < 10; ++i) {
+        const double now = 1.0 + i * kTick;
+        ProbeSnapshot snapshot = loadedAt(kArm, now);
+        snapshot.force.y() = force;
+        snapshot.torque.z() = torque;
+        loop.tick(deviceAt(Vec3(0.0, 1e-3 * i, 0.0), now), snapshot, false, now);
+        ASSERT_TRUE(loop.torque().allFinite()) << force << " N, " << torque << " N·m";
+        ASSERT_LE(loop.torque().norm(), bareOptions().max_torque + kRoundOff);
+      }
+    }
+  }
+}
+
+/// Lowered while it turns the hand, to nothing at last: down at the pace of the limit it had, to exactly
+/// zero.
+TEST(HapticTorque, ALowerLimitIsReachedAtTheOldPace) {
+  LoadedLoop loaded;
+  HapticOptions lower = loaded.options;
+  lower.max_torque = 0.0;
+  loaded.loop.setOptions(lower);
+  const double before = loaded.loop.torque().norm();
+  const int ticks = static_cast<int>(std::ceil(before / loaded.mostChange()));
+  for (int i = 0; i < ticks; ++i) {
+    EXPECT_GT(loaded.loop.torque().norm(), 0.0) << "tick " << i;
+    loaded.tick(false);  // checks the rate
+  }
+  EXPECT_EQ(loaded.loop.torque(), Vec3::Zero());
+  EXPECT_NEAR(loaded.force.z(), 2.0, 1e-9);
+}
+
+/// The hand's unit changes by three: what is stated at the probe becomes a third, without a step at the hand.
+TEST(HapticTorque, GoesOnWhereTheForceScaleChanges) {
+  LoadedLoop loaded;
+  const Vec3 before = loaded.loop.torque();
+  HapticOptions other = loaded.options;
+  other.max_torque /= 3.0;
+  other.max_force /= 3.0;
+  other.max_force_rate /= 3.0;
+  loaded.loop.setOptions(other, 3.0);
+  EXPECT_LT((3.0 * loaded.loop.torque() - before).norm(), kRoundOff);
+}
+
+}  // namespace
+}  // namespace haptic_cloth
