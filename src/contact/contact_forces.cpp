@@ -200,6 +200,13 @@ void ContactSet::calm(Field& velocities) const {
   }
 }
 
+void ContactSet::markLetOut(std::vector<char>& nodes) const {
+  for (const ContactSample& sample : samples_) {
+    if (sample.raised == 0.0) continue;
+    for (const int node : sample.nodes) nodes[node] = 1;
+  }
+}
+
 void ContactSet::touchedNodes(int probe, std::vector<int>& nodes) const {
   for (const Group& group : groups_) {
     if (group.solid != obstacles_ + probe) continue;

@@ -89,6 +89,9 @@ class ContactSet {
   /// Stops the nodes of samples that began the step inside a solid: they are let out, not thrown.
   void calm(Field& velocities) const;
 
+  /// Marks the nodes that calm() stops with 1.
+  void markLetOut(std::vector<char>& nodes) const;
+
   /// Adds the packs of the range that act on a node which is awake, and all of the probe's, counted from
   /// `first`.
   void appendAwake(const std::vector<char>& awake, int first, Runs& runs) const;

@@ -64,6 +64,7 @@ ClothWorld::ClothWorld(const Scene& s)
   nodes_.reserve(grid.particles());
   reach_.reserve(grid.particles());
   forces_.reserve(grid.particles());
+  let_out_nodes_.reserve(grid.particles());
   velocities_.reserve(grid.particles());
   // Room alone: what no mesh gets to stays unwritten, and takes no memory.
   for (Vector* v : {&x_, &start_, &ways_[0], &ways_[1], &motion_, &gradient_})
@@ -295,9 +296,14 @@ void ClothWorld::accept(StepReport& report) {
     for (int n = 0; n < mesh.nodes(); ++n) velocity[n] = (end[n] - start[n]) / h;
   }
   nodes_ = after;
+  let_out_nodes_.assign(mesh.nodes(), 0);
+  contacts.markLetOut(let_out_nodes_);
+  for (auto g = mesh.ghosts.rbegin(); g != mesh.ghosts.rend(); ++g) {
+    if (let_out_nodes_[g->node] != 0) let_out_nodes_[g->a] = let_out_nodes_[g->b] = 1;
+  }
   rest_.update(
       mesh, velocities_, [this](int n) { return objective.isAwake(n); },
-      [this](int n) { return objective.isDisturbed(n); });
+      [this](int n) { return let_out_nodes_[n] != 0; });
   contacts.calm(velocities_);  // what is let out stands still at each step's end, and yet does not rest
 
   Sums parts;

@@ -86,6 +86,7 @@ class ClothWorld {
   void findContacts(const std::vector<double>& proxy_reach);
   MinimizerReport minimise();
   MinimizerReport minimiseJoint();
+  bool wakeUnrested();
   void moveAsAWhole(MinimizerReport& report);
   void lookAtRest();
   double chooseStart();
@@ -103,6 +104,7 @@ class ClothWorld {
   Adaptation adaptation_;
   Rest rest_;
   Field forces_;                         ///< on the nodes at rest, for rest_ [N]
+  std::vector<char> let_out_nodes_;      ///< scratch of accept(): a node each
   int quiet_ = 0;                        ///< steps in a row in which all slept and no input changed
   bool idle_ = false;                    ///< enough of them
   std::vector<ProbeStep> idle_probes_;   ///< as they were then
