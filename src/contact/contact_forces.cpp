@@ -249,6 +249,13 @@ void ContactSet::advance() {
   }
 }
 
+double ContactSet::obstacleSpeed(int k) const {
+  const Solid &now = solids_[k], &then = before_[k];
+  if (now.position() == then.position() && now.rotation() == then.rotation()) return 0.0;
+  const double turned = Quat(now.rotation()).angularDistance(Quat(then.rotation()));
+  return ((now.position() - then.position()).norm() + now.extent() * turned) / options_.time_step;
+}
+
 bool ContactSet::obstaclesMove() const {
   for (int k = 0; k < obstacles_; ++k) {
     const Eigen::Matrix3d target = targets_[k].orientation.toRotationMatrix();

@@ -13,6 +13,7 @@
 #include "sim/adaptation.h"
 #include "sim/cloth_objective.h"
 #include "sim/joint_objective.h"
+#include "sim/load_estimate.h"
 #include "solver/minimizer.h"
 #include "state/archive.h"
 
@@ -80,6 +81,8 @@ class ClothWorld {
   void serializeProbes(Archive& archive);
   void serializeIdle(Archive& archive);
   void adapt(StepReport& report);
+  bool planMesh();
+  void measureWeight();
   void solve(StepReport& report);
   void takeHold();
   double wayAhead(int probe) const;
@@ -102,6 +105,9 @@ class ClothWorld {
   EnergyReport measureMotion() const;
 
   Adaptation adaptation_;
+  LoadEstimate load_;
+  /// Gravity less acceleration of the nodes in the last step, across the surface, for load_ [m/s²].
+  std::vector<double> weight_;
   Rest rest_;
   Field forces_;                         ///< on the nodes at rest, for rest_ [N]
   std::vector<char> let_out_nodes_;      ///< scratch of accept(): a node each
