@@ -206,6 +206,13 @@ void ContactSet::calm(Field& velocities) const {
   }
 }
 
+void ContactSet::markLetOut(std::vector<char>& nodes) const {
+  for (const ContactSample& sample : samples_) {
+    if (sample.raised == 0.0) continue;
+    for (const int node : sample.nodes) nodes[node] = 1;
+  }
+}
+
 void ContactSet::touchedNodes(int probe, std::vector<int>& nodes) const {
   for (const Group& group : groups_) {
     if (group.solid != obstacles_ + probe) continue;
@@ -246,6 +253,13 @@ void ContactSet::advance() {
       solid.turn(target.orientation);
     }
   }
+}
+
+double ContactSet::obstacleSpeed(int k) const {
+  const Solid &now = solids_[k], &then = before_[k];
+  if (now.position() == then.position() && now.rotation() == then.rotation()) return 0.0;
+  const double turned = Quat(now.rotation()).angularDistance(Quat(then.rotation()));
+  return ((now.position() - then.position()).norm() + now.extent() * turned) / options_.time_step;
 }
 
 bool ContactSet::obstaclesMove() const {

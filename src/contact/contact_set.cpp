@@ -306,7 +306,9 @@ ContactSample ContactSet::started(const SurfacePoint& point, int index, const Ve
   const Solid &solid = solids_[index], &before = before_[index];
   ContactSample sample{point, index};
   sample.raised = raise(index, then.value);
-  sample.friction_force = solid.friction() * point.area * law_(then.value + sample.raised).pressure;
+  // Cloth that is let out does not rub: friction would hold it inside.
+  const double friction = !isProbe(index) && sample.raised > 0.0 ? 0.0 : solid.friction();
+  sample.friction_force = friction * point.area * law_(then.value + sample.raised).pressure;
   Vec3 carried = place;
   sample.start_normal = then.normal;
   if (!still) {

@@ -59,7 +59,9 @@ class ContactSet {
   void advance();
   void moveObstacle(int obstacle, const Pose& pose) { targets_[obstacle] = pose; }
   bool obstaclesMove() const;  ///< some have not arrived
+  int obstacles() const { return obstacles_; }
   const Solid& obstacle(int k) const { return solids_[k]; }
+  double obstacleSpeed(int k) const;  ///< of its fastest point in the step in hand [m/s]
 
   /// Where the solids are and are sent: samples and their friction are found anew in each step.
   void serialize(Archive& archive);
@@ -88,6 +90,9 @@ class ContactSet {
 
   /// Stops the nodes of samples that began the step inside a solid: they are let out, not thrown.
   void calm(Field& velocities) const;
+
+  /// Marks the nodes that calm() stops with 1.
+  void markLetOut(std::vector<char>& nodes) const;
 
   /// Adds the packs of the range that act on a node which is awake, and all of the probe's, counted from
   /// `first`.

@@ -27,29 +27,32 @@ bool Adaptation::coarsens() const {
 }
 
 bool Adaptation::plan(long step, const Field& nodes, const InternalEnergy& internal, const FineRegions& fine,
-                      const LeafMesh& leaves, const ActiveMesh& mesh, const ParticleState& state) {
-  if ((!refines() && !coarsens()) || step % options_.interval != 0) return false;
+                      const LeafMesh& leaves, const ActiveMesh& mesh, const ParticleState& state,
+                      const HiddenTurn& hidden) {
+  if (!looks(step)) return false;
   measureCurvature(nodes, internal, mesh);
   measureStrain(nodes, mesh);
   leaves.leaves(leaves_);
   marked_.clear();
+  merged_.clear();
   for (const Cell& cell : leaves_) {
     if (!refines() || cell.level == 0) continue;
     const bool varies = turning(cell, 1, mesh) > options_.refine_above ||
                         strainDifference(cell, 1, mesh) > options_.refine_above_strain;
-    if (varies || touches(fine, cell, state.position)) marked_.push_back(cell);
+    if (varies || touches(fine, cell, state.position) || hidden(cell, 1) > options_.refine_above)
+      marked_.push_back(cell);
   }
-  if (!marked_.empty()) return true;
-  return coarsens() && std::any_of(leaves_.begin(), leaves_.end(), [&](const Cell& cell) {
-           return parentToMerge(cell, step, fine, leaves, mesh, state).level > 0;
-         });
+  for (const Cell& cell : leaves_) {
+    if (!coarsens() || !hasParent(cell)) continue;
+    const Cell parent{cell.i, cell.j, cell.level + 1};
+    if (mayMerge(parent, step, fine, leaves, mesh, state, hidden)) merged_.push_back(parent);
+  }
+  return !marked_.empty() || !merged_.empty();
 }
 
-void Adaptation::apply(long step, const FineRegions& fine, LeafMesh& leaves, ActiveMesh& mesh,
-                       ParticleState& state) {
-  merged_.clear();
+void Adaptation::apply(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state) {
   split_.clear();
-  if (coarsens()) mergeCells(step, fine, leaves, mesh, state);
+  if (!merged_.empty()) mergeCells(step, leaves, mesh, state);
   if (!marked_.empty()) splitCells(step, leaves, mesh, state);
 }
 
@@ -124,34 +127,28 @@ double Adaptation::strainDifference(const Cell& cell, int parts, const ActiveMes
   return difference;
 }
 
-/// Parent that may take the place of `cell` and its three siblings, of level 0 where there is none; seen from
-/// its lower left child only.
-Cell Adaptation::parentToMerge(const Cell& cell, long step, const FineRegions& fine, const LeafMesh& leaves,
-                               const ActiveMesh& mesh, const ParticleState& state) const {
-  const Cell parent{cell.i, cell.j, cell.level + 1};
-  const int mask = parent.span() - 1;
-  const bool aligned = (cell.i & mask) == 0 && (cell.j & mask) == 0;
-  const bool may = cell.level < grid_.levels && aligned && mayMerge(parent, step, fine, leaves, mesh, state);
-  return may ? parent : Cell{cell.i, cell.j, 0};
+/// Seen from the lower left one of four siblings only.
+bool Adaptation::hasParent(const Cell& cell) const {
+  const int mask = 2 * cell.span() - 1;
+  return cell.level < grid_.levels && (cell.i & mask) == 0 && (cell.j & mask) == 0;
 }
 
-void Adaptation::mergeCells(long step, const FineRegions& fine, LeafMesh& leaves, ActiveMesh& mesh,
-                            ParticleState& state) {
-  for (const Cell& cell : leaves_) {
-    const Cell parent = parentToMerge(cell, step, fine, leaves, mesh, state);
-    if (parent.level == 0) continue;
-    if (merged_.empty()) merge_transfer_.capture(mesh, state);
+/// All merges were decided from one mesh, so their order does not matter. They keep it balanced: none has a
+/// neighbour finer than its children, so a child's neighbour that merges as well gets no coarser than two
+/// merged cells side by side may be.
+void Adaptation::mergeCells(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state) {
+  merge_transfer_.capture(mesh, state);
+  for (const Cell& parent : merged_) {
     leaves.merge(parent);
-    merged_.push_back(parent);
     born_[grid_.cell(parent.i, parent.j)] = step;
   }
-  if (merged_.empty()) return;
   mesh.rebuild(leaves);
   merge_transfer_.apply(leaves, mesh, state);
 }
 
 bool Adaptation::mayMerge(const Cell& parent, long step, const FineRegions& fine, const LeafMesh& leaves,
-                          const ActiveMesh& mesh, const ParticleState& state) const {
+                          const ActiveMesh& mesh, const ParticleState& state,
+                          const HiddenTurn& hidden) const {
   const int half = parent.span() / 2;
   for (const int j : {parent.j, parent.j + half}) {
     for (const int i : {parent.i, parent.i + half}) {
@@ -160,7 +157,7 @@ bool Adaptation::mayMerge(const Cell& parent, long step, const FineRegions& fine
   }
   return leaves.canMerge(parent) && turning(parent, 2, mesh) < options_.coarsen_below &&
          strainDifference(parent, 2, mesh) < options_.coarsen_below_strain &&
-         !touches(fine, parent, state.position);
+         !touches(fine, parent, state.position) && hidden(parent, 2) < options_.coarsen_below;
 }
 
 void Adaptation::splitCells(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "energy/internal_energy.h"
@@ -42,28 +43,33 @@ class Adaptation {
   /// Level all leaves start at.
   static int startLevel(const AdaptOptions& options);
 
-  /// Looks at the mesh every `interval` steps. @return whether apply() has something to do
-  /// @param nodes positions of the nodes [m]
+  /// Whether plan() looks at the mesh in this step, as it does every `interval` steps.
+  bool looks(long step) const { return (refines() || coarsens()) && step % options_.interval == 0; }
+
+  /// Turn [rad] by the load that a cell hides, of a leaf (parts 1) or of the parent of four leaves (parts 2).
+  using HiddenTurn = std::function<double(const Cell& cell, int parts)>;
+
+  /// Decides what splits and what merges, all from the mesh as it is. @return whether apply() has something
+  /// to do  @param nodes positions of the nodes [m]
   bool plan(long step, const Field& nodes, const InternalEnergy& internal, const FineRegions& fine,
-            const LeafMesh& leaves, const ActiveMesh& mesh, const ParticleState& state);
+            const LeafMesh& leaves, const ActiveMesh& mesh, const ParticleState& state,
+            const HiddenTurn& hidden);
 
   /// Does what was planned: rebuilds `mesh` and hands the state over.
-  void apply(long step, const FineRegions& fine, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
+  void apply(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
 
  private:
   void measureCurvature(const Field& nodes, const InternalEnergy& internal, const ActiveMesh& mesh);
   void measureStrain(const Field& nodes, const ActiveMesh& mesh);
   double turning(const Cell& cell, int parts, const ActiveMesh& mesh) const;
   double strainDifference(const Cell& cell, int parts, const ActiveMesh& mesh) const;
-  void mergeCells(long step, const FineRegions& fine, LeafMesh& leaves, ActiveMesh& mesh,
-                  ParticleState& state);
+  void mergeCells(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
   void splitCells(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
-  Cell parentToMerge(const Cell& cell, long step, const FineRegions& fine, const LeafMesh& leaves,
-                     const ActiveMesh& mesh, const ParticleState& state) const;
+  bool hasParent(const Cell& cell) const;
   bool refines() const;
   bool coarsens() const;
   bool mayMerge(const Cell& parent, long step, const FineRegions& fine, const LeafMesh& leaves,
-                const ActiveMesh& mesh, const ParticleState& state) const;
+                const ActiveMesh& mesh, const ParticleState& state, const HiddenTurn& hidden) const;
   bool touches(const FineRegions& fine, const Cell& cell, const std::vector<Vec3>& positions) const;
   double length(const Cell& cell) const;
 

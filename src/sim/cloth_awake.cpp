@@ -31,17 +31,13 @@ void ClothObjective::forcesAtRest(const Field& velocities, Field& forces) const 
   }
 }
 
-bool ClothObjective::wake(const Rest& rest, const Field& forces, double threshold) {
+bool ClothObjective::wake(const Rest& rest) {
   constexpr int kRings = 3;            // of cells around what moves: what is pushed pushes its neighbours
   constexpr double kWorthwhile = 0.6;  // share of nodes above which all may as well be awake
-  const double limit = threshold * std::sqrt(reference_acceleration_);
   bool more = false;
   seen_.assign(mesh_.nodes(), 0);
   for (int n = 0; n < mesh_.free; ++n) {
-    if (awake_[n]) continue;
-    const double allowed = limit * mesh_.mass[n];
-    disturbed_[n] = rest.sleeps(n) && !((forces[n] - rest.reference(n)).squaredNorm() <= allowed * allowed);
-    seen_[n] = disturbed_[n] || !rest.sleeps(n);
+    seen_[n] = !awake_[n] && !rest.sleeps(n);
     more = more || seen_[n];
   }
   if (!more) return false;
@@ -51,14 +47,26 @@ bool ClothObjective::wake(const Rest& rest, const Field& forces, double threshol
     awake_[n] = awake_[n] || seen_[n];
     count += awake_[n];
   }
-  all_awake_ = count > kWorthwhile * mesh_.nodes();
-  if (all_awake_) {
-    std::fill(awake_.begin(), awake_.end(), 1);
-    lookAtAll();
+  if (count > kWorthwhile * mesh_.nodes()) {
+    wakeAll();
   } else {
     listAwake();
   }
   return true;
+}
+
+void ClothObjective::wakeAll() {
+  std::fill(awake_.begin(), awake_.end(), 1);
+  all_awake_ = true;
+  asleep_square_ = 0.0;
+  lookAtAll();
+}
+
+void ClothObjective::measureSleepers() {
+  asleep_square_ = 0.0;
+  for (int n = 0; n < mesh_.free; ++n) {
+    if (!awake_[n]) asleep_square_ += gradient_[n].squaredNorm() * residual_weight_[n];
+  }
 }
 
 /// From nodes that are seen to all of their cells; hanging ones go with their masters.

@@ -38,7 +38,7 @@ ClothObjective::ClothObjective(const Scene& scene, const ActiveMesh& mesh, Inter
   for (auto* list : {&start_, &inertial_, &nodes_, &motion_, &gradient_, &diagonal_}) {
     list->reserve(mesh.grid.particles());
   }
-  for (auto* list : {&awake_, &disturbed_, &seen_, &reached_}) list->reserve(mesh.grid.particles());
+  for (auto* list : {&awake_, &seen_, &reached_}) list->reserve(mesh.grid.particles());
   awake_elements_.reserve(mesh.grid.particles());
   awake_nodes_.reserve(mesh.grid.particles() / kPack + 1);
   for (auto* list : {&mass_, &moving_mass_}) list->reserve(padded(mesh.grid.particles()));
@@ -95,9 +95,7 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
   forPresent(
       [&](int k) { residual_weight_.segment<3>(proxyAt(probes_[k])).setConstant(weight(proxy_mass(k))); });
   awake_.assign(mesh_.nodes(), 1);
-  disturbed_.assign(mesh_.nodes(), 0);
-  all_awake_ = true;
-  lookAtAll();
+  wakeAll();
 }
 
 void ProbeStep::serialize(Archive& archive) {
@@ -338,7 +336,7 @@ double ClothObjective::residual(const Vector& gradient) const {
         return sums;
       },
       Team::kEntry);
-  return std::sqrt(square[0]);
+  return std::sqrt(square[0] + asleep_square_);
 }
 
 double ClothObjective::internalEnergy(Sums& parts) const {

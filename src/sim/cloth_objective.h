@@ -61,17 +61,20 @@ class ClothObjective : public Objective {
   /// Forces on the nodes, with the opposite sign, if they stood still at the last evaluated point [N].
   void forcesAtRest(const Field& velocities, Field& forces) const;
 
-  /// Wakes the free nodes that do not rest, those whose force has changed by more than `threshold` ·
-  /// |gravity| · mass, and some around them; what evaluates next is what concerns them. @return whether there
-  /// were any
-  bool wake(const Rest& rest, const Field& forces, double threshold);
+  /// Wakes the free nodes that do not rest and some around them; what evaluates next is what concerns them.
+  /// @return whether there were any  @pre the last evaluation looked at all
+  bool wake(const Rest& rest);
+  void wakeAll();
 
   /// Has everything evaluated until the next wake(), also what sleeps.
   void lookAtAll();
+
+  /// Takes what is unbalanced at the sleepers into residual(). @pre the last evaluation looked at all
+  void measureSleepers();
   bool allAwake() const { return all_awake_; }
   int awake() const;  ///< free nodes that are
   bool isAwake(int node) const { return awake_[node] != 0; }
-  bool isDisturbed(int node) const { return disturbed_[node] != 0; }  ///< its force woke it in this step
+  const Field& gradient() const { return gradient_; }  ///< of all nodes at the last evaluated point [N]
 
   int size() const override { return 3 * (mesh_.free + present_); }
   double evaluate(const Vector& x, Vector& gradient) override;
@@ -134,6 +137,9 @@ class ClothObjective : public Objective {
   double timeStep() const { return h_; }
   Preconditioner preconditioner() const { return preconditioner_; }
 
+  /// What residuals are measured in [m/s²].
+  double accelerationUnit() const { return std::sqrt(reference_acceleration_); }
+
   /// residual() of a state whose motionCost() is `cost` [J].
   double residualOf(double cost) const { return std::sqrt(2.0 * cost / reference_) / h_; }
 
@@ -185,8 +191,9 @@ class ClothObjective : public Objective {
   std::vector<ProbeStep> probes_;
   std::vector<HeldNode> held_;
   int present_ = 0;                                       ///< probes
-  std::vector<char> awake_, disturbed_, seen_, reached_;  ///< a node each
+  std::vector<char> awake_, seen_, reached_;  ///< a node each
   bool all_awake_ = true;
+  double asleep_square_ = 0.0;  ///< the sleepers' part of the squared residual [-]
   Runs awake_elements_, awake_nodes_;       ///< what evaluate() and along() look at
   Field start_, inertial_;                  ///< x⁰ and x⁰ + h v⁰/(1 + c h) of the nodes [m]
   std::vector<double> mass_, moving_mass_;  ///< of all nodes; of the free ones, zero for others; padded [kg]

@@ -88,10 +88,11 @@ bool ClothWorld::covered() {
   return all;
 }
 
-/// Only what moves is solved for. Each solve is followed by a look at everything: who was pushed wakes.
+/// Only what moves is solved for. Each solve is followed by a look at everything: who was pushed wakes. The
+/// last solve, where it comes to that, is for all, so a step that says it converged did so as a whole.
 MinimizerReport ClothWorld::minimise() {
-  constexpr int kLooks = 4;
-  constexpr double kDisturbed = 3.0;  // change of force that wakes, over what a solve may leave anyway
+  constexpr int kSolves = 4;
+  const double tolerance = scene.solver.minimizer.tolerance;
   objective.begin(nodes_, velocities_, probe_steps_, held_nodes_);
   lookAtRest();
   if (joint_) {
@@ -100,25 +101,39 @@ MinimizerReport ClothWorld::minimise() {
   }
   MinimizerReport report;
   report.residual = objective.residual(gradient_);
-  const double change = kDisturbed * scene.solver.minimizer.tolerance;
-  objective.forcesAtRest(velocities_, forces_);
-  rest_.look(mesh, forces_);
+  rest_.begin(mesh);
   if (rest_.possible() && held_nodes_.empty()) objective.sleepAll();
-  for (int look = 0; look < kLooks; ++look) {
-    const bool moves = objective.allAwake() ? look == 0 : objective.wake(rest_, forces_, change);
-    if (!moves && !(look == 0 && objective.size() > 3 * mesh.free)) break;
-    const double start = look == 0 ? chooseStart() : objective.evaluate(x_, gradient_);
+  for (int solve = 0; solve < kSolves; ++solve) {
+    const bool more = wakeUnrested();
+    const bool first = solve == 0 && (objective.allAwake() || objective.size() > 3 * mesh.free);
+    const bool left = solve > 0 && report.why == Termination::Converged && report.residual > tolerance;
+    if (!more && !first && !left) break;
+    if (solve == kSolves - 1) objective.wakeAll();
+    const double start = solve == 0 ? chooseStart() : objective.evaluate(x_, gradient_);
     report = sum(report, minimizer_.minimize(objective, x_, start, gradient_, team));
     if (isCut(report)) moveAsAWhole(report);
     const bool ended = report.why == Termination::NotFinite || report.why == Termination::TimeBudget;
     if (objective.allAwake()) break;
     objective.lookAtAll();  // also where it ended early: energies and forces are counted over all
     objective.evaluate(x_, gradient_);
+    objective.measureSleepers();
+    report.residual = objective.residual(gradient_);
     if (ended) break;
-    objective.forcesAtRest(velocities_, forces_);
   }
   cost.motion = objective.motionCost();
   return report;
+}
+
+/// Wakes who may not sleep on at the point last evaluated. @return whether there were any
+bool ClothWorld::wakeUnrested() {
+  if (objective.allAwake()) return false;
+  const double tolerance = scene.solver.minimizer.tolerance * objective.accelerationUnit();
+  objective.forcesAtRest(velocities_, forces_);
+  rest_.look(mesh, forces_, objective.gradient(), tolerance,
+             [this](int n) { return objective.isAwake(n); });
+  const bool more = objective.wake(rest_);
+  objective.measureSleepers();
+  return more;
 }
 
 /// Φ and its gradient with all at rest, the proxy included; the solve starts there.

@@ -34,6 +34,8 @@ void ClothWorld::serializeCloth(Archive& archive) {
   // Hanging nodes are not always the mean of their masters to the last bit.
   archive("nodes", nodes_);
   archive("velocities", velocities_);
+  if (archive.loads()) weight_.assign(mesh.nodes(), 0.0);
+  archive("weight", weight_);
   archive("fabric", internal);
   adaptation_.serialize(archive, steps);
   archive("rest", rest_);

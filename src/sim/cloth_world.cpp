@@ -47,6 +47,7 @@ ClothWorld::ClothWorld(const Scene& s)
       objective(s, mesh, internal, contacts, team),
       probes(s.probes.size()),
       adaptation_(s.adapt, grid),
+      load_(s.cloth.fabric, grid, s.gravity),
       rest_(grid, s.solver.cost == Cost::Condensed ? s.solver.sleep_speed : 0.0),
       minimizer_(s.solver.minimizer),
       probe_steps_(s.probes.size()),
@@ -64,6 +65,8 @@ ClothWorld::ClothWorld(const Scene& s)
   nodes_.reserve(grid.particles());
   reach_.reserve(grid.particles());
   forces_.reserve(grid.particles());
+  let_out_nodes_.reserve(grid.particles());
+  weight_.reserve(grid.particles());
   velocities_.reserve(grid.particles());
   // Room alone: what no mesh gets to stays unwritten, and takes no memory.
   for (Vector* v : {&x_, &start_, &ways_[0], &ways_[1], &motion_, &gradient_})
@@ -76,6 +79,7 @@ ClothWorld::ClothWorld(const Scene& s)
   minimizer_.reserve(unknowns);
   team.reserve(std::max(unknowns, NodeGather::capacity(mesh) + contacts.capacity()));
   gatherNodes();
+  weight_.assign(mesh.nodes(), 0.0);  // as in free fall
   internal.setNormals(nodes_);
   reach_.assign(mesh.nodes(), 0.0);
   findContacts(proxy_reach_);  // a cloth that starts in contact has energy there
@@ -232,7 +236,8 @@ void ClothWorld::takeMesh() {
   internal.setNormals(nodes_);
 }
 
-void ClothWorld::adapt(StepReport& report) {
+/// Looks at the mesh as the last step left it.
+bool ClothWorld::planMesh() {
   const double reach = kFineReach * std::max(grid.dx, grid.dy);
   fine_.clear();
   for (std::size_t k = 0; k < probe_steps_.size(); ++k) {
@@ -241,15 +246,24 @@ void ClothWorld::adapt(StepReport& report) {
                  size = scene.probes[k].radius + 0.5 * scene.probes[k].length;
     if (probe.present) fine_.push_back({probe.proxy, size + reach + ahead});
   }
+  if (!adaptation_.looks(steps)) return false;
+  const double look_time = scene.adapt.interval * scene.solver.time_step;
+  const LoadEstimate::View view{mesh, internal, contacts, nodes_, velocities_, weight_, look_time};
+  load_.begin(view, std::min(scene.adapt.refine_above, scene.adapt.coarsen_below));
+  return adaptation_.plan(steps, nodes_, internal, fine_, leaves, mesh, state,
+                          [&](const Cell& cell, int parts) { return load_.turn(view, cell, parts); });
+}
+
+void ClothWorld::adapt(StepReport& report) {
   created_ = 0.0;
-  if (!adaptation_.plan(steps, nodes_, internal, fine_, leaves, mesh, state)) {
+  if (!planMesh()) {
     internal.setNormals(nodes_);
     return;
   }
   const double before = measureMotion().total();
   internal.beginChange(nodes_);
   if (history_) internal.remember(nodes_, *history_);
-  adaptation_.apply(steps, fine_, leaves, mesh, state);
+  adaptation_.apply(steps, leaves, mesh, state);
   report.refined = static_cast<int>(adaptation_.split().size());
   report.coarsened = static_cast<int>(adaptation_.merged().size());
   for (const Cell& cell : adaptation_.merged()) rest_.disturb(grid, cell);
@@ -298,10 +312,16 @@ void ClothWorld::accept(StepReport& report) {
     auto& velocity = velocities_.coordinate(c);
     for (int n = 0; n < mesh.nodes(); ++n) velocity[n] = (end[n] - start[n]) / h;
   }
+  measureWeight();
   nodes_ = after;
+  let_out_nodes_.assign(mesh.nodes(), 0);
+  contacts.markLetOut(let_out_nodes_);
+  for (auto g = mesh.ghosts.rbegin(); g != mesh.ghosts.rend(); ++g) {
+    if (let_out_nodes_[g->node] != 0) let_out_nodes_[g->a] = let_out_nodes_[g->b] = 1;
+  }
   rest_.update(
       mesh, velocities_, [this](int n) { return objective.isAwake(n); },
-      [this](int n) { return objective.isDisturbed(n); });
+      [this](int n) { return let_out_nodes_[n] != 0; });
   contacts.calm(velocities_);  // what is let out stands still at each step's end, and yet does not rest
 
   Sums parts;
@@ -318,6 +338,16 @@ void ClothWorld::accept(StepReport& report) {
   }
   support_force = contacts.obstacleForce() + objective.pinForce();
   report.max_penetration = contacts.deepest();
+}
+
+/// What is left of gravity when each node has its acceleration of the last solve: zero in free fall.
+void ClothWorld::measureWeight() {
+  const Field& after = objective.nodes();
+  weight_.resize(mesh.nodes());
+  for (int n = 0; n < mesh.active(); ++n) {
+    weight_[n] = -objective.motionGradient(n, after[n]).dot(internal.normal(n)) / mesh.mass[n];
+  }
+  for (const Ghost& g : mesh.ghosts) weight_[g.node] = 0.5 * (weight_[g.a] + weight_[g.b]);
 }
 
 void ClothWorld::acceptProbe(int k) {
@@ -343,6 +373,7 @@ void ClothWorld::acceptProbe(int k) {
 /// Back to the start of the step, at rest: the one state known to be good.
 void ClothWorld::restore() {
   velocities_.fill(0.0);
+  weight_.assign(mesh.nodes(), 0.0);
   for (int n = 0; n < mesh.nodes(); ++n) state.velocity[mesh.particle[n]] = Vec3::Zero();
   objective.pack(nodes_, start_);
   objective.evaluate(start_, gradient_);

@@ -13,6 +13,7 @@
 #include "sim/adaptation.h"
 #include "sim/cloth_objective.h"
 #include "sim/joint_objective.h"
+#include "sim/load_estimate.h"
 #include "solver/minimizer.h"
 #include "state/archive.h"
 
@@ -81,12 +82,15 @@ class ClothWorld {
   void serializeProbes(Archive& archive);
   void serializeIdle(Archive& archive);
   void adapt(StepReport& report);
+  bool planMesh();
+  void measureWeight();
   void solve(StepReport& report);
   void takeHold();
   double wayAhead(int probe) const;
   void findContacts(const std::vector<double>& proxy_reach);
   MinimizerReport minimise();
   MinimizerReport minimiseJoint();
+  bool wakeUnrested();
   void moveAsAWhole(MinimizerReport& report);
   void lookAtRest();
   double chooseStart();
@@ -102,8 +106,12 @@ class ClothWorld {
   EnergyReport measureMotion() const;
 
   Adaptation adaptation_;
+  LoadEstimate load_;
+  /// Gravity less acceleration of the nodes in the last step, across the surface, for load_ [m/s²].
+  std::vector<double> weight_;
   Rest rest_;
   Field forces_;                         ///< on the nodes at rest, for rest_ [N]
+  std::vector<char> let_out_nodes_;      ///< scratch of accept(): a node each
   int quiet_ = 0;                        ///< steps in a row in which all slept and no input changed
   bool idle_ = false;                    ///< enough of them
   std::vector<ProbeStep> idle_probes_;   ///< as they were then

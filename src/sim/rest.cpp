@@ -6,7 +6,7 @@ namespace haptic_cloth {
 
 Rest::Rest(const Grid& grid, double speed) : speed_(speed), particles_(grid.particles()) {
   sleeps_.reserve(grid.particles());
-  references_.reserve(grid.particles());
+  disturbed_.reserve(grid.particles());
 }
 
 void Rest::setSpeed(double speed) {
@@ -14,16 +14,35 @@ void Rest::setSpeed(double speed) {
   std::fill(particles_.begin(), particles_.end(), Particle());
 }
 
-void Rest::look(const ActiveMesh& mesh, const Field& forces) {
-  sleeps_.assign(mesh.nodes(), 0);
-  references_.clear(mesh.nodes());
+/// Slow for long enough, and the force on it is what it fell asleep with.
+bool Rest::isCalm(const ActiveMesh& mesh, int node, const Vec3& force, double tolerance) {
+  constexpr double kDisturbed = 3.0;  // change of force that wakes, over what a solve may leave anyway
+  Particle& p = particles_[mesh.particle[node]];
+  if (p.still < kSteps) return false;
+  if (!p.known) p.force = force;
+  p.known = true;
+  const double allowed = kDisturbed * tolerance * mesh.mass[node];
+  disturbed_[node] = !((force - p.force).squaredNorm() <= allowed * allowed);
+  return disturbed_[node] == 0;
+}
+
+/// All sleepers together may leave as much unbalanced as a solve may where no node is awake, and else a
+/// little less, so that those awake can make up for it. Where it is more, those that have more than half the
+/// tolerance to themselves wake; what the others leave is then less than half of it.
+void Rest::keepBalance(const ActiveMesh& mesh, const Field& residuals, double tolerance) {
+  constexpr double kShare = 0.9, kOwn = 0.5;
+  double square = 0.0, mass = 0.0;
+  bool all = true;
   for (int n = 0; n < mesh.free; ++n) {
-    Particle& p = particles_[mesh.particle[n]];
-    if (p.still < kSteps) continue;
-    if (!p.known) p.force = forces[n];
-    p.known = true;
-    sleeps_[n] = 1;
-    references_.set(n, p.force);
+    mass += mesh.mass[n];
+    if (sleeps_[n] != 0) square += residuals[n].squaredNorm() / mesh.mass[n];
+    all = all && sleeps_[n] != 0;
+  }
+  const double allowed = (all ? 1.0 : kShare) * tolerance;
+  if (square <= allowed * allowed * mass) return;
+  for (int n = 0; n < mesh.free; ++n) {
+    const double own = kOwn * tolerance * mesh.mass[n];
+    if (!(residuals[n].squaredNorm() <= own * own)) sleeps_[n] = 0;
   }
 }
 

@@ -43,6 +43,7 @@ void press(Simulation& simulation, int steps) {
 struct Change {
   const char* name;
   std::function<void(Scene&)> make;
+  int steps = 180;
 };
 
 void PrintTo(const Change& change, std::ostream* out) { *out << change.name; }
@@ -59,11 +60,11 @@ TEST_P(LiveChange, IsWhatASceneHasFromTheStart) {
   GetParam().make(other);
   Simulation plain(sheet()), changed(sheet()), wanted(other);
   takeOver(changed, other);
-  for (Simulation* simulation : {&plain, &changed, &wanted}) press(*simulation, 180);
+  for (Simulation* simulation : {&plain, &changed, &wanted}) press(*simulation, GetParam().steps);
   EXPECT_EQ(changed.stateHash(), wanted.stateHash());
   EXPECT_NE(changed.stateHash(), plain.stateHash()) << "the change does nothing here";
   changed.reset();
-  press(changed, 180);
+  press(changed, GetParam().steps);
   EXPECT_EQ(changed.stateHash(), wanted.stateHash()) << "a reset keeps it";
 }
 
@@ -71,7 +72,7 @@ INSTANTIATE_TEST_SUITE_P(
     All, LiveChange,
     testing::Values(Change{"tolerance", [](Scene& s) { s.solver.minimizer.tolerance = 0.01; }},
                     Change{"max_iterations", [](Scene& s) { s.solver.minimizer.max_iterations = 2; }},
-                    Change{"sleep_speed", [](Scene& s) { s.solver.sleep_speed = 1.0; }},
+                    Change{"sleep_speed", [](Scene& s) { s.solver.sleep_speed = 1.0; }, 500},
                     Change{"interval", [](Scene& s) { s.adapt.interval = 7; }},
                     Change{"bending",
                            [](Scene& s) {

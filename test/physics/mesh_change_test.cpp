@@ -72,7 +72,7 @@ class Shadow {
   /// To be called once before each step. @return nothing where the mesh stays as it is
   std::optional<Change> change(const ClothWorld& world, const FineRegions& fine = {}) {
     if (!adaptation_.plan(world.steps, world.nodes(), world.internal, fine, world.leaves, world.mesh,
-                          world.state)) {
+                          world.state, [](const Cell&, int) { return 0.0; })) {
       return std::nullopt;
     }
     const Fabric& fabric = world.scene.cloth.fabric;
@@ -92,7 +92,7 @@ class Shadow {
     const std::vector<Vec3> before = displayed(mesh, state);
     const std::vector<double> old_spacing = spacings(mesh);
 
-    adaptation_.apply(world.steps, fine, leaves, mesh, state);
+    adaptation_.apply(world.steps, leaves, mesh, state);
     change.merged = static_cast<int>(adaptation_.merged().size());
     change.split = static_cast<int>(adaptation_.split().size());
     particles_ = mesh.particle;

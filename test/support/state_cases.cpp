@@ -144,6 +144,18 @@ StateCase sleepingSheet() {
           }};
 }
 
+/// Hangs by its corners from the coarsest mesh on, which its weight splits while it is still flat.
+StateCase coarseHammock() {
+  Scene scene = sheetScene(richFabric(), 17, 17, 0.3, 0.3);
+  setStrategy(scene, Strategy::Amrc, 4);
+  scene.adapt.start = StartMesh::Coarsest;
+  for (const int i : {0, 16}) {
+    for (const int j : {0, 16}) pin(scene, i, i, j, j);
+  }
+  const auto drive = [](Simulation&, int) {};
+  return {"a coarse hammock", scene, drive, 40, {3}, [](const Exercised& did) { return did.refined > 0; }};
+}
+
 /// FNV-1a, 64 bit, as the format has it.
 class Hash {
  public:
@@ -173,7 +185,8 @@ void add(Hash& hash, const EnergyReport& energy) {
 }  // namespace
 
 std::vector<StateCase> stateCases() {
-  return {slidingCapsule(), jointCost(), graspedSheet(), movedObstacles(), sleepingSheet()};
+  return {slidingCapsule(), jointCost(), graspedSheet(), movedObstacles(), sleepingSheet(),
+          coarseHammock()};
 }
 
 std::uint64_t readings(const Simulation& simulation) {

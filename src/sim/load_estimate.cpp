@@ -1,0 +1,121 @@
+#include "sim/load_estimate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kStandardGravity = 9.80665;  // where a scene has none [m/s²]
+
+/// Secant of a law's middle line at a bend that cloth takes easily.
+double rigidity(const Loop& bending) {
+  constexpr double kCurvature = 50.0;  // a fold of 20 mm [1/m]
+  return 0.5 * (bending.upper()(kCurvature).force + bending.lower()(kCurvature).force) / kCurvature;
+}
+
+}  // namespace
+
+LoadEstimate::LoadEstimate(const Fabric& fabric, const Grid& grid, const Vec3& gravity)
+    : grid_(grid),
+      density_(fabric.areal_density),
+      gravity_(gravity.norm() > 0.0 ? gravity.norm() : kStandardGravity),
+      rigidity_(rigidity(fabric.bending[kWarp]) + rigidity(fabric.bending[kWeft])),
+      range_(fabric.thickness) {
+  for (auto* list : {&tension_, &sums_}) list->reserve(grid.particles());
+  edges_.reserve(grid.particles());
+}
+
+double LoadEstimate::turnUnder(double load, double tension, double length) const {
+  const double stiffness =
+      tension + 8.0 * rigidity_ / (length * length) + 0.5 * density_ * gravity_ * length;
+  return load * length / stiffness;
+}
+
+void LoadEstimate::begin(const View& view, double least) {
+  least_ = least;
+  tension_.clear();
+  const double longest = (1 << grid_.levels) * std::max(grid_.dx, grid_.dy);
+  if (turnUnder(density_ * gravity_, 0.0, longest) <= least) return;
+  const ActiveMesh& mesh = view.mesh;
+  tension_.assign(mesh.nodes(), 0.0);
+  for (const int direction : {kWarp, kWeft}) {
+    sums_.assign(mesh.nodes(), 0.0);
+    edges_.assign(mesh.nodes(), 0);
+    for (int e = 0; e < static_cast<int>(mesh.edges.size()); ++e) {
+      const Edge& edge = mesh.edges[e];
+      if (edge.direction != direction) continue;
+      const double tension = std::max(0.0, view.internal.tension(e, view.nodes));
+      for (const int n : {edge.a, edge.b}) {
+        sums_[n] += tension;
+        ++edges_[n];
+      }
+    }
+    for (int n = 0; n < mesh.nodes(); ++n) tension_[n] += sums_[n] / std::max(1, edges_[n]);
+  }
+}
+
+double LoadEstimate::turn(const View& view, const Cell& cell, int parts) const {
+  const double length = cell.span() * std::max(grid_.dx, grid_.dy);
+  if (tension_.empty() || turnUnder(density_ * gravity_, 0.0, length) <= least_) return 0.0;
+  double tension = 0.0;
+  for (const int corner : cell.corners(grid_)) tension += 0.25 * tension_[view.mesh.node[corner]];
+  return turnUnder(load(view, cell, points(view, cell, parts)), tension, length);
+}
+
+/// Corners, middles of the sides and centre, by rows.
+LoadEstimate::Points LoadEstimate::points(const View& view, const Cell& cell, int parts) const {
+  Points x;
+  const int half = cell.span() / 2;
+  for (int j = 0; j <= 2; ++j) {
+    for (int i = 0; i <= 2; ++i) {
+      if (parts == 1 && (i == 1 || j == 1)) continue;
+      x[3 * j + i] = view.nodes[view.mesh.node[grid_.particle(cell.i + i * half, cell.j + j * half)]];
+    }
+  }
+  if (parts == 1) {
+    for (const int row : {0, 6}) x[row + 1] = 0.5 * (x[row] + x[row + 2]);
+    for (const int column : {0, 1, 2}) x[3 + column] = 0.5 * (x[column] + x[6 + column]);
+  }
+  return x;
+}
+
+/// The load on what an obstacle does not carry [N/m²], at most the cloth's weight: what is larger is an impact,
+/// over before a cell bends. Where an obstacle is within reach and does not lie under the cell evenly, some of
+/// the cell will have to carry itself soon.
+double LoadEstimate::load(const View& view, const Cell& cell, const Points& points) const {
+  constexpr double kEven = 0.5, kTouches = 1.5;  // of the range
+  constexpr double kApart = 0.36;  // no place is farther from the nearest of the points, of the length
+  const auto corners = cell.corners(grid_);
+  Vec3 velocity = Vec3::Zero();
+  double weight = 0.0;
+  for (const int corner : corners) {
+    const int n = view.mesh.node[corner];
+    velocity += 0.25 * view.velocities[n];
+    weight += 0.25 * view.weight[n];
+  }
+  const double length = cell.span() * std::max(grid_.dx, grid_.dy);
+  const double looks = 2.0 * cell.level;  // as many as it takes to the finest cells, twice
+  const double reach = range_ + looks * view.look_time * velocity.norm();
+  bool carried = false;
+  for (int k = 0; k < view.contacts.obstacles(); ++k) {
+    const Solid& solid = view.contacts.obstacle(k);
+    const double near = reach + looks * view.contacts.obstacleSpeed(k) * view.look_time;
+    if (solid.distance(points[4]).value > near + (0.71 + kApart) * length) continue;
+    double least = std::numeric_limits<double>::infinity(), most = -least;
+    for (const Vec3& point : points) {
+      const double gap = solid.distance(point).value;
+      least = std::min(least, gap);
+      most = std::max(most, gap);
+    }
+    if (most - least > kEven * range_) {
+      if (least < near + kApart * length) return density_ * gravity_;
+    } else {
+      carried = carried || most < kTouches * range_;
+    }
+  }
+  return carried ? 0.0 : density_ * std::min(std::abs(weight), gravity_);
+}
+
+}  // namespace haptic_cloth
