@@ -67,7 +67,7 @@ class JointEnergy {
   const InternalEnergy& laws_;
   const ActiveMesh& mesh_;
   std::vector<Element> elements_;
-  Field slots_;
+  Slots slots_;
 };
 
 }  // namespace haptic_cloth
