@@ -18,7 +18,8 @@ namespace haptic_cloth {
 ///     θ = q L / (T + 8B/L² + ½ ρ g L)
 ///
 /// which is compared like a turning angle that the mesh does show. The last term is the tension of a cell that
-/// hangs down: nothing turns further than that. For most fabrics only cells above 30 mm can bend so at all.
+/// hangs down: nothing turns further than that. For most fabrics only cells above 30 mm can bend so at all. A
+/// cell that would sag by no more than a few thicknesses lies as well as finer ones: it counts as stiff.
 class LoadEstimate {
  public:
   LoadEstimate(const Fabric& fabric, const Grid& grid, const Vec3& gravity);
