@@ -1,6 +1,6 @@
-/// A scene and its mirror image have mirrored meshes.
-/// Criterion: the same leaves after every step, whichever side is looked at first. Nothing pulls at the cloth,
-/// so no number is near a threshold and rounding decides nothing.
+/// A scene and its mirror image have mirrored meshes. Criterion: the same leaves after every step,
+/// whichever side is looked at first. Nothing pulls at the cloth, so no number is near a threshold
+/// and rounding decides nothing.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -33,8 +33,8 @@ Leaves leaves(const Simulation& simulation, const std::array<int, 2>& sides) {
 class Mirrored : public testing::TestWithParam<std::array<int, 2>> {};
 
 TEST_P(Mirrored, MeshesMergeAlike) {
-  // Near the probe cells are finest; when it is gone they merge, level by level, next to coarser ones that
-  // may only merge after them.
+  // Near the probe cells are finest; when it is gone they merge, level by level, next to coarser
+  // ones that may only merge after them.
   const std::array<int, 2> sides = GetParam();
   Scene scene = sheetScene(makeFabric({}), kColumns, kRows, 0.16, 0.08);
   setStrategy(scene, Strategy::Amrc, 3);
