@@ -35,7 +35,7 @@ class Loop {
   Loop(const Curve& elastic) : upper_(elastic) {}  // NOLINT: an elastic law is a loop
 
   /// @param upper, lower branches on one grid begin, begin + step, ...; upper >= lower, both non-decreasing;
-  /// past the ends both go on with the upper's last slope
+  /// past the ends both go on with the upper's last slope and the lower's first
   /// @param reversal slope of R over that of the steeper branch, > 1
   Loop(double begin, double step, std::vector<double> upper, std::vector<double> lower, double reversal);
 

@@ -7,8 +7,9 @@ namespace haptic_cloth {
 
 Loop::Loop(double begin, double step, std::vector<double> upper, std::vector<double> lower, double reversal) {
   assert(reversal > 1.0 && upper.size() == lower.size() && upper.size() >= 2);
-  // One more interval at each end: there, and so past the ends, both branches rise alike.
-  const double first = upper[1] - upper[0], last = upper.back() - upper[upper.size() - 2];
+  // One more interval at each end: there, and so past the ends, both branches rise alike, as the one does by
+  // which a deformation grows that way. So an odd loop is odd past its ends, too.
+  const double first = lower[1] - lower[0], last = upper.back() - upper[upper.size() - 2];
   for (auto* branch : {&upper, &lower}) {
     branch->insert(branch->begin(), branch->front() - first);
     branch->push_back(branch->back() + last);

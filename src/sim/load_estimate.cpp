@@ -28,9 +28,11 @@ LoadEstimate::LoadEstimate(const Fabric& fabric, const Grid& grid, const Vec3& g
 }
 
 double LoadEstimate::turnUnder(double load, double tension, double length) const {
+  constexpr double kSag = 2.5;  // of the thickness
   const double stiffness =
       tension + 8.0 * rigidity_ / (length * length) + 0.5 * density_ * gravity_ * length;
-  return load * length / stiffness;
+  const double turn = load * length / stiffness, sag = turn * length / 8.0;
+  return sag > kSag * range_ ? turn : 0.0;
 }
 
 void LoadEstimate::begin(const View& view, double least) {
@@ -81,9 +83,9 @@ LoadEstimate::Points LoadEstimate::points(const View& view, const Cell& cell, in
   return x;
 }
 
-/// The load on what an obstacle does not carry [N/m²], at most the cloth's weight: what is larger is an impact,
-/// over before a cell bends. Where an obstacle is within reach and does not lie under the cell evenly, some of
-/// the cell will have to carry itself soon.
+/// The load on what an obstacle does not carry [N/m²], at most the cloth's weight: what is larger
+/// is an impact, over before a cell bends. Where an obstacle is within reach and does not lie under
+/// the cell evenly, some of the cell will have to carry itself soon.
 double LoadEstimate::load(const View& view, const Cell& cell, const Points& points) const {
   constexpr double kEven = 0.5, kTouches = 1.5;  // of the range
   constexpr double kApart = 0.36;  // no place is farther from the nearest of the points, of the length

@@ -11,14 +11,17 @@
 
 namespace haptic_cloth {
 
-/// A leaf is straight along its threads, whatever acts on it. A particle that was merged away would feel the
-/// unbalanced load q [N/m²] at its place: weight less inertia and contact. With tension T and bending rigidity
-/// B the middle of a span of length L takes the curvature q / (T + 8B/L²) under it, so the cell would turn by
+/// A leaf is straight along its threads, whatever acts on it. A particle that was merged away would
+/// feel the unbalanced load q [N/m²] at its place: weight less inertia and contact. With tension T
+/// and bending rigidity B the middle of a span of length L takes the curvature q / (T + 8B/L²)
+/// under it, so the cell would turn by
 ///
 ///     θ = q L / (T + 8B/L² + ½ ρ g L)
 ///
-/// which is compared like a turning angle that the mesh does show. The last term is the tension of a cell that
-/// hangs down: nothing turns further than that. For most fabrics only cells above 30 mm can bend so at all.
+/// which is compared like a turning angle that the mesh does show. The last term is the tension of
+/// a cell that hangs down: nothing turns further than that. For most fabrics only cells above 30 mm
+/// can bend so at all. A cell that would sag by no more than a few thicknesses lies as well as
+/// finer ones: it counts as stiff.
 class LoadEstimate {
  public:
   LoadEstimate(const Fabric& fabric, const Grid& grid, const Vec3& gravity);

@@ -26,9 +26,10 @@ bool Rest::isCalm(const ActiveMesh& mesh, int node, const Vec3& force, double to
   return disturbed_[node] == 0;
 }
 
-/// All sleepers together may leave as much unbalanced as a solve may where no node is awake, and else a
-/// little less, so that those awake can make up for it. Where it is more, those that have more than half the
-/// tolerance to themselves wake; what the others leave is then less than half of it.
+/// All sleepers together may leave as much unbalanced as a solve may where no node is awake, and
+/// else a little less, so that those awake can make up for it. Where it is more, those that have
+/// more than half the tolerance to themselves wake; what the others leave is then less than half of
+/// it.
 void Rest::keepBalance(const ActiveMesh& mesh, const Field& residuals, double tolerance) {
   constexpr double kShare = 0.9, kOwn = 0.5;
   double square = 0.0, mass = 0.0;

@@ -7,10 +7,10 @@
 
 namespace haptic_cloth {
 
-/// A particle that has been slower than `speed` for kSteps steps sleeps, as far as the forces on sleepers are
-/// balanced: it stays where it is until the force on it differs from what it fell asleep with. Sleepers count
-/// in a step's residual like all others, so they never take up more of the tolerance than leaves room for
-/// those awake.
+/// A particle that has been slower than `speed` for kSteps steps sleeps, as far as the forces on
+/// sleepers are balanced: it stays where it is until the force on it differs from what it fell
+/// asleep with. Sleepers count in a step's residual like all others, so they never take up more of
+/// the tolerance than leaves room for those awake.
 class Rest {
  public:
   static constexpr int kSteps = 50;

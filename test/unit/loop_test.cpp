@@ -8,6 +8,7 @@
 #include <cmath>
 #include <vector>
 
+#include "haptic_cloth/fabric.h"
 #include "support/derivatives.h"
 #include "support/tolerance.h"
 
@@ -149,6 +150,17 @@ TEST(LoopTest, FullBendingCycleHasTheMeasuredLoss) {
   go(-250);
   go(250);
   EXPECT_NEAR(work, 10.0 * 500.0, tolerance(0.01) * 5000.0);
+}
+
+TEST(LoopTest, OddLoopIsOddPastItsEnds) {
+  // Cloth must answer its mirror image alike: a shear angle changes its sign there. To round-off.
+  const Loop shear = loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/winter_suiting.yaml").shear;
+  for (const double play : {-0.5, 0.0, 0.5}) {
+    for (double s = -0.5; s <= 0.5; s += 0.01) {
+      const double there = shear(shear.begin(play), s).force, mirrored = -shear(shear.begin(-play), -s).force;
+      EXPECT_NEAR(there, mirrored, tolerance(1e-9) * (1.0 + std::abs(there))) << play << " at " << s;
+    }
+  }
 }
 
 TEST(LoopTest, ElasticLawHasNoMemory) {
