@@ -3,12 +3,27 @@
 
 #include <atomic>
 #include <csignal>
+#include <cstdlib>
+#include <thread>
 
 #include "ros/program.h"
 #include "ros/server.h"
 #include "ros/shutdown.h"
+#include "ros/steady_clock.h"
 
 namespace {
+
+/// For a node that has not begun. Static objects stay: a thread that still waits for the file system may
+/// use them when it wakes. A master that does not answer is not waited for.
+[[noreturn]] void endAtOnce() {
+  constexpr double kPatience = 2.0;  // [s]
+  std::thread([] {
+    haptic_cloth::sleepUntil(haptic_cloth::steadyNow() + kPatience);
+    std::_Exit(0);
+  }).detach();
+  ros::shutdown();
+  std::_Exit(0);
+}
 
 int run(int argc, char** argv) {
   // Waits for the master if there are parameters on the command line; until here a signal just ends it.
@@ -24,7 +39,7 @@ int run(int argc, char** argv) {
     ended = asked || !ros::ok() || signals.wait(0);
     return ended;
   });
-  if (ended) return 0;
+  if (ended) endAtOnce();
   haptic_cloth::HapticClothServer server(node, private_node, *options);
   ROS_INFO("ready");
   while (!asked && ros::ok() && !signals.wait(100)) server.check();
