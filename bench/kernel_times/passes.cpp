@@ -162,7 +162,9 @@ void addStep(ClothCase& cloth, std::vector<Pass>& passes) {
     passes.push_back({name, "step", -1.0, -1.0, std::move(run)});
   };
   add("look at the mesh", [&cloth, &world] {
-    cloth.adaptation().plan(0, cloth.nodes(), world.internal, {}, world.leaves, world.mesh, world.state);
+    const auto nothing_hidden = [](const Cell&, int) { return 0.0; };
+    cloth.adaptation().plan(0, cloth.nodes(), world.internal, {}, world.leaves, world.mesh, world.state,
+                            nothing_hidden);
     return 0.0;
   });
   add("normals", [&internal, &x] {
