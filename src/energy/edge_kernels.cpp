@@ -1,13 +1,12 @@
 #include "energy/law_lanes.h"
 #include "energy/packs.h"
 #include "simd/kernels.h"
-#include "simd/point_lanes.h"
 
 namespace haptic_cloth {
 namespace HAPTIC_CLOTH_PATH {
 
 double evaluateEdges(EdgePack* packs, int begin, int end, const LawView& law, const StepPack* steps,
-                     const ConstArrays& x, double* slots, int first) {
+                     const ConstArrays& x, const MutableArrays& slots, int first) {
   Lanes energy{};
   for (int p = begin; p < end; ++p) {
     EdgePack& pack = packs[p];
@@ -20,7 +19,7 @@ double evaluateEdges(EdgePack* packs, int begin, int end, const LawView& law, co
       const LawLanes tension = evaluate(law, now * inverse_length - 1.0, steps ? steps + p : nullptr, l);
       const Lanes width = area * inverse_length, force = width * tension.force;
       energy += area * tension.potential;
-      storePoints(slots + 4 * (first + kPack * (p - begin) + l), force * axis);
+      store(slots, first + kPack * (p - begin) + l, force * axis);
       store(pack.axis_x + l, axis.x);
       store(pack.axis_y + l, axis.y);
       store(pack.axis_z + l, axis.z);

@@ -163,7 +163,7 @@ InternalEnergy::Parts InternalEnergy::split(int begin, int end) const {
 InternalEnergy::Energy InternalEnergy::evaluate(int begin, int end, const Field& x) {
   const Parts parts = split(begin, end);
   const ConstArrays at = x.arrays(), normals = node_normals_.arrays();
-  double* const slots = slots_.data();
+  const MutableArrays slots = slots_.arrays();
   const auto from = [](const Steps& steps, int pack) {
     return steps.packs() ? steps.packs() + pack : nullptr;
   };

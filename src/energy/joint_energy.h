@@ -67,7 +67,7 @@ class JointEnergy {
   const InternalEnergy& laws_;
   const ActiveMesh& mesh_;
   std::vector<Element> elements_;
-  Slots slots_;
+  Field slots_;
 };
 
 }  // namespace haptic_cloth

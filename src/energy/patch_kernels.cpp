@@ -3,7 +3,6 @@
 #include "energy/law_lanes.h"
 #include "energy/twist_lanes.h"
 #include "simd/kernels.h"
-#include "simd/point_lanes.h"
 
 namespace haptic_cloth {
 namespace HAPTIC_CLOTH_PATH {
@@ -42,7 +41,7 @@ HAPTIC_CLOTH_INLINE Lanes saddleHeight(const PatchPack& pack, int l, const Const
 }  // namespace
 
 double evaluateShears(PatchPack* packs, int begin, int end, const LawView& law, const StepPack* steps,
-                      const ConstArrays& x, double* slots, int first, int stride) {
+                      const ConstArrays& x, const MutableArrays& slots, int first, int stride) {
   Lanes energy{};
   for (int p = begin; p < end; ++p) {
     PatchPack& pack = packs[p];
@@ -63,8 +62,8 @@ double evaluateShears(PatchPack* packs, int begin, int end, const LawView& law, 
       const Lanes area = load(pack.area + l), force = area * shear.force;
       energy += ifPositive(both, area * shear.potential, Lanes{});
       const int slot = first + kPack * (p - begin) + l;
-      storePoints(slots + 4 * (slot), force * by_rising);
-      storePoints(slots + 4 * (slot + stride), force * by_falling);
+      store(slots, slot, force * by_rising);
+      store(slots, slot + stride, force * by_falling);
       store(pack.rising_x + l, by_rising.x);
       store(pack.rising_y + l, by_rising.y);
       store(pack.rising_z + l, by_rising.z);
@@ -94,7 +93,7 @@ double shearCurvature(const PatchPack* packs, int begin, int end, const ConstArr
 }
 
 double evaluateTwists(const PatchPack* packs, int begin, int end, double rigidity, const ConstArrays& x,
-                      const ConstArrays& normals, double* slots, int first) {
+                      const ConstArrays& normals, const MutableArrays& slots, int first) {
   Lanes energy{};
   for (int p = begin; p < end; ++p) {
     for (int l = 0; l < kPack; l += kLanes) {
@@ -102,7 +101,7 @@ double evaluateTwists(const PatchPack* packs, int begin, int end, double rigidit
       const Lanes height = saddleHeight(packs[p], l, x, normal);
       const Lanes stiffness = twistStiffness(packs[p], l, rigidity);
       energy += 0.5 * stiffness * height * height;
-      storePoints(slots + 4 * (first + kPack * (p - begin) + l), (stiffness * height) * normal);
+      store(slots, first + kPack * (p - begin) + l, (stiffness * height) * normal);
     }
   }
   return total(energy);

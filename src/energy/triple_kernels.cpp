@@ -1,7 +1,6 @@
 #include "energy/law_lanes.h"
 #include "energy/packs.h"
 #include "simd/kernels.h"
-#include "simd/point_lanes.h"
 
 namespace haptic_cloth {
 namespace HAPTIC_CLOTH_PATH {
@@ -17,7 +16,7 @@ HAPTIC_CLOTH_INLINE Lanes bend(const TriplePack& pack, int l, const ConstArrays&
 }  // namespace
 
 double evaluateTriples(TriplePack* packs, int begin, int end, const LawView& law, const StepPack* steps,
-                       const ConstArrays& x, const ConstArrays& normals, double* slots,
+                       const ConstArrays& x, const ConstArrays& normals, const MutableArrays& slots,
                        int first) {
   Lanes energy{};
   for (int p = begin; p < end; ++p) {
@@ -27,7 +26,7 @@ double evaluateTriples(TriplePack* packs, int begin, int end, const LawView& law
       const LawLanes moment = evaluate(law, bend(pack, l, x, normal), steps ? steps + p : nullptr, l);
       const Lanes area = load(pack.area + l);
       energy += area * moment.potential;
-      storePoints(slots + 4 * (first + kPack * (p - begin) + l), (area * moment.force) * normal);
+      store(slots, first + kPack * (p - begin) + l, (area * moment.force) * normal);
       store(pack.stiffness + l, area * moment.slope);
     }
   }

@@ -1,32 +1,33 @@
 #include "mesh/node_gather.h"
 #include "simd/kernels.h"
-#include "simd/point_lanes.h"
+#include "simd/lanes.h"
 
 namespace haptic_cloth {
 namespace HAPTIC_CLOTH_PATH {
 
 void gatherColumns(const int* groups, const GatherColumn* columns, const GatherDetail* details, int begin,
-                   int end, const double* slots, const MutableArrays& nodes) {
-  constexpr int kChunk = kLanes >= 4 ? kPack : kPack / 2;  // nodes whose sums the registers hold
-  for (int n = begin; n < end; n += kChunk) {
-    const int group = n / kPack, within = n % kPack;
-    Point sum[kChunk] = {};
+                   int end, const ConstArrays& slots, const MutableArrays& nodes) {
+  constexpr int kParts = kPack / kLanes;
+  for (int n = begin; n < end; n += kPack) {
+    const int group = n / kPack;
+    Lanes3 sum[kParts];
+    for (int k = 0; k < kParts; ++k) sum[k] = load(ConstArrays(nodes), n + k * kLanes);
     for (int c = groups[group]; c < groups[group + 1]; ++c) {
       const GatherColumn& column = columns[c];
       if (column.detail < 0) {
-        const double* const first = slots + 4 * (column.first + within);
-        for (int k = 0; k < kChunk; ++k) sum[k] = sum[k] + column.coefficient * loadPoint(first + 4 * k);
+        const Lanes coefficient = all(column.coefficient);
+        for (int k = 0; k < kParts; ++k) {
+          sum[k] = sum[k] + coefficient * load(slots, column.first + k * kLanes);
+        }
       } else {
         const GatherDetail& detail = details[column.detail];
-        for (int k = 0; k < kChunk; ++k) {
-          const Point slot = loadPoint(slots + 4 * detail.slots.index[within + k]);
-          sum[k] = sum[k] + detail.coefficient[within + k] * slot;
+        for (int k = 0; k < kParts; ++k) {
+          const Lanes coefficient = load(detail.coefficient + k * kLanes);
+          sum[k] = sum[k] + coefficient * gather(slots, detail.slots, k * kLanes);
         }
       }
     }
-    for (int k = 0; k < kChunk; k += kLanes) {
-      store(nodes, n + k, load(ConstArrays(nodes), n + k) + coordinates(sum + k));
-    }
+    for (int k = 0; k < kParts; ++k) store(nodes, n + k * kLanes, sum[k]);
   }
 }
 

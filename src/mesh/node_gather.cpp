@@ -141,8 +141,8 @@ void NodeGather::addColumn(const std::array<const Entry*, kPack>& entries, int n
   details_.push_back(detail);
 }
 
-void NodeGather::add(int begin, int end, const Slots& slots, Field& nodes) const {
-  kernels().gatherColumns(groups_.data(), columns_.data(), details_.data(), begin, end, slots.data(),
+void NodeGather::add(int begin, int end, const Field& slots, Field& nodes) const {
+  kernels().gatherColumns(groups_.data(), columns_.data(), details_.data(), begin, end, slots.arrays(),
                           nodes.arrays());
 }
 

@@ -8,7 +8,6 @@
 
 #include "mesh/active_mesh.h"
 #include "mesh/field.h"
-#include "mesh/slots.h"
 
 namespace haptic_cloth {
 
@@ -57,7 +56,7 @@ class NodeGather {
   static int capacity(const ActiveMesh& mesh);  ///< most slots a mesh can need
 
   /// Adds to nodes begin..end what their slots hold. @pre begin is a multiple of kPack
-  void add(int begin, int end, const Slots& slots, Field& nodes) const;
+  void add(int begin, int end, const Field& slots, Field& nodes) const;
 
  private:
   struct Entry {

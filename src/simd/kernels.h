@@ -25,16 +25,16 @@ struct TriplePack;
 #define HAPTIC_CLOTH_KERNELS(KERNEL)                                                                          \
   KERNEL(double, evaluateEdges,                                                                               \
          (EdgePack * packs, int begin, int end, const LawView& law, const StepPack* steps,                    \
-          const ConstArrays& x, double* slots, int first))                                       \
+          const ConstArrays& x, const MutableArrays& slots, int first))                                       \
   KERNEL(double, evaluateTriples,                                                                             \
          (TriplePack * packs, int begin, int end, const LawView& law, const StepPack* steps,                  \
-          const ConstArrays& x, const ConstArrays& normals, double* slots, int first))           \
+          const ConstArrays& x, const ConstArrays& normals, const MutableArrays& slots, int first))           \
   KERNEL(double, evaluateShears,                                                                              \
          (PatchPack * packs, int begin, int end, const LawView& law, const StepPack* steps,                   \
-          const ConstArrays& x, double* slots, int first, int stride))                           \
+          const ConstArrays& x, const MutableArrays& slots, int first, int stride))                           \
   KERNEL(double, evaluateTwists,                                                                              \
          (const PatchPack* packs, int begin, int end, double rigidity, const ConstArrays& x,                  \
-          const ConstArrays& normals, double* slots, int first))                                 \
+          const ConstArrays& normals, const MutableArrays& slots, int first))                                 \
   KERNEL(double, edgeCurvature, (const EdgePack* packs, int begin, int end, const ConstArrays& d))            \
   KERNEL(double, tripleCurvature,                                                                             \
          (const TriplePack* packs, int begin, int end, const ConstArrays& d, const ConstArrays& normals))     \
@@ -51,7 +51,7 @@ struct TriplePack;
           const BlockArrays& blocks))                                                                         \
   KERNEL(void, gatherColumns,                                                                                 \
          (const int* groups, const GatherColumn* columns, const GatherDetail* details, int begin, int end,    \
-          const double* slots, const MutableArrays& nodes))                                              \
+          const ConstArrays& slots, const MutableArrays& nodes))                                              \
   KERNEL(double, evaluateMotion,                                                                              \
          (const Motion& motion, int begin, int end, const ConstArrays& x, const MutableArrays& gradient))     \
   KERNEL(double, motionCurvature, (const Motion& motion, int begin, int end, const ConstArrays& d))           \

@@ -107,8 +107,7 @@ struct PackLaw {
 /// The law at deformations s of a pack: that of triples whose curvature is s. One lane at a time has an area,
 /// so that the energy is that lane's.
 PackLaw lawOfPack(const LawView& law, const double* s, const StepPack& steps) {
-  Field x, normals;
-  Slots slots;
+  Field x, normals, slots;
   x.clear(2 * kPack);
   normals.clear(2 * kPack);
   TriplePack pack{};
@@ -126,7 +125,7 @@ PackLaw lawOfPack(const LawView& law, const double* s, const StepPack& steps) {
     slots.clear(kPack);
     pack.area[l] = 1.0;
     result.potential[l] =
-        kernels().evaluateTriples(&pack, 0, 1, law, &steps, x.arrays(), normals.arrays(), slots.data(), 0);
+        kernels().evaluateTriples(&pack, 0, 1, law, &steps, x.arrays(), normals.arrays(), slots.arrays(), 0);
     result.force[l] = slots[l].z();
     result.slope[l] = pack.stiffness[l];
     pack.area[l] = 0.0;
@@ -219,19 +218,18 @@ TEST(ShearLanes, AngleIsTheInverseSine) {
       for (int k = 0; k < 4; ++k) pack.corners.at[k].set(l, 4 * l + k);
     }
     for (PackIndices& nodes : pack.corners.at) nodes.finish();
-    Field x(corners);
-    Slots slots;
+    Field x(corners), slots;
     double energies[kPack];
     for (int l = 0; l < kPack; ++l) {  // one lane at a time has an area: the energy is its own
       pack.area[l] = 1.0;
       slots.clear(2 * kPack);
       energies[l] =
-          kernels().evaluateShears(&pack, 0, 1, law.view(), nullptr, x.arrays(), slots.data(), 0, kPack);
+          kernels().evaluateShears(&pack, 0, 1, law.view(), nullptr, x.arrays(), slots.arrays(), 0, kPack);
       pack.area[l] = 0.0;
     }
     std::fill(std::begin(pack.area), std::end(pack.area), 1.0);
     slots.clear(2 * kPack);
-    kernels().evaluateShears(&pack, 0, 1, law.view(), nullptr, x.arrays(), slots.data(), 0, kPack);
+    kernels().evaluateShears(&pack, 0, 1, law.view(), nullptr, x.arrays(), slots.arrays(), 0, kPack);
     for (int l = 0; l < kPack; ++l) {
       const double s = sines[first + l], angle = std::asin(s);
       const auto one =
