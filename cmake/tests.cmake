@@ -91,7 +91,7 @@ add_test(NAME hello_cloth COMMAND hello_cloth)
 
 # The benchmarks' scripts on tiny meshes: they run and their results are well formed. Nothing is said of time.
 if(TARGET simulate)
-  foreach(bench chart table1 peers_table savings realtime active_limit threads scaling)
+  foreach(bench chart resolution table1 peers_table savings realtime active_limit threads scaling)
     set(scratch "${PROJECT_BINARY_DIR}/bench_${bench}")
     set(picture)
     if(bench STREQUAL table1)
