@@ -61,13 +61,14 @@ MinimizerOptions endless(MinimizerOptions options, int iterations) {
 }  // namespace
 
 ClothCase::ClothCase(const CaseOptions& options)
-    : options_(options), world_(std::make_unique<ClothWorld>(sceneOf(options))),
+    : options_(options),
+      world_(std::make_unique<ClothWorld>(sceneOf(options))),
       adaptation_(world_->scene.adapt, world_->grid) {
   ClothWorld& world = *world_;
   while (world.time() < options.time) world.step();
   const double h = world.scene.solver.time_step;
-  reach_.assign(world.mesh.nodes(), 2.0 * h * h * world.scene.gravity.norm() +
-                                        0.1 * std::min(world.grid.dx, world.grid.dy));
+  reach_.assign(world.mesh.nodes(),
+                2.0 * h * h * world.scene.gravity.norm() + 0.1 * std::min(world.grid.dx, world.grid.dy));
   const int capacity = world.objective.capacity();
   for (Vector* v : {&point_, &direction_, &scratch_, &start_}) v->setZero(capacity);
   nodes_ = motion_ = gradient_ = world.objective.nodes();
@@ -102,9 +103,8 @@ ClothCase::Iterations ClothCase::minimize(Objective& objective, int iterations) 
   const double value = objective.evaluate(start_, scratch_);
   const std::clock_t before = std::clock();
   MinimizerReport report;
-  world_->team.run(world_->mesh.active(), [&] {
-    report = minimizer.minimize(objective, start_, value, scratch_, world_->team);
-  });
+  world_->team.run(world_->mesh.active(),
+                   [&] { report = minimizer.minimize(objective, start_, value, scratch_, world_->team); });
   const double cpu = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
   return {report.iterations, report.evaluations, report.seconds, cpu};
 }

@@ -92,7 +92,7 @@ void addNodes(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
   passes.push_back({"motion, gravity", "value", n.nodes * 31.0,
                     n.nodes * (2.0 * sizeof(double) + 4.0 * kVector), [&cloth, nodes] {
                       return kernels().evaluateMotion(cloth.motionTerms(), 0, nodes, cloth.nodes().arrays(),
-                                            cloth.gradient().arrays());
+                                                      cloth.gradient().arrays());
                     }});
   // A multiplication and an addition for each coordinate of each entry; eight entries share 16 bytes.
   const double entries =

@@ -14,8 +14,8 @@ constexpr double kSpacing = 0.01, kMembrane = 1000.0, kBending = 1e-5, kShear = 
 PlainSheet::PlainSheet(int n) : n_(n), position_(n * n), normal_(n * n, {0.0, 0.0, 1.0}), gradient_(n * n) {
   for (int j = 0; j < n; ++j) {
     for (int i = 0; i < n; ++i) {
-      position_[j * n + i] = {i * kSpacing + 1e-5 * std::sin(3 * i + j), j * kSpacing + 1e-5 * std::cos(i * j),
-                              1e-4 * std::sin(i + 2 * j)};
+      position_[j * n + i] = {i * kSpacing + 1e-5 * std::sin(3 * i + j),
+                              j * kSpacing + 1e-5 * std::cos(i * j), 1e-4 * std::sin(i + 2 * j)};
     }
   }
 }
@@ -34,7 +34,8 @@ double PlainSheet::stretch(int a, int b) {
 double PlainSheet::bend(int left, int centre, int right) {
   constexpr double kInverse = 1.0 / (kSpacing * kSpacing);
   const Vector& normal = normal_[centre];
-  const Vector before = minus(position_[left], position_[centre]), after = minus(position_[right], position_[centre]);
+  const Vector before = minus(position_[left], position_[centre]),
+               after = minus(position_[right], position_[centre]);
   const double curvature = kInverse * (dot(normal, before) + dot(normal, after));
   const double moment = kSpacing * kSpacing * kBending * curvature;
   add(left, moment * kInverse, normal);
@@ -46,7 +47,8 @@ double PlainSheet::bend(int left, int centre, int right) {
 /// A cell with corners a (i, j), b (i+1, j), c (i, j+1), d (i+1, j+1): A/2 G γ².
 double PlainSheet::shear(int a, int b, int c, int d) {
   const Vector rising = minus(position_[d], position_[a]), falling = minus(position_[b], position_[c]);
-  const Vector u{rising.x + falling.x, rising.y + falling.y, rising.z + falling.z}, v = minus(rising, falling);
+  const Vector u{rising.x + falling.x, rising.y + falling.y, rising.z + falling.z},
+      v = minus(rising, falling);
   const double uu = dot(u, u), vv = dot(v, v), product = dot(u, v);
   const double area = std::sqrt(uu * vv - product * product), angle = std::atan2(product, area);
   const double force = kSpacing * kSpacing * kShear * angle;

@@ -62,7 +62,7 @@ ContactSet::Energy ContactSet::evaluate(int begin, int end, const Field& nodes) 
   Energy energy;
   forGroups(begin, end, [&](const Group& group, int first, int last) {
     const Energy part = kernels().evaluateSamples(packs_.data(), first, last, context(group), nodes.arrays(),
-                                        gradient_.arrays(), kPack * first);
+                                                  gradient_.arrays(), kPack * first);
     energy.contact += part.contact;
     energy.friction += part.friction;
   });
@@ -75,7 +75,7 @@ double ContactSet::curvature(int begin, int end, const Field& d, const std::vect
   forGroups(begin, end, [&](const Group& group, int first, int last) {
     const Vec3 moved = motionOf(group.solid, d_proxies);
     sum += kernels().sampleCurvature(packs_.data(), first, last, d.arrays(), moved.data(),
-                           whole_way && isProbe(group.solid));
+                                     whole_way && isProbe(group.solid));
   });
   return sum;
 }
@@ -86,7 +86,8 @@ double ContactSet::maxStep(const Field& d, const std::vector<Vec3>& d_proxies) c
   forGroups(0, size(), [&](const Group& group, int first, int last) {
     if (!isProbe(group.solid)) return;
     const Vec3 moved = motionOf(group.solid, d_proxies);
-    step = std::min(step, kernels().largestStep(packs_.data(), first, last, kShareOfGap, d.arrays(), moved.data()));
+    step = std::min(step,
+                    kernels().largestStep(packs_.data(), first, last, kShareOfGap, d.arrays(), moved.data()));
   });
   return step;
 }
@@ -109,8 +110,7 @@ Vec3 ContactSet::normal(int sample) const {
 /// Of H⁺ by the sample's position [N/m].
 Block ContactSet::blockOf(int sample) const {
   const SamplePack& pack = packs_[sample / kPack];
-  const double across = pack.normal_stiffness[sample % kPack],
-               along = pack.tangent_stiffness[sample % kPack];
+  const double across = pack.normal_stiffness[sample % kPack], along = pack.tangent_stiffness[sample % kPack];
   if (across == 0.0 && along == 0.0) return Block::Zero();
   return across * square(normal(sample)) + along * (isotropic(1.0) - square(samples_[sample].start_normal));
 }

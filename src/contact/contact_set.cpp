@@ -162,11 +162,11 @@ void ContactSet::measure(int solid, double range, const ActiveMesh& mesh, const 
   node_gaps_.resize(padded(nodes.size()));
   node_normals_.resize(nodes.size());
   kernels().solidDistances(solids_[solid].lanes(), nodes.size(), nodes.arrays(), node_gaps_.data(),
-                 node_normals_.arrays());
+                           node_normals_.arrays());
   const int packs = static_cast<int>(mesh.patch_corners.size());
   patch_margins_.resize(kPack * packs);
-  kernels().patchMargins(mesh.patch_corners.data(), packs, range, nodes.arrays(), reach.data(), node_gaps_.data(),
-               node_normals_.arrays(), patch_margins_.data());
+  kernels().patchMargins(mesh.patch_corners.data(), packs, range, nodes.arrays(), reach.data(),
+                         node_gaps_.data(), node_normals_.arrays(), patch_margins_.data());
 }
 
 /// How many parts of a cell's side are to be sampled: 1 where an obstacle presses as evenly as the corners
@@ -282,8 +282,8 @@ void ContactSet::siftPoints(int solid) {
   for (const int end : {0, 1}) {
     sample_gaps_[end].resize(padded(count));
     sample_normals_[end].resize(count);
-    kernels().solidDistances((end == 0 ? now : then).lanes(), count, places_.arrays(), sample_gaps_[end].data(),
-                   sample_normals_[end].arrays());
+    kernels().solidDistances((end == 0 ? now : then).lanes(), count, places_.arrays(),
+                             sample_gaps_[end].data(), sample_normals_[end].arrays());
     if (still) break;
   }
   for (int k = 0; k < count; ++k) {

@@ -17,7 +17,7 @@ struct alignas(64) SamplePack {
   double start[3][kPack], start_normal[3][kPack];
   // Left by the last evaluation:
   double normal[3][kPack];
-  double gap[kPack];  ///< at least the range where nothing touches [m]
+  double gap[kPack];                                         ///< at least the range where nothing touches [m]
   double normal_stiffness[kPack], tangent_stiffness[kPack];  ///< [N/m]
   double pressing[kPack];                                    ///< area times pressure [N]
   PackIndices nodes[4];  ///< corners of the samples' cells; the first alone where `at_nodes`
@@ -30,7 +30,7 @@ struct SampleContext {
   double origin[3];  ///< what `start` counts from: zero, for the probe its proxy [m]
   bool skip;         ///< samples within their clearance need not be looked at
   double range;      ///< of the contact law: gap at which contact begins [m]
-  double slip;  ///< below it, friction is smoothed [m]
+  double slip;       ///< below it, friction is smoothed [m]
 };
 
 struct ContactEnergy {

@@ -86,8 +86,7 @@ void addTwistBlocks(const PatchPack* packs, int begin, int end, double rigidity,
                     const BlockArrays& blocks) {
   for (int p = begin; p < end; ++p) {
     for (int l = 0; l < kPack; l += kLanes) {
-      const BlockLanes value =
-          twistStiffness(packs[p], l, rigidity) * square(load(normals, kPack * p + l));
+      const BlockLanes value = twistStiffness(packs[p], l, rigidity) * square(load(normals, kPack * p + l));
       for (int corner = 0; corner < 4; ++corner) add(blocks, packs[p].corners.at[corner], l, value);
     }
   }

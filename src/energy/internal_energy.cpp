@@ -172,25 +172,28 @@ InternalEnergy::Energy InternalEnergy::evaluate(int begin, int end, const Field&
     const int edges = direction * gather_.edges().warpEnd() / kPack;
     const auto [e0, e1] = parts.edges[direction];
     if (e0 < e1) {
-      energy.stretch += kernels().evaluateEdges(edge_packs_.data() + edges, e0, e1, stretch_tables_[direction].view(),
-                                      from(edge_steps_, edges), at, slots, kPack * (edges + e0));
+      energy.stretch +=
+          kernels().evaluateEdges(edge_packs_.data() + edges, e0, e1, stretch_tables_[direction].view(),
+                                  from(edge_steps_, edges), at, slots, kPack * (edges + e0));
     }
     const int triples = direction * gather_.triples().warpEnd() / kPack;
     const auto [t0, t1] = parts.triples[direction];
     if (t0 < t1) {
-      energy.bend += kernels().evaluateTriples(triple_packs_.data() + triples, t0, t1, bend_tables_[direction].view(),
-                                     from(triple_steps_, triples), at, normals, slots,
-                                     gather_.firstTriple() + kPack * (triples + t0));
+      energy.bend += kernels().evaluateTriples(
+          triple_packs_.data() + triples, t0, t1, bend_tables_[direction].view(),
+          from(triple_steps_, triples), at, normals, slots, gather_.firstTriple() + kPack * (triples + t0));
     }
   }
   const auto [p0, p1] = parts.patches;
   if (p0 < p1 && !shear_.isZero()) {
-    energy.shear = kernels().evaluateShears(patch_packs_.data(), p0, p1, shear_table_.view(), patch_steps_.packs(), at, slots,
-                                  gather_.firstPatch() + kPack * p0, gather_.patches().size());
+    energy.shear =
+        kernels().evaluateShears(patch_packs_.data(), p0, p1, shear_table_.view(), patch_steps_.packs(), at,
+                                 slots, gather_.firstPatch() + kPack * p0, gather_.patches().size());
   }
   if (p0 < p1 && twist_rigidity_ > 0.0) {  // counts as bending
-    energy.bend += kernels().evaluateTwists(patch_packs_.data(), p0, p1, twist_rigidity_, at, patch_normals_.arrays(),
-                                  slots, gather_.firstTwist() + kPack * p0);
+    energy.bend +=
+        kernels().evaluateTwists(patch_packs_.data(), p0, p1, twist_rigidity_, at, patch_normals_.arrays(),
+                                 slots, gather_.firstTwist() + kPack * p0);
   }
   return energy;
 }
@@ -210,7 +213,8 @@ double InternalEnergy::curvature(int begin, int end, const Field& d) const {
   const auto [p0, p1] = parts.patches;
   if (!shear_.isZero()) sum += kernels().shearCurvature(patch_packs_.data(), p0, p1, along);
   if (twist_rigidity_ > 0.0) {
-    sum += kernels().twistCurvature(patch_packs_.data(), p0, p1, twist_rigidity_, along, patch_normals_.arrays());
+    sum += kernels().twistCurvature(patch_packs_.data(), p0, p1, twist_rigidity_, along,
+                                    patch_normals_.arrays());
   }
   return sum;
 }
@@ -222,7 +226,8 @@ void InternalEnergy::addBlocks(int part, int parts, BlockField& blocks) const {
     const long count = static_cast<long>(packs.size());
     add(packs.data(), static_cast<int>(count * part / parts), static_cast<int>(count * (part + 1) / parts));
   };
-  share(edge_packs_, [&](const EdgePack* p, int begin, int end) { kernels().addEdgeBlocks(p, begin, end, to); });
+  share(edge_packs_,
+        [&](const EdgePack* p, int begin, int end) { kernels().addEdgeBlocks(p, begin, end, to); });
   share(triple_packs_, [&](const TriplePack* p, int begin, int end) {
     kernels().addTripleBlocks(p, begin, end, normals, to);
   });

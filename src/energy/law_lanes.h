@@ -32,8 +32,10 @@ static HAPTIC_CLOTH_INLINE void fetch(const LawInterval* intervals, const Lanes&
   // An interval is one load; four of them are a matrix to be transposed.
   __m256d parts[3][kLanes / 4];
   for (int l = 0; l < kLanes; l += 4) {
-    const __m256d a = _mm256_load_pd(&intervals[interval[l]].p), b = _mm256_load_pd(&intervals[interval[l + 1]].p),
-                  c = _mm256_load_pd(&intervals[interval[l + 2]].p), d = _mm256_load_pd(&intervals[interval[l + 3]].p);
+    const __m256d a = _mm256_load_pd(&intervals[interval[l]].p),
+                  b = _mm256_load_pd(&intervals[interval[l + 1]].p),
+                  c = _mm256_load_pd(&intervals[interval[l + 2]].p),
+                  d = _mm256_load_pd(&intervals[interval[l + 3]].p);
     const __m256d low_ab = _mm256_unpacklo_pd(a, b), low_cd = _mm256_unpacklo_pd(c, d),
                   high_ab = _mm256_unpackhi_pd(a, b), high_cd = _mm256_unpackhi_pd(c, d);
     parts[0][l / 4] = _mm256_permute2f128_pd(low_ab, low_cd, 0x20);

@@ -4,8 +4,7 @@
 
 namespace haptic_cloth {
 
-LawTable::LawTable(const Loop& law)
-    : kind_(law.hasMemory() ? LawView::Kind::Loop : LawView::Kind::Table) {
+LawTable::LawTable(const Loop& law) : kind_(law.hasMemory() ? LawView::Kind::Loop : LawView::Kind::Table) {
   const Curve& upper = law.upper();
   begin_ = upper.begin();
   inverse_step_ = upper.inverseStep();

@@ -26,9 +26,7 @@ class LawTable {
   explicit LawTable(const Loop& law);
 
   /// @pre the table outlives it
-  LawView view() const {
-    return {kind_, begin_, inverse_step_, last_, intervals_.data()};
-  }
+  LawView view() const { return {kind_, begin_, inverse_step_, last_, intervals_.data()}; }
 
  private:
   void append(const Curve& curve);

@@ -36,7 +36,8 @@ struct alignas(64) PatchPack {
 };
 
 // Kernels over packs begin..end:
-//   evaluate…     energy [J]; forces go to slots first, first + 1, ..., kPack a pack. `steps` is the memory of
+//   evaluate…     energy [J]; forces go to slots first, first + 1, ..., kPack a pack. `steps` is the memory
+//   of
 //                 the packs, null where the law has none. A shear's falling side lies `stride` slots after
 //                 its rising side.
 //   …Curvature    d · H⁺ d at the last evaluation.

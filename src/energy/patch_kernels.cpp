@@ -55,8 +55,8 @@ double evaluateShears(PatchPack* packs, int begin, int end, const LawView& law, 
       const Lanes size = squareRoot(larger(square, least));
       const Lanes inverse = ifPositive(both, 1.0 / (size * both), Lanes{});
       const Lanes inverse_size = inverse * both, scaled = inverse * size * product;
-      const LawLanes shear = evaluate(law, angleOf(product * inverse_size, product, square),
-                                      steps ? steps + p : nullptr, l);
+      const LawLanes shear =
+          evaluate(law, angleOf(product * inverse_size, product, square), steps ? steps + p : nullptr, l);
       const Lanes3 du = inverse_size * (v - (scaled * vv) * u), dv = inverse_size * (u - (scaled * uu) * v);
       const Lanes3 by_rising = du + dv, by_falling = du - dv;
       const Lanes area = load(pack.area + l), force = area * shear.force;

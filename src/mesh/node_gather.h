@@ -21,8 +21,8 @@ struct PackedRange {
   int place(int element) const { return element < warp ? element : element - warp + padded(warp); }
 };
 
-/// One slot for each node of a pack. Where these follow one another and all nodes take them alike, two numbers
-/// say it all; else `detail` tells which and by how much.
+/// One slot for each node of a pack. Where these follow one another and all nodes take them alike, two
+/// numbers say it all; else `detail` tells which and by how much.
 struct GatherColumn {
   int first;
   int detail;  ///< -1: none

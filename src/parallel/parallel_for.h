@@ -21,10 +21,10 @@ using Sums = Eigen::Array<double, 6, 1>;
 /// Runs loops over index ranges. Work is cut into blocks whose size depends on nothing but the length of the
 /// range; sums are formed per block and added in block order. So the bits never change with the threads.
 ///
-/// The threads meet once, in run(): one parallel region, in which the caller goes on alone and the others wait
-/// for its loops, spinning, since the next one is microseconds away. Each thread has a part of a loop's blocks
-/// and then helps the others with theirs: a thread that the system has taken off its core holds up no more
-/// than the block it was at.
+/// The threads meet once, in run(): one parallel region, in which the caller goes on alone and the others
+/// wait for its loops, spinning, since the next one is microseconds away. Each thread has a part of a loop's
+/// blocks and then helps the others with theirs: a thread that the system has taken off its core holds up no
+/// more than the block it was at.
 class Team {
  public:
   static constexpr int kBlock = 256;
@@ -53,7 +53,7 @@ class Team {
   template <class Body>
   void run(int particles, const Body& body) {
 #ifdef _OPENMP
-    const int wanted = std::min(threads_, 1 + particles / kParticlesPerThread);
+    const int wanted = kShareAll ? threads_ : std::min(threads_, 1 + particles / kParticlesPerThread);
     if (wanted > 1 && !loop_->open) {
       std::exception_ptr failure;  // none may leave the region
       loop_->open = true;
@@ -61,7 +61,7 @@ class Team {
 #pragma omp parallel num_threads(wanted)
       {
         if (omp_get_thread_num() == 0) {
-          loop_->members = omp_get_num_threads();
+          loop_->members.store(omp_get_num_threads(), std::memory_order_relaxed);
           try {
             body();
           } catch (...) {
@@ -110,18 +110,20 @@ class Team {
  private:
   static constexpr double kWorthSharing = 4e-6;    ///< some times what it takes threads to meet [s]
   static constexpr int kParticlesPerThread = 300;  ///< with fewer, threads mostly wait for each other
+#ifdef HAPTIC_CLOTH_SHARE_ALL
+  static constexpr bool kShareAll = true;  ///< for the thread sanitizer: it sees only what is shared out
+#else
+  static constexpr bool kShareAll = false;
+#endif
 
   template <class Work>
   void forBlocks(int blocks, double seconds, const Work& work) {
-#ifdef HAPTIC_CLOTH_SHARE_ALL  // for the thread sanitizer: it sees only what is shared out
-    seconds = 1.0;
-#endif
-    if (!loop_->open || blocks < 2 || seconds < kWorthSharing) {
+    if (!loop_->open || blocks < 2 || (seconds < kWorthSharing && !kShareAll)) {
       for (int block = 0; block < blocks; ++block) work(block);
       return;
     }
-    loop_->share(blocks, [](const void* context, int block) { (*static_cast<const Work*>(context))(block); },
-                 &work);
+    loop_->share(
+        blocks, [](const void* context, int block) { (*static_cast<const Work*>(context))(block); }, &work);
   }
 
   /// The loop in hand. A thread's part of it is one word, so that taking a block is one atomic operation: the
@@ -132,9 +134,9 @@ class Team {
 
     explicit Loop(int threads) : parts_(new Part[threads]) {}
 
-    int members = 1;                   ///< threads in the region
-    bool open = false;                 ///< there is a region
-    std::atomic<bool> closed{false};   ///< the region is to end
+    std::atomic<int> members{1};      ///< threads in the region
+    bool open = false;                ///< there is a region
+    std::atomic<bool> closed{false};  ///< the region is to end
 
     /// Shares out blocks 0 .. blocks-1, and returns when all are done.
     void share(int blocks, Call call, const void* context) {
@@ -145,8 +147,9 @@ class Team {
       blocks_.store(blocks, std::memory_order_relaxed);
       unfinished_.store(units, std::memory_order_relaxed);
       ++number_;
-      for (int t = 0; t < members; ++t) {
-        const long first = static_cast<long>(units) * t / members, end = static_cast<long>(units) * (t + 1) / members;
+      const long count = members.load(std::memory_order_relaxed);
+      for (long t = 0; t < count; ++t) {
+        const long first = units * t / count, end = units * (t + 1) / count;
         parts_[t].word.store(word(number_, first, end), std::memory_order_release);
       }
       announced_.store(number_, std::memory_order_release);
@@ -182,15 +185,17 @@ class Team {
 
     /// Works on units until none is left, first on this thread's own.
     void help(int thread) {
+      const int count = members.load(std::memory_order_relaxed);
       int finished = 0;
-      for (int k = 0; k < members; ++k) {
-        std::atomic<unsigned long long>& part = parts_[(thread + k) % members].word;
+      for (int k = 0; k < count; ++k) {
+        std::atomic<unsigned long long>& part = parts_[(thread + k) % count].word;
         unsigned long long seen = part.load(std::memory_order_acquire);
         while ((seen >> 16 & 0xffff) < (seen & 0xffff)) {
           // Of this loop, if the word is still the same when the unit is taken: then it cannot have ended.
           const Call call = call_.load(std::memory_order_relaxed);
           const void* const context = context_.load(std::memory_order_relaxed);
-          const int unit = unit_.load(std::memory_order_relaxed), blocks = blocks_.load(std::memory_order_relaxed);
+          const int unit = unit_.load(std::memory_order_relaxed),
+                    blocks = blocks_.load(std::memory_order_relaxed);
           const int first = static_cast<int>(seen >> 16 & 0xffff) * unit;
           if (!part.compare_exchange_weak(seen, seen + (1ull << 16), std::memory_order_acq_rel)) continue;
           for (int block = first; block < std::min(first + unit, blocks); ++block) call(context, block);
@@ -219,7 +224,7 @@ class Team {
     std::atomic<Call> call_{nullptr};
     std::atomic<const void*> context_{nullptr};
     std::atomic<int> unit_{1}, blocks_{0};
-    alignas(64) std::atomic<int> unfinished_{0};   ///< units
+    alignas(64) std::atomic<int> unfinished_{0};      ///< units
     alignas(64) std::atomic<unsigned> announced_{0};  ///< number of the loop in hand
   };
 

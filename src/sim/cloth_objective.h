@@ -190,10 +190,10 @@ class ClothObjective : public Objective {
 
   std::vector<ProbeStep> probes_;
   std::vector<HeldNode> held_;
-  int present_ = 0;                                       ///< probes
+  int present_ = 0;                           ///< probes
   std::vector<char> awake_, seen_, reached_;  ///< a node each
   bool all_awake_ = true;
-  double asleep_square_ = 0.0;  ///< the sleepers' part of the squared residual [-]
+  double asleep_square_ = 0.0;              ///< the sleepers' part of the squared residual [-]
   Runs awake_elements_, awake_nodes_;       ///< what evaluate() and along() look at
   Field start_, inertial_;                  ///< x⁰ and x⁰ + h v⁰/(1 + c h) of the nodes [m]
   std::vector<double> mass_, moving_mass_;  ///< of all nodes; of the free ones, zero for others; padded [kg]

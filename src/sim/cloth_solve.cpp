@@ -129,8 +129,7 @@ bool ClothWorld::wakeUnrested() {
   if (objective.allAwake()) return false;
   const double tolerance = scene.solver.minimizer.tolerance * objective.accelerationUnit();
   objective.forcesAtRest(velocities_, forces_);
-  rest_.look(mesh, forces_, objective.gradient(), tolerance,
-             [this](int n) { return objective.isAwake(n); });
+  rest_.look(mesh, forces_, objective.gradient(), tolerance, [this](int n) { return objective.isAwake(n); });
   const bool more = objective.wake(rest_);
   objective.measureSleepers();
   return more;

@@ -29,8 +29,7 @@ LoadEstimate::LoadEstimate(const Fabric& fabric, const Grid& grid, const Vec3& g
 
 double LoadEstimate::turnUnder(double load, double tension, double length) const {
   constexpr double kSag = 2.5;  // of the thickness
-  const double stiffness =
-      tension + 8.0 * rigidity_ / (length * length) + 0.5 * density_ * gravity_ * length;
+  const double stiffness = tension + 8.0 * rigidity_ / (length * length) + 0.5 * density_ * gravity_ * length;
   const double turn = load * length / stiffness, sag = turn * length / 8.0;
   return sag > kSag * range_ ? turn : 0.0;
 }

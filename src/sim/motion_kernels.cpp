@@ -6,7 +6,7 @@ namespace haptic_cloth {
 namespace HAPTIC_CLOTH_PATH {
 
 double evaluateMotion(const Motion& motion, int begin, int end, const ConstArrays& x,
-                                          const MutableArrays& gradient) {
+                      const MutableArrays& gradient) {
   const Lanes3 gravity{all(motion.gravity[0]), all(motion.gravity[1]), all(motion.gravity[2])};
   Lanes energy{};
   for (int n = begin; n < end; n += kLanes) {

@@ -158,7 +158,8 @@ void MultilevelPreconditioner::apply(const Vector& gradient, Vector& z) {
   team_.forRange(
       mesh_.free,
       [&](int begin, int end) {
-        kernels().addOwnBlocks(own, gradient.data(), values_.data()->data(), mesh_.free, begin, end, z.data());
+        kernels().addOwnBlocks(own, gradient.data(), values_.data()->data(), mesh_.free, begin, end,
+                               z.data());
       },
       kOwn);
   for (const Proxy& proxy : proxies_) applyProxy(proxy, gradient, z);

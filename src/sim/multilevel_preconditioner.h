@@ -79,10 +79,10 @@ class MultilevelPreconditioner {
   HatLevels hats_;
   static constexpr int kParts = 4, kWorthParts = 1500;  ///< parts of the elements, if there are many nodes
   std::array<BlockField, kParts> elements_;  ///< blocks of a part of the elements each, at the nodes [N/m]
-  Blocks between_, points_;            ///< of elements; of inertia and contact; at all points [N/m]
-  BlockField node_inverse_;            ///< of the free; zero for those that do not move [m/N]
-  std::vector<HatBlock> hat_inverse_;  ///< the same
-  Blocks touch_;                       ///< of one proxy's contacts, at the nodes [N/m]
+  Blocks between_, points_;                  ///< of elements; of inertia and contact; at all points [N/m]
+  BlockField node_inverse_;                  ///< of the free; zero for those that do not move [m/N]
+  std::vector<HatBlock> hat_inverse_;        ///< the same
+  Blocks touch_;                             ///< of one proxy's contacts, at the nodes [N/m]
   std::vector<Spring> springs_;
   std::vector<Proxy> proxies_;
   std::vector<HatValue> values_, corrections_;  ///< at the points; of the hats

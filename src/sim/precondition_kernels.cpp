@@ -15,7 +15,7 @@ void loadPoints(const double* __restrict__ gradient, int free, int begin, int en
 void addOwnBlocks(const BlockArrays& own, const double* gradient, const float* values, int free, int begin,
                   int end, double* __restrict__ z) {
   const double *const xxs = own.entry[0], *const yys = own.entry[1], *const zzs = own.entry[2],
-               *const yzs = own.entry[3], *const xzs = own.entry[4], *const xys = own.entry[5];
+                      *const yzs = own.entry[3], *const xzs = own.entry[4], *const xys = own.entry[5];
   for (int n = begin; n < end; ++n) {
     const double xx = xxs[n], yy = yys[n], zz = zzs[n], yz = yzs[n], xz = xzs[n], xy = xys[n];
     const double gx = gradient[n], gy = gradient[free + n], gz = gradient[2 * free + n];

@@ -19,60 +19,61 @@ struct SolidLanes;
 struct StepPack;
 struct TriplePack;
 
-/// KERNEL(result, name, arguments) for each. What they do stands where their data is declared: energy/packs.h,
-/// contact/sample_packs.h, mesh/node_gather.h, mesh/hat_levels.h, sim/motion.h, sim/multilevel_preconditioner.h
-/// and solver/vector_kernels.h.
-#define HAPTIC_CLOTH_KERNELS(KERNEL)                                                                          \
-  KERNEL(double, evaluateEdges,                                                                               \
-         (EdgePack * packs, int begin, int end, const LawView& law, const StepPack* steps,                    \
-          const ConstArrays& x, const MutableArrays& slots, int first))                                       \
-  KERNEL(double, evaluateTriples,                                                                             \
-         (TriplePack * packs, int begin, int end, const LawView& law, const StepPack* steps,                  \
-          const ConstArrays& x, const ConstArrays& normals, const MutableArrays& slots, int first))           \
-  KERNEL(double, evaluateShears,                                                                              \
-         (PatchPack * packs, int begin, int end, const LawView& law, const StepPack* steps,                   \
-          const ConstArrays& x, const MutableArrays& slots, int first, int stride))                           \
-  KERNEL(double, evaluateTwists,                                                                              \
-         (const PatchPack* packs, int begin, int end, double rigidity, const ConstArrays& x,                  \
-          const ConstArrays& normals, const MutableArrays& slots, int first))                                 \
-  KERNEL(double, edgeCurvature, (const EdgePack* packs, int begin, int end, const ConstArrays& d))            \
-  KERNEL(double, tripleCurvature,                                                                             \
-         (const TriplePack* packs, int begin, int end, const ConstArrays& d, const ConstArrays& normals))     \
-  KERNEL(double, shearCurvature, (const PatchPack* packs, int begin, int end, const ConstArrays& d))          \
-  KERNEL(double, twistCurvature,                                                                              \
-         (const PatchPack* packs, int begin, int end, double rigidity, const ConstArrays& d,                  \
-          const ConstArrays& normals))                                                                        \
-  KERNEL(void, addEdgeBlocks, (const EdgePack* packs, int begin, int end, const BlockArrays& blocks))         \
-  KERNEL(void, addTripleBlocks,                                                                               \
-         (const TriplePack* packs, int begin, int end, const ConstArrays& normals, const BlockArrays& blocks)) \
-  KERNEL(void, addShearBlocks, (const PatchPack* packs, int begin, int end, const BlockArrays& blocks))       \
-  KERNEL(void, addTwistBlocks,                                                                                \
-         (const PatchPack* packs, int begin, int end, double rigidity, const ConstArrays& normals,            \
-          const BlockArrays& blocks))                                                                         \
-  KERNEL(void, gatherColumns,                                                                                 \
-         (const int* groups, const GatherColumn* columns, const GatherDetail* details, int begin, int end,    \
-          const ConstArrays& slots, const MutableArrays& nodes))                                              \
-  KERNEL(double, evaluateMotion,                                                                              \
-         (const Motion& motion, int begin, int end, const ConstArrays& x, const MutableArrays& gradient))     \
-  KERNEL(double, motionCurvature, (const Motion& motion, int begin, int end, const ConstArrays& d))           \
-  KERNEL(ContactEnergy, evaluateSamples,                                                                      \
-         (SamplePack * packs, int begin, int end, const SampleContext& context, const ConstArrays& x,         \
-          const MutableArrays& slots, int first))                                                             \
-  KERNEL(double, sampleCurvature,                                                                             \
-         (const SamplePack* packs, int begin, int end, const ConstArrays& d, const double* d_origin,          \
-          bool whole_way))                                                                                    \
-  KERNEL(double, largestStep,                                                                                 \
-         (const SamplePack* packs, int begin, int end, double share, const ConstArrays& d,                    \
-          const double* d_origin))                                                                            \
-  KERNEL(void, solidDistances,                                                                                \
-         (const SolidLanes& solid, int count, const ConstArrays& x, double* distances,                        \
-          const MutableArrays& normals))                                                                      \
-  KERNEL(void, patchMargins,                                                                                  \
-         (const PatchCorners* corners, int count, double range, const ConstArrays& x, const double* reach, \
-          const double* gaps, const ConstArrays& normals, double* margins))                                   \
-  KERNEL(void, loadPoints, (const double* gradient, int free, int begin, int end, float* values))             \
-  KERNEL(void, addOwnBlocks,                                                                                  \
-         (const BlockArrays& own, const double* gradient, const float* values, int free, int begin, int end,  \
+/// KERNEL(result, name, arguments) for each. What they do stands where their data is declared:
+/// energy/packs.h, contact/sample_packs.h, mesh/node_gather.h, mesh/hat_levels.h, sim/motion.h,
+/// sim/multilevel_preconditioner.h and solver/vector_kernels.h.
+#define HAPTIC_CLOTH_KERNELS(KERNEL)                                                                         \
+  KERNEL(double, evaluateEdges,                                                                              \
+         (EdgePack * packs, int begin, int end, const LawView& law, const StepPack* steps,                   \
+          const ConstArrays& x, const MutableArrays& slots, int first))                                      \
+  KERNEL(double, evaluateTriples,                                                                            \
+         (TriplePack * packs, int begin, int end, const LawView& law, const StepPack* steps,                 \
+          const ConstArrays& x, const ConstArrays& normals, const MutableArrays& slots, int first))          \
+  KERNEL(double, evaluateShears,                                                                             \
+         (PatchPack * packs, int begin, int end, const LawView& law, const StepPack* steps,                  \
+          const ConstArrays& x, const MutableArrays& slots, int first, int stride))                          \
+  KERNEL(double, evaluateTwists,                                                                             \
+         (const PatchPack* packs, int begin, int end, double rigidity, const ConstArrays& x,                 \
+          const ConstArrays& normals, const MutableArrays& slots, int first))                                \
+  KERNEL(double, edgeCurvature, (const EdgePack* packs, int begin, int end, const ConstArrays& d))           \
+  KERNEL(double, tripleCurvature,                                                                            \
+         (const TriplePack* packs, int begin, int end, const ConstArrays& d, const ConstArrays& normals))    \
+  KERNEL(double, shearCurvature, (const PatchPack* packs, int begin, int end, const ConstArrays& d))         \
+  KERNEL(double, twistCurvature,                                                                             \
+         (const PatchPack* packs, int begin, int end, double rigidity, const ConstArrays& d,                 \
+          const ConstArrays& normals))                                                                       \
+  KERNEL(void, addEdgeBlocks, (const EdgePack* packs, int begin, int end, const BlockArrays& blocks))        \
+  KERNEL(                                                                                                    \
+      void, addTripleBlocks,                                                                                 \
+      (const TriplePack* packs, int begin, int end, const ConstArrays& normals, const BlockArrays& blocks))  \
+  KERNEL(void, addShearBlocks, (const PatchPack* packs, int begin, int end, const BlockArrays& blocks))      \
+  KERNEL(void, addTwistBlocks,                                                                               \
+         (const PatchPack* packs, int begin, int end, double rigidity, const ConstArrays& normals,           \
+          const BlockArrays& blocks))                                                                        \
+  KERNEL(void, gatherColumns,                                                                                \
+         (const int* groups, const GatherColumn* columns, const GatherDetail* details, int begin, int end,   \
+          const ConstArrays& slots, const MutableArrays& nodes))                                             \
+  KERNEL(double, evaluateMotion,                                                                             \
+         (const Motion& motion, int begin, int end, const ConstArrays& x, const MutableArrays& gradient))    \
+  KERNEL(double, motionCurvature, (const Motion& motion, int begin, int end, const ConstArrays& d))          \
+  KERNEL(ContactEnergy, evaluateSamples,                                                                     \
+         (SamplePack * packs, int begin, int end, const SampleContext& context, const ConstArrays& x,        \
+          const MutableArrays& slots, int first))                                                            \
+  KERNEL(double, sampleCurvature,                                                                            \
+         (const SamplePack* packs, int begin, int end, const ConstArrays& d, const double* d_origin,         \
+          bool whole_way))                                                                                   \
+  KERNEL(double, largestStep,                                                                                \
+         (const SamplePack* packs, int begin, int end, double share, const ConstArrays& d,                   \
+          const double* d_origin))                                                                           \
+  KERNEL(void, solidDistances,                                                                               \
+         (const SolidLanes& solid, int count, const ConstArrays& x, double* distances,                       \
+          const MutableArrays& normals))                                                                     \
+  KERNEL(void, patchMargins,                                                                                 \
+         (const PatchCorners* corners, int count, double range, const ConstArrays& x, const double* reach,   \
+          const double* gaps, const ConstArrays& normals, double* margins))                                  \
+  KERNEL(void, loadPoints, (const double* gradient, int free, int begin, int end, float* values))            \
+  KERNEL(void, addOwnBlocks,                                                                                 \
+         (const BlockArrays& own, const double* gradient, const float* values, int free, int begin, int end, \
           double* z))
 
 struct Kernels {

@@ -3,8 +3,8 @@
 /// (HAPTIC_CLOTH_PATH) and with that set's width (HAPTIC_CLOTH_LANES). Wider vectors would be taken apart by
 /// the compiler, through memory.
 ///
-/// Everything a kernel calls must be inlined: a function that the linker may take from another kernel's object
-/// file might hold instructions that the machine does not have.
+/// Everything a kernel calls must be inlined: a function that the linker may take from another kernel's
+/// object file might hold instructions that the machine does not have.
 #pragma once
 
 #include <cmath>
@@ -125,8 +125,7 @@ static HAPTIC_CLOTH_INLINE Lanes logarithm(const Lanes& x) {
                              1.479819860511658591e-01};
   const Bits bits = Bits(x), magic = Bits{} + 0x4330000000000000ull;  // 2⁵²: an integer in its last bits
   const Lanes biased = Lanes((bits >> 52) | magic) - 4503599627370496.0;
-  const Lanes mantissa =
-      Lanes((bits & (Bits{} + 0x000fffffffffffffull)) | (Bits{} + 0x3ff0000000000000ull));
+  const Lanes mantissa = Lanes((bits & (Bits{} + 0x000fffffffffffffull)) | (Bits{} + 0x3ff0000000000000ull));
   const Lanes limit = all(1.4142135623730951), half = all(0.5), one = all(1.0);
   const Lanes k = biased - 1023.0 + ifLess(limit, mantissa, one, Lanes{});
   const Lanes f = mantissa * ifLess(limit, mantissa, half, one) - 1.0;
@@ -179,7 +178,8 @@ static HAPTIC_CLOTH_INLINE Lanes join(const __m256d& low, const __m256d& high) {
   return Lanes(_mm512_insertf64x4(_mm512_castpd256_pd512(low), high, 1));
 }
 static HAPTIC_CLOTH_INLINE Lanes pick(const double* values, const PackIndices& at, int) {
-  return join(four(values, at.index, (at.rows & 7u) == 7u), four(values, at.index + 4, (at.rows >> 4 & 7u) == 7u));
+  return join(four(values, at.index, (at.rows & 7u) == 7u),
+              four(values, at.index + 4, (at.rows >> 4 & 7u) == 7u));
 }
 #elif HAPTIC_CLOTH_LANES == 4 && defined(__AVX__)
 static HAPTIC_CLOTH_INLINE Lanes pick(const double* values, const PackIndices& at, int lane) {

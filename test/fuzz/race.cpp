@@ -5,8 +5,10 @@
 int main() {
   haptic_cloth::Team team(2);
   long sum = 0;
-  team.forRange(100000, [&](int begin, int end) {
-    for (int k = begin; k < end; ++k) sum += k;
+  team.run(100000, [&] {
+    team.forRange(100000, [&](int begin, int end) {
+      for (int k = begin; k < end; ++k) sum += k;
+    });
   });
   return sum == 0 ? 1 : 0;
 }

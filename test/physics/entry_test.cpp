@@ -110,8 +110,7 @@ TEST_P(SheetInBall, IsLetOutAndComesToRestInBalance) {
   EXPECT_LE(residual, scene.solver.minimizer.tolerance);
   EXPECT_EQ(inside, 0.0);
   const double weight = 9.81 * simulation.mass();
-  EXPECT_NEAR(simulation.supportForce().z(), weight,
-              tolerance(scene.solver.minimizer.tolerance) * weight);
+  EXPECT_NEAR(simulation.supportForce().z(), weight, tolerance(scene.solver.minimizer.tolerance) * weight);
 }
 
 INSTANTIATE_TEST_SUITE_P(Radii, SheetInBall, testing::Values(0.03, 0.09));

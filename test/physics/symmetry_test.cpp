@@ -24,8 +24,8 @@ Leaves leaves(const Simulation& simulation, const std::array<int, 2>& sides) {
   Leaves leaves;
   for (const CellView& cell : cells) {
     const int span = 1 << cell.level, i = cell.particles[0] % kColumns, j = cell.particles[0] / kColumns;
-    leaves.insert({sides[0] > 0 ? i : kColumns - 1 - i - span, sides[1] > 0 ? j : kRows - 1 - j - span,
-                   cell.level});
+    leaves.insert(
+        {sides[0] > 0 ? i : kColumns - 1 - i - span, sides[1] > 0 ? j : kRows - 1 - j - span, cell.level});
   }
   return leaves;
 }

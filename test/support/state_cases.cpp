@@ -185,8 +185,7 @@ void add(Hash& hash, const EnergyReport& energy) {
 }  // namespace
 
 std::vector<StateCase> stateCases() {
-  return {slidingCapsule(), jointCost(), graspedSheet(), movedObstacles(), sleepingSheet(),
-          coarseHammock()};
+  return {slidingCapsule(), jointCost(), graspedSheet(), movedObstacles(), sleepingSheet(), coarseHammock()};
 }
 
 std::uint64_t readings(const Simulation& simulation) {
