@@ -51,7 +51,7 @@ class Team {
 
   /// Calls body(), whose loops are shared out. @param particles at work: few are not worth many threads
   template <class Body>
-  void run(int particles, const Body& body) {
+  void run([[maybe_unused]] int particles, const Body& body) {
 #ifdef _OPENMP
     const int wanted = kShareAll ? threads_ : std::min(threads_, 1 + particles / kParticlesPerThread);
     if (wanted > 1 && !loop_->open) {
