@@ -62,20 +62,31 @@ WorkLoop nodeLoop(ClothCase& cloth, double weight) {
 
 /// How work falls to threads.
 enum class Sharing {
-  Turns,  ///< as the library has it: blocks of fixed size in turns (OpenMP's static, 1)
-  Rows,   ///< each thread a row of the same blocks (static): what that would give
-  Grid    ///< each thread as many particles of the finest grid, active or not
+  Helping,  ///< as the library has it: each thread has a row of blocks and then helps the others
+  Rows,     ///< the same without help
+  Grid      ///< each thread as many particles of the finest grid, active or not
 };
 
-double mostOfBlocks(const WorkLoop& loop, int threads, bool in_turns) {
+/// The busiest thread's work. Of the threads, the one that is done first takes the next block.
+double mostOfBlocks(const WorkLoop& loop, int threads, bool helping) {
   const int count = static_cast<int>(loop.weights.size()), blocks = (count + Team::kBlock - 1) / Team::kBlock;
-  std::vector<double> work(threads, 0.0);
-  // The first threads have one block more where they do not come out even.
-  const int each = blocks / threads, more = blocks % threads, larger = more * (each + 1);
-  for (int k = 0; k < count; ++k) {
-    const int block = k / Team::kBlock;
-    const int in_row = block < larger ? block / (each + 1) : more + (block - larger) / std::max(1, each);
-    work[in_turns ? block % threads : in_row] += loop.weights[k];
+  std::vector<double> of_block(blocks, 0.0), work(threads, 0.0);
+  for (int k = 0; k < count; ++k) of_block[k / Team::kBlock] += loop.weights[k];
+  std::vector<int> next(threads), end(threads);
+  for (int t = 0; t < threads; ++t) {
+    next[t] = blocks * t / threads;
+    end[t] = blocks * (t + 1) / threads;
+  }
+  for (int taken = 0; taken < blocks; ++taken) {
+    int thread = -1, from = -1;
+    for (int t = 0; t < threads; ++t) {
+      int part = t;
+      while (helping && next[part] == end[part]) part = (part + 1) % threads;
+      if (next[part] == end[part] || (thread >= 0 && work[t] >= work[thread])) continue;
+      thread = t;
+      from = part;
+    }
+    work[thread] += of_block[next[from]++];
   }
   return *std::max_element(work.begin(), work.end());
 }
@@ -115,7 +126,7 @@ nlohmann::json rowOf(ClothCase& cloth, const Passes& passes, int threads, Sharin
   for (int pass = 0; pass < 2; ++pass) {
     for (const WorkLoop& loop : passes[pass]) {
       const double most = sharing == Sharing::Grid ? mostOfGrid(loop, threads, particles)
-                                                   : mostOfBlocks(loop, threads, sharing == Sharing::Turns);
+                                                   : mostOfBlocks(loop, threads, sharing == Sharing::Helping);
       shares[pass].add(most, sumOf(loop));
       shares[2].add(most, sumOf(loop));
     }
@@ -140,7 +151,7 @@ std::string workSharesJson(const std::vector<std::unique_ptr<ClothCase>>& cases)
   for (const auto& cloth : cases) {
     const Passes passes{{{elementLoop(*cloth, kGradient), nodeLoop(*cloth, kGradient.node)},
                          {elementLoop(*cloth, kEnergy), nodeLoop(*cloth, kEnergy.node)}}};
-    for (const Sharing sharing : {Sharing::Turns, Sharing::Rows, Sharing::Grid}) {
+    for (const Sharing sharing : {Sharing::Helping, Sharing::Rows, Sharing::Grid}) {
       for (int threads = 1; threads <= kMostThreads; ++threads) {
         rows.push_back(rowOf(*cloth, passes, threads, sharing));
       }

@@ -83,8 +83,12 @@ class Team {
   /// work(begin, end) for consecutive parts of [0, count). @param item time of one [s]
   template <class Work>
   void forRange(int count, const Work& work, double item = kElement) {
-    forBlocks((count + kBlock - 1) / kBlock, count * item,
-              [&](int block) { work(block * kBlock, std::min(count, (block + 1) * kBlock)); });
+    const int blocks = (count + kBlock - 1) / kBlock;
+    if (!isShared(blocks, count * item)) {
+      if (count > 0) work(0, count);
+      return;
+    }
+    shareBlocks(blocks, [&](int block) { work(block * kBlock, std::min(count, (block + 1) * kBlock)); });
   }
 
   /// Several sums at once: work(begin, end) returns those of its part of [0, count). @param item time of one
@@ -93,9 +97,14 @@ class Team {
   Sums sum(int count, const Work& work, double item = kElement) {
     const int blocks = (count + kBlock - 1) / kBlock;
     if (static_cast<int>(partial_.size()) < blocks) partial_.resize(blocks);
-    forBlocks(blocks, count * item, [&](int block) {
+    const auto of_block = [&](int block) {
       partial_[block] = work(block * kBlock, std::min(count, (block + 1) * kBlock));
-    });
+    };
+    if (isShared(blocks, count * item)) {
+      shareBlocks(blocks, of_block);
+    } else {
+      for (int block = 0; block < blocks; ++block) of_block(block);
+    }
     Sums total = Sums::Zero();
     for (int block = 0; block < blocks; ++block) total += partial_[block];
     return total;
@@ -104,7 +113,8 @@ class Team {
   /// work(k) for tasks 0 .. count-1, each worth sharing.
   template <class Work>
   void forTasks(int count, const Work& work) {
-    forBlocks(count, 1.0, work);
+    if (isShared(count, 1.0)) return shareBlocks(count, work);
+    for (int task = 0; task < count; ++task) work(task);
   }
 
  private:
@@ -116,12 +126,13 @@ class Team {
   static constexpr bool kShareAll = false;
 #endif
 
+  /// @param seconds it takes one thread, about
+  bool isShared(int blocks, double seconds) const {
+    return loop_->open && blocks > 1 && (seconds >= kWorthSharing || kShareAll);
+  }
+
   template <class Work>
-  void forBlocks(int blocks, double seconds, const Work& work) {
-    if (!loop_->open || blocks < 2 || (seconds < kWorthSharing && !kShareAll)) {
-      for (int block = 0; block < blocks; ++block) work(block);
-      return;
-    }
+  void shareBlocks(int blocks, const Work& work) {
     loop_->share(
         blocks, [](const void* context, int block) { (*static_cast<const Work*>(context))(block); }, &work);
   }
