@@ -87,7 +87,7 @@ void ContactSet::collect(const ActiveMesh& mesh, const Field& nodes, const std::
     sampleProbe(mesh, nodes, reach, probe);
     endGroup();
   }
-  for (Field* field : {&gradient_, &change_}) field->clear(size());
+  for (Field* field : {&gradient_, &change_}) field->resize(size());  // each look writes all of it
   buildRows(mesh.nodes());
 }
 

@@ -62,8 +62,8 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
   present_ = 0;
   forPresent([this](int k) { probes_[k].unknown = present_++; });
   start_ = positions;
-  inertial_.clear(mesh_.nodes());
-  for (auto* list : {&motion_, &gradient_, &diagonal_}) list->clear(mesh_.nodes());
+  for (auto* list : {&inertial_, &gradient_, &diagonal_}) list->resize(mesh_.nodes());
+  motion_.clear(mesh_.nodes());  // of what is pinned
   const double share = h_ / (1.0 + air_damping_ * h_);
   for (int c = 0; c < 3; ++c) {
     const auto &x = positions.coordinate(c), &v = velocities.coordinate(c);
