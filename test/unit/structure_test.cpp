@@ -169,14 +169,6 @@ TEST(Structure, LibraryDoesNotPrint) {
                "std::c(out|err|log)\\b|\\bprintf\\(|\\bexit\\(", "only src/ros and src/tools print");
 }
 
-TEST(Structure, FilesStayShort) {
-  constexpr std::size_t kLines = 450;
-  for (const SourceFile& file :
-       readFiles({"src", "include", "examples", "bench", "test", "scripts"}, {".h", ".cpp", ".py", ".sh"})) {
-    EXPECT_LE(file.lines.size(), kLines) << file.path;
-  }
-}
-
 std::vector<fs::path> configurations(const std::string& folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(kRoot / "config" / folder)) {
