@@ -266,8 +266,9 @@ Scene squeezed(double shortening, Ends ends, Strategy strategy) {
   const int i1 = scene.cloth.particles[kWarp] - 1, j1 = scene.cloth.particles[kWeft] - 1;
   pin(scene, 0, clamp, 0, j1);
   pin(scene, i1 - clamp, i1, 0, j1);
-  // While it buckles the strip may also twist, which this fabric does not resist, and end in another minimum. With drag
-  // 100 1/s round-off decides: some instruction sets went there. With 400 none did, with steps of 1 or 2 ms.
+  // While it buckles the strip may also twist, which this fabric does not resist, and end in another minimum.
+  // With drag 100 1/s round-off decides: some instruction sets went there. With 400 none did, with steps of 1
+  // or 2 ms.
   quasiStatic(scene, 400.0, 0.002, 1e-2);
   return scene;
 }
