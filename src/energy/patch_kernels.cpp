@@ -1,14 +1,13 @@
 #include <cmath>
 
 #include "energy/law_lanes.h"
+#include "energy/shear.h"
 #include "energy/twist_lanes.h"
 #include "simd/kernels.h"
 
 namespace haptic_cloth {
 namespace HAPTIC_CLOTH_PATH {
 namespace {
-
-constexpr double kLeastCosine = 1e-3;  // shear.h: the slope of a cell folded flat stays bounded
 
 /// Angle of tangent t. For |t| <= ½, as far as cloth mostly shears, t + t³ P(t²), P fitted to
 /// (atan t - t)/t³ in the Chebyshev sense: wrong by less than 8e-17 t³; beyond, lane by lane.

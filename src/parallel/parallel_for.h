@@ -18,8 +18,8 @@ namespace haptic_cloth {
 /// Sums formed in one pass over a list.
 using Sums = Eigen::Array<double, 6, 1>;
 
-/// Runs loops over index ranges. Work is cut into blocks whose size depends on nothing but the length of the
-/// range; sums are formed per block and added in block order. So the bits never change with the threads.
+/// Runs loops over index ranges. Work is cut into blocks of fixed size, whatever the number of
+/// threads; sums are formed per block and added in block order. So the bits never change with the threads.
 ///
 /// The threads meet once, in run(): one parallel region, in which the caller goes on alone and the others
 /// wait for its loops, spinning, since the next one is microseconds away. Each thread has a part of a loop's
@@ -32,17 +32,17 @@ class Team {
   // About what an item takes one core [s]: for the decision whether a loop is worth sharing.
   static constexpr double kElement = 5e-9, kNode = 8e-9, kEntry = 4e-10;
 
-  /// Cores that this process may use.
-  static int cores() {
+  /// As many threads as OpenMP gives: one a core, or what OMP_NUM_THREADS says.
+  static int available() {
 #ifdef _OPENMP
-    return std::max(1, omp_get_num_procs());
+    return std::max(1, omp_get_max_threads());
 #else
     return 1;
 #endif
   }
 
-  /// @param threads at most; 0: as many as there are cores
-  explicit Team(int threads) : threads_(threads > 0 ? threads : cores()), loop_(new Loop(threads_)) {}
+  /// @param threads at most; 0: all that are available
+  explicit Team(int threads) : threads_(threads > 0 ? threads : available()), loop_(new Loop(threads_)) {}
 
   int threads() const { return threads_; }
 

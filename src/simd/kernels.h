@@ -20,8 +20,8 @@ struct StepPack;
 struct TriplePack;
 
 /// KERNEL(result, name, arguments) for each. What they do stands where their data is declared:
-/// energy/packs.h, contact/sample_packs.h, mesh/node_gather.h, mesh/hat_levels.h, sim/motion.h,
-/// sim/multilevel_preconditioner.h and solver/vector_kernels.h.
+/// energy/packs.h, contact/sample_packs.h, mesh/node_gather.h (NodeGather::add) and sim/motion.h; what the
+/// preconditioner's do, in sim/precondition_kernels.cpp.
 #define HAPTIC_CLOTH_KERNELS(KERNEL)                                                                         \
   KERNEL(double, evaluateEdges,                                                                              \
          (EdgePack * packs, int begin, int end, const LawView& law, const StepPack* steps,                   \
