@@ -2,8 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <time.h>
+
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <exception>
 #include <memory>
 #include <thread>
@@ -17,6 +20,27 @@ namespace haptic_cloth {
 
 /// Sums formed in one pass over a list.
 using Sums = Eigen::Array<double, 6, 1>;
+
+/// Decides whether a region is worth opening while other programs use the cores. Threads that share a core
+/// take turns, and one that the system has taken off its core makes the others wait. So a region in which the
+/// caller lost much time is followed by runs without one: the more regions in a row lost time, the longer.
+class Backoff {
+ public:
+  /// Whether the next run is to do without other threads. Counts it.
+  bool alone() { return left_ > 0 && left_-- > 0; }
+
+  /// @param lost seconds in which the caller waited or had no core  @param all seconds that the region took
+  void note(double lost, double all) {
+    const bool crowded = lost > kMostLost * all;
+    length_ = crowded ? std::min(2 * length_, kLongest) : kShortest;
+    left_ = crowded ? length_ : 0;
+  }
+
+ private:
+  static constexpr double kMostLost = 0.25;  ///< of a region: two threads then gain little or lose
+  static constexpr int kShortest = 4, kLongest = 512;  ///< runs
+  int length_ = kShortest, left_ = 0;
+};
 
 /// Runs loops over index ranges. Work is cut into blocks of fixed size, whatever the number of
 /// threads; sums are formed per block and added in block order. So the bits never change with the threads.
@@ -54,9 +78,13 @@ class Team {
   void run([[maybe_unused]] int particles, const Body& body) {
 #ifdef _OPENMP
     const int wanted = kShareAll ? threads_ : std::min(threads_, 1 + particles / kParticlesPerThread);
-    if (wanted > 1 && !loop_->open) {
+    if (wanted > 1 && !loop_->open && (kShareAll || !backoff_.alone())) {
       std::exception_ptr failure;  // none may leave the region
+      const auto start = Clock::now();
+      const double worked = coreSeconds();
+      auto end = start;
       loop_->open = true;
+      loop_->waited = 0.0;
       loop_->closed.store(false, std::memory_order_relaxed);
 #pragma omp parallel num_threads(wanted)
       {
@@ -68,11 +96,15 @@ class Team {
             failure = std::current_exception();
           }
           loop_->closed.store(true, std::memory_order_release);
+          end = Clock::now();
         } else {
           loop_->serve(omp_get_thread_num());
         }
       }
       loop_->open = false;
+      const auto left = Clock::now();
+      const double all = seconds(left - start), off_core = all - (coreSeconds() - worked);
+      backoff_.note(off_core + loop_->waited + seconds(left - end), all);
       if (failure) std::rethrow_exception(failure);
       return;
     }
@@ -118,6 +150,16 @@ class Team {
   }
 
  private:
+  using Clock = std::chrono::steady_clock;
+  static double seconds(Clock::duration time) { return std::chrono::duration<double>(time).count(); }
+
+  /// Time for which this thread has had a core [s].
+  static double coreSeconds() {
+    timespec time{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+  }
+
   static constexpr double kWorthSharing = 4e-6;    ///< some times what it takes threads to meet [s]
   static constexpr int kParticlesPerThread = 300;  ///< with fewer, threads mostly wait for each other
 #ifdef HAPTIC_CLOTH_SHARE_ALL
@@ -148,6 +190,7 @@ class Team {
     std::atomic<int> members{1};      ///< threads in the region
     bool open = false;                ///< there is a region
     std::atomic<bool> closed{false};  ///< the region is to end
+    double waited = 0.0;              ///< by the caller for others, longer than for their last unit [s]
 
     /// Shares out blocks 0 .. blocks-1, and returns when all are done.
     void share(int blocks, Call call, const void* context) {
@@ -165,7 +208,12 @@ class Team {
       }
       announced_.store(number_, std::memory_order_release);
       help(0);
-      for (int spin = 0; unfinished_.load(std::memory_order_acquire) > 0; ++spin) pause(spin);
+      int spin = 0;
+      for (; spin < kPatience && unfinished_.load(std::memory_order_acquire) > 0; ++spin) pause(spin);
+      if (spin < kPatience) return;
+      const auto start = Clock::now();
+      for (; unfinished_.load(std::memory_order_acquire) > 0; ++spin) pause(spin);
+      waited += seconds(Clock::now() - start);
     }
 
     /// What the other threads do until the region is closed.
@@ -185,6 +233,7 @@ class Team {
 
    private:
     static constexpr int kMostUnits = 32768;
+    static constexpr int kPatience = 2000;  ///< about 20 to 50 us
 
     struct alignas(64) Part {
       std::atomic<unsigned long long> word{0};
@@ -220,7 +269,6 @@ class Team {
 
     /// Waits a moment; where it takes longer, lets others have the core.
     static void pause(int spin) {
-      constexpr int kPatience = 2000;  // about 20 to 50 us
       if (spin > kPatience) {
         std::this_thread::yield();
         return;
@@ -240,6 +288,7 @@ class Team {
   };
 
   int threads_;
+  Backoff backoff_;
   std::unique_ptr<Loop> loop_;
   std::vector<Sums> partial_;
 };
