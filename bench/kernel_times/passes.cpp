@@ -190,7 +190,7 @@ void addStep(ClothCase& cloth, std::vector<Pass>& passes) {
     return cloth.scratch()[0];
   });
   add("memory of the fabric", [&internal, &x] {
-    internal.commit(0, internal.elements(), x);
+    internal.commit(0, internal.size(), x);
     return 0.0;
   });
   add("energy of the fabric", [&internal, &x] { return internal.stored(x).stretch; });

@@ -28,7 +28,7 @@ void InternalEnergy::beginChange(const Field& x) {
   before_.triples = triple_steps_;
   before_.patches = patch_steps_;
   before_.normals = node_normals_;
-  before_.patch_normals = patch_normals_;
+  if (twist_rigidity_ > 0.0) before_.patch_normals = patch_normals_;
 }
 
 void InternalEnergy::endChange(const Field& x) {

@@ -34,9 +34,8 @@ InternalEnergy::InternalEnergy(const Fabric& fabric, const ActiveMesh& mesh)
             patches = static_cast<int>(mesh.patches.capacity());
   for (Field* normals : {&node_normals_, &before_.normals}) normals->reserve(mesh.grid.particles());
   slots_.reserve(NodeGather::capacity(mesh));
-  for (Field* normals : {&patch_normals_, &before_.patch_normals}) {
-    if (twist_rigidity_ > 0.0) normals->reserve(patches);
-  }
+  patch_normals_.reserve(patches);
+  if (twist_rigidity_ > 0.0) before_.patch_normals.reserve(patches);
   edge_packs_.reserve(edges / kPack + 2);
   triple_packs_.reserve(triples / kPack + 2);
   patch_packs_.reserve(patches / kPack + 1);
@@ -110,21 +109,22 @@ void InternalEnergy::packPatches() {
   for (int k = 0; k < patch_count_; ++k) patch_packs_[k / kPack].area[k % kPack] = mesh_.patches[k].area;
 }
 
+/// Normals of the nodes are means of those of their cells, weighted by area.
 void InternalEnergy::setNormals(const Field& positions) {
+  const int patches = static_cast<int>(mesh_.patches.size());
+  patch_normals_.resize(patches);
+  kernels().patchNormals(mesh_.patch_corners.data(), static_cast<int>(mesh_.patch_corners.size()),
+                         positions.arrays(), patch_normals_.arrays());
   node_normals_.clear(mesh_.nodes());
-  if (twist_rigidity_ > 0.0) patch_normals_.clear(static_cast<int>(mesh_.patches.size()));
-  for (int k = 0; k < static_cast<int>(mesh_.patches.size()); ++k) {
-    const auto& n = mesh_.patches[k].nodes;
-    const Vec3 normal =
-        (positions[n[3]] - positions[n[0]]).cross(positions[n[2]] - positions[n[1]]);  // weighted by area
-    for (const int corner : n) node_normals_.add(corner, normal);
-    if (twist_rigidity_ > 0.0) patch_normals_.set(k, normal.stableNormalized());
+  for (int c = 0; c < 3; ++c) {
+    const auto& of_patch = patch_normals_.coordinate(c);
+    auto& of_node = node_normals_.coordinate(c);
+    for (int k = 0; k < patches; ++k) {
+      for (const int corner : mesh_.patches[k].nodes) of_node[corner] += of_patch[k];
+    }
   }
-  for (int n = 0; n < mesh_.nodes(); ++n) {
-    const Vec3 normal = node_normals_[n];
-    const double length = normal.norm();
-    if (length > 0.0) node_normals_.set(n, normal / length);
-  }
+  kernels().normalise(mesh_.nodes(), node_normals_.arrays());
+  kernels().normalise(patches, patch_normals_.arrays());
 }
 
 void InternalEnergy::appendAwake(const std::vector<char>& awake, Runs& runs) const {

@@ -33,7 +33,7 @@ class InternalEnergy {
   /// True where a law has hysteresis; else the three calls below do nothing.
   bool hasMemory() const { return hasMemory(stretch_) || hasMemory(bend_) || shear_.hasMemory(); }
 
-  /// Makes the end of an accepted step, elements begin..end, part of the fabric's history.
+  /// Makes the end of an accepted step part of the fabric's history: part begin..end of 0..size().
   void commit(int begin, int end, const Field& x);
 
   /// Before a change of the mesh, and after it with resize() and setNormals(): what outlasts it keeps its
@@ -116,20 +116,10 @@ class InternalEnergy {
     void reserve(int places) { packs_.reserve(places / kPack + 2); }
     void resize(int places) { packs_.resize(places / kPack); }
     Loop::Step get(int place) const {
-      if (packs_.empty()) return {};
-      const StepPack& pack = packs_[place / kPack];
-      const int l = place % kPack;
-      return {pack.play[l], pack.low[l], pack.high[l], pack.on_lower[l], pack.on_upper[l]};
+      return packs_.empty() ? Loop::Step{} : packs_[place / kPack].get(place % kPack);
     }
-    void set(int place, const Loop::Step& step) {
-      StepPack& pack = packs_[place / kPack];
-      const int l = place % kPack;
-      pack.play[l] = step.play;
-      pack.low[l] = step.low;
-      pack.high[l] = step.high;
-      pack.on_lower[l] = step.on_lower;
-      pack.on_upper[l] = step.on_upper;
-    }
+    void set(int place, const Loop::Step& step) { packs_[place / kPack].set(place % kPack, step); }
+    StepPack& pack(int pack) { return packs_[pack]; }
     const StepPack* packs() const { return packs_.empty() ? nullptr : packs_.data(); }
     void serialize(Archive& archive);
 
@@ -189,7 +179,7 @@ class InternalEnergy {
   NodeGather gather_;
   int edge_count_ = 0, triple_count_ = 0, patch_count_ = 0;
   Field node_normals_;
-  Field patch_normals_;  ///< empty without a twist term
+  Field patch_normals_;
   Field slots_;          ///< see NodeGather; [N], of triples [N·m²]
   std::vector<EdgePack> edge_packs_;
   std::vector<TriplePack> triple_packs_;

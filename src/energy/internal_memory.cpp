@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "energy/internal_energy.h"
+#include "simd/kernels.h"
 
 namespace haptic_cloth {
 
@@ -31,24 +32,44 @@ void InternalEnergy::forgetAll() {
   }
 }
 
+namespace {
+
+/// Commits the elements of a pack that left their path. An element at rest stands at the end of its path and
+/// leaves it by a rounding error, which changes nothing.
+/// @param areas areas of the elements, zero where there is no element
+void commitPack(const Loop& law, const double* deformations, const double* areas, StepPack& pack) {
+  constexpr double kRounding = 1e-12;  // of the path's length
+  for (int l = 0; l < kPack; ++l) {
+    const double s = deformations[l], slack = kRounding * (pack.high[l] - pack.low[l]);
+    const bool left = s > pack.high[l] + slack || s < pack.low[l] - slack;
+    if (left && areas[l] > 0.0) pack.set(l, law.next(pack.get(l), s));
+  }
+}
+
+}  // namespace
+
 void InternalEnergy::commit(int begin, int end, const Field& x) {
-  const auto commit = [](const Loop& law, double s, Steps& steps, int place) {
-    const Loop::Step step = steps.get(place);
-    if (s > step.high || s < step.low) steps.set(place, law.next(step, s));
-  };
-  forEach(
-      begin, end,
-      [&](int e) {
-        if (!edge_steps_.packs()) return;
-        commit(stretch_[mesh_.edges[e].direction], strain(e, x), edge_steps_, gather_.edges().place(e));
-      },
-      [&](int t) {
-        if (!triple_steps_.packs()) return;
-        commit(bend_[mesh_.triples[t].direction], curvature(t, x), triple_steps_, gather_.triples().place(t));
-      },
-      [&](int k) {
-        if (patch_steps_.packs()) commit(shear_, shearAngle(k, x), patch_steps_, k);
-      });
+  const Parts parts = split(begin, end);
+  const ConstArrays at = x.arrays(), normals = node_normals_.arrays();
+  double deformations[kPack];
+  for (const int direction : {kWarp, kWeft}) {
+    const auto [e0, e1] = parts.edges[direction];
+    const int edges = direction * gather_.edges().warpEnd() / kPack;
+    for (int p = edges + e0; edge_steps_.packs() && p < edges + e1; ++p) {
+      kernels().edgeStrains(edge_packs_.data(), p, p + 1, at, deformations);
+      commitPack(stretch_[direction], deformations, edge_packs_[p].area, edge_steps_.pack(p));
+    }
+    const auto [t0, t1] = parts.triples[direction];
+    const int triples = direction * gather_.triples().warpEnd() / kPack;
+    for (int p = triples + t0; triple_steps_.packs() && p < triples + t1; ++p) {
+      kernels().tripleCurvatures(triple_packs_.data(), p, p + 1, at, normals, deformations);
+      commitPack(bend_[direction], deformations, triple_packs_[p].area, triple_steps_.pack(p));
+    }
+  }
+  for (int p = parts.patches.first; patch_steps_.packs() && p < parts.patches.second; ++p) {
+    kernels().shearAngles(patch_packs_.data(), p, p + 1, at, deformations);
+    commitPack(shear_, deformations, patch_packs_[p].area, patch_steps_.pack(p));
+  }
 }
 
 void InternalEnergy::serialize(Archive& archive) {
@@ -56,7 +77,7 @@ void InternalEnergy::serialize(Archive& archive) {
   archive("triples", triple_steps_);
   archive("patches", patch_steps_);
   archive("normals", node_normals_);
-  archive("patch_normals", patch_normals_);
+  if (twist_rigidity_ > 0.0) archive("patch_normals", patch_normals_);
 }
 
 void InternalEnergy::Steps::serialize(Archive& archive) {

@@ -3,6 +3,7 @@
 /// which single precision does.
 #pragma once
 
+#include "haptic_cloth/loop.h"
 #include "simd/pack.h"
 
 namespace haptic_cloth {
@@ -10,6 +11,17 @@ namespace haptic_cloth {
 /// Memory of the elements of a pack, Loop::Step by Loop::Step.
 struct StepPack {
   double play[kPack], low[kPack], high[kPack], on_lower[kPack], on_upper[kPack];
+
+  Loop::Step get(int lane) const {
+    return {play[lane], low[lane], high[lane], on_lower[lane], on_upper[lane]};
+  }
+  void set(int lane, const Loop::Step& step) {
+    play[lane] = step.play;
+    low[lane] = step.low;
+    high[lane] = step.high;
+    on_lower[lane] = step.on_lower;
+    on_upper[lane] = step.on_upper;
+  }
 };
 
 struct alignas(64) EdgePack {
@@ -40,6 +52,11 @@ struct alignas(64) PatchPack {
 //   of
 //                 the packs, null where the law has none. A shear's falling side lies `stride` slots after
 //                 its rising side.
+//   edgeStrains,  deformation at x, as evaluate… has it: [-], [1/m], [rad]; kPack values a pack. Where there
+//   …Curvatures,  is no element they say nothing.
+//   shearAngles
+//   patchNormals  normals of `count` packs of cells, as long as twice their area; kPack a pack. normalise
+//                 makes `count` vectors unit vectors, but for those of no length.
 //   …Curvature    d · H⁺ d at the last evaluation.
 //   add…Blocks    adds what the packs have of H⁺ at each of their nodes [N/m], from the last evaluation.
 

@@ -30,6 +30,33 @@ HAPTIC_CLOTH_INLINE Lanes angleOf(const Lanes& t, const Lanes& sine, const Lanes
   return angle;
 }
 
+/// How a cell is sheared. With D = u·v and the area S = |u x v|, tan γ = D/S, dγ/du = (v - D/u² u)/S,
+/// dγ/dv = (u - D/v² v)/S.
+struct ShearLanes {
+  Lanes3 u, v;                        ///< twice its mean sides
+  Lanes uu, vv, both, product, size;  ///< u², v², u² v², D, S
+  Lanes inverse;                      ///< 1/(S u² v²), zero for a cell without extent
+  Lanes angle;
+};
+
+HAPTIC_CLOTH_INLINE ShearLanes shearOf(const PatchPack& pack, int l, const ConstArrays& x) {
+  ShearLanes shear;
+  const Lanes3 rising = gather(x, pack.corners.at[3], l) - gather(x, pack.corners.at[0], l);
+  const Lanes3 falling = gather(x, pack.corners.at[1], l) - gather(x, pack.corners.at[2], l);
+  shear.u = rising + falling;
+  shear.v = rising - falling;
+  shear.uu = dot(shear.u, shear.u);
+  shear.vv = dot(shear.v, shear.v);
+  shear.both = shear.uu * shear.vv;
+  shear.product = dot(shear.u, shear.v);
+  const Lanes least = (kLeastCosine * kLeastCosine) * shear.both,
+              square = shear.both - shear.product * shear.product;
+  shear.size = squareRoot(larger(square, least));
+  shear.inverse = ifPositive(shear.both, 1.0 / (shear.size * shear.both), Lanes{});
+  shear.angle = angleOf(shear.product * (shear.inverse * shear.both), shear.product, square);
+  return shear;
+}
+
 /// n · (x₁₁ - x₁₀ - x₀₁ + x₀₀), or its change along x.
 HAPTIC_CLOTH_INLINE Lanes saddleHeight(const PatchPack& pack, int l, const ConstArrays& x,
                                        const Lanes3& normal) {
@@ -45,21 +72,14 @@ double evaluateShears(PatchPack* packs, int begin, int end, const LawView& law, 
   for (int p = begin; p < end; ++p) {
     PatchPack& pack = packs[p];
     for (int l = 0; l < kPack; l += kLanes) {
-      const Lanes3 rising = gather(x, pack.corners.at[3], l) - gather(x, pack.corners.at[0], l);
-      const Lanes3 falling = gather(x, pack.corners.at[1], l) - gather(x, pack.corners.at[2], l);
-      const Lanes3 u = rising + falling, v = rising - falling;
-      // With D = u·v and the area S = |u x v|, tan γ = D/S, dγ/du = (v - D/u² u)/S, dγ/dv = (u - D/v² v)/S.
-      const Lanes uu = dot(u, u), vv = dot(v, v), both = uu * vv, product = dot(u, v);
-      const Lanes least = (kLeastCosine * kLeastCosine) * both, square = both - product * product;
-      const Lanes size = squareRoot(larger(square, least));
-      const Lanes inverse = ifPositive(both, 1.0 / (size * both), Lanes{});
-      const Lanes inverse_size = inverse * both, scaled = inverse * size * product;
-      const LawLanes shear =
-          evaluate(law, angleOf(product * inverse_size, product, square), steps ? steps + p : nullptr, l);
-      const Lanes3 du = inverse_size * (v - (scaled * vv) * u), dv = inverse_size * (u - (scaled * uu) * v);
+      const ShearLanes cell = shearOf(pack, l, x);
+      const Lanes inverse_size = cell.inverse * cell.both, scaled = cell.inverse * cell.size * cell.product;
+      const LawLanes shear = evaluate(law, cell.angle, steps ? steps + p : nullptr, l);
+      const Lanes3 du = inverse_size * (cell.v - (scaled * cell.vv) * cell.u),
+                   dv = inverse_size * (cell.u - (scaled * cell.uu) * cell.v);
       const Lanes3 by_rising = du + dv, by_falling = du - dv;
       const Lanes area = load(pack.area + l), force = area * shear.force;
-      energy += ifPositive(both, area * shear.potential, Lanes{});
+      energy += ifPositive(cell.both, area * shear.potential, Lanes{});
       const int slot = first + kPack * (p - begin) + l;
       store(slots, slot, force * by_rising);
       store(slots, slot + stride, force * by_falling);
@@ -73,6 +93,34 @@ double evaluateShears(PatchPack* packs, int begin, int end, const LawView& law, 
     }
   }
   return total(energy);
+}
+
+void shearAngles(const PatchPack* packs, int begin, int end, const ConstArrays& x, double* angles) {
+  for (int p = begin; p < end; ++p) {
+    for (int l = 0; l < kPack; l += kLanes) {
+      store(angles + kPack * (p - begin) + l, shearOf(packs[p], l, x).angle);
+    }
+  }
+}
+
+void patchNormals(const PatchCorners* corners, int count, const ConstArrays& x,
+                  const MutableArrays& normals) {
+  for (int p = 0; p < count; ++p) {
+    const PackIndices* const at = corners[p].at;
+    for (int l = 0; l < kPack; l += kLanes) {
+      const Lanes3 a = gather(x, at[3], l) - gather(x, at[0], l),
+                   b = gather(x, at[2], l) - gather(x, at[1], l);
+      store(normals, kPack * p + l, {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x});
+    }
+  }
+}
+
+void normalise(int count, const MutableArrays& vectors) {
+  for (int n = 0; n < count; n += kLanes) {
+    const Lanes3 v = load(ConstArrays(vectors), n);
+    const Lanes length = squareRoot(dot(v, v));
+    store(vectors, n, ifPositive(length, 1.0 / length, Lanes{}) * v);
+  }
 }
 
 double shearCurvature(const PatchPack* packs, int begin, int end, const ConstArrays& d) {

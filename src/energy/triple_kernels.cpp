@@ -33,6 +33,15 @@ double evaluateTriples(TriplePack* packs, int begin, int end, const LawView& law
   return total(energy);
 }
 
+void tripleCurvatures(const TriplePack* packs, int begin, int end, const ConstArrays& x,
+                      const ConstArrays& normals, double* curvatures) {
+  for (int p = begin; p < end; ++p) {
+    for (int l = 0; l < kPack; l += kLanes) {
+      store(curvatures + kPack * (p - begin) + l, bend(packs[p], l, x, gather(normals, packs[p].c, l)));
+    }
+  }
+}
+
 double tripleCurvature(const TriplePack* packs, int begin, int end, const ConstArrays& d,
                        const ConstArrays& normals) {
   Lanes sum{};

@@ -334,7 +334,7 @@ void ClothWorld::accept(StepReport& report) {
   }
   for (std::size_t k = 0; k < probes.size(); ++k) acceptProbe(static_cast<int>(k));
   if (history_) {
-    team.forRange(internal.elements(), [this](int begin, int end) { internal.commit(begin, end, nodes_); });
+    team.forRange(internal.size(), [this](int begin, int end) { internal.commit(begin, end, nodes_); });
   }
   support_force = contacts.obstacleForce() + objective.pinForce();
   report.max_penetration = contacts.deepest();

@@ -35,6 +35,16 @@ struct TriplePack;
   KERNEL(double, evaluateTwists,                                                                             \
          (const PatchPack* packs, int begin, int end, double rigidity, const ConstArrays& x,                 \
           const ConstArrays& normals, const MutableArrays& slots, int first))                                \
+  KERNEL(void, edgeStrains,                                                                                  \
+         (const EdgePack* packs, int begin, int end, const ConstArrays& x, double* strains))                 \
+  KERNEL(void, tripleCurvatures,                                                                             \
+         (const TriplePack* packs, int begin, int end, const ConstArrays& x, const ConstArrays& normals,     \
+          double* curvatures))                                                                               \
+  KERNEL(void, shearAngles,                                                                                  \
+         (const PatchPack* packs, int begin, int end, const ConstArrays& x, double* angles))                 \
+  KERNEL(void, patchNormals,                                                                                 \
+         (const PatchCorners* corners, int count, const ConstArrays& x, const MutableArrays& normals))       \
+  KERNEL(void, normalise, (int count, const MutableArrays& vectors))                                         \
   KERNEL(double, edgeCurvature, (const EdgePack* packs, int begin, int end, const ConstArrays& d))           \
   KERNEL(double, tripleCurvature,                                                                            \
          (const TriplePack* packs, int begin, int end, const ConstArrays& d, const ConstArrays& normals))    \

@@ -95,7 +95,7 @@ double Specimen::deform(double deformation) {
   internal_.addGradient(0, mesh_.nodes(), gradient);
   double work = 0.0;
   for (int n = 0; n < mesh_.nodes(); ++n) work += gradient[n].dot(ahead[n] - behind[n]);
-  internal_.commit(0, internal_.elements(), x);
+  internal_.commit(0, internal_.size(), x);
   return work / (2.0 * step * area_);
 }
 

@@ -89,7 +89,7 @@ TEST(ForceHistory, ElementsRecallWhatTheyRemembered) {
     const Eigen::VectorXd noise = 5e-4 * fixedRandom(3 * mesh.nodes(), seed);
     x = flat;
     for (int n = 0; n < mesh.nodes(); ++n) x.add(n, noise.segment<3>(3 * n));
-    internal.commit(0, internal.elements(), x);
+    internal.commit(0, internal.size(), x);
   }
   const Field before = gradient();
   ASSERT_GT(mesh.ghosts.size(), 0u);

@@ -133,7 +133,7 @@ TEST_P(FabricChange, KeepsWhatStaysAndCountsWhatItMade) {
   Field shaken = x_;
   const Eigen::VectorXd noise = 3e-4 * fixedRandom(3 * mesh_.nodes(), 7);
   for (int n = 0; n < mesh_.nodes(); ++n) shaken.add(n, noise.segment<3>(3 * n));
-  internal.commit(0, internal.elements(), shaken);
+  internal.commit(0, internal.size(), shaken);
 
   const auto total = [](const InternalEnergy::Energy& e) { return e.stretch + e.bend + e.shear; };
   const auto memory = [&internal](int element) { return internal.law(element, 0.0).force; };
