@@ -71,6 +71,9 @@ def broken(path):
 
 
 def main():
+    if len(sys.argv) > 1:
+        print(__doc__)
+        return 0
     faults = 0
     for path in documents():
         found = list(broken(path)) + ([] if has_any_width(path) else list(too_long(path)))
