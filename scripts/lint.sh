@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Layout and package checks. Usage: scripts/lint.sh [--fix]     (structure rules are a unit test)
+# Layout, package and document checks. Usage: scripts/lint.sh [--fix]     (structure rules are a unit test)
 set -euo pipefail
 case "${1:-}" in -h | --help) sed -n 2,2p "$0"; exit 0 ;; esac
 cd "$(dirname "$0")/.."
@@ -14,6 +14,7 @@ ignored=(uninstalled_script missing_required env_var uninstalled_target wrong_bi
          external_interface_path)
 catkin_lint --quiet -W1 --strict "${ignored[@]/#/--ignore=}" . 2>&1 | { ! grep -E "(error|warning):"; }
 for script in scripts/*.sh .ci/run; do bash -n "$script"; done
+scripts/check_docs.py
 for script in scripts/*.py test/ros/*.py; do
   head -n 1 "$script" | grep -qx '#!/usr/bin/python3' || { echo "$script: must start with #!/usr/bin/python3"; exit 1; }
 done

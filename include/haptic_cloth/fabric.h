@@ -23,7 +23,7 @@ struct Fabric {
   Loop shear;                        ///< shear angle [rad] → shear force per width [N/m]
 };
 
-/// Reads a fabric file (format: docs/formats.md; KES units where KES has them).
+/// Reads a fabric file (format: docs/reference/fabrics.md; KES units where KES has them).
 /// @throws InputError for unreadable files, unknown keys, wrong types and impossible values.
 Fabric loadFabric(const std::string& file);
 

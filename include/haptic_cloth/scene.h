@@ -1,4 +1,4 @@
-/// Everything one simulation needs: cloth, world, probe and options. Format: docs/formats.md.
+/// Everything one simulation needs: cloth, world, probe and options. Format: docs/reference/scenes.md.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-/// Files that states are kept in (docs/formats.md).
+/// Files that states are kept in (docs/reference/states.md).
 #pragma once
 
 #include <cstdint>

@@ -37,7 +37,7 @@ struct ContactSample : SurfacePoint {
 /// Samples near solids, collected at the start of each step. Obstacles are sampled at the nodes, and at every
 /// point of the finest grid in coarse cells on which they do not press evenly, so that these rest like fine
 /// ones, and closer at sharp edges; the probe at points of at most a third of its radius apart. Model:
-/// docs/design.md.
+/// decision 0010.
 class ContactSet {
  public:
   struct Options {

@@ -9,7 +9,7 @@ namespace haptic_cloth {
 namespace {
 
 /// Where the proxy goes of itself, cloth that slides or swings, is forgotten in this time [s]. Beside 5 and
-/// 20 ms the best on the measured strokes (docs/design.md).
+/// 20 ms the best on the measured strokes (decision 0015).
 constexpr double kDriftMemory = 0.01;
 
 /// What relaxes holds at most this many times what its local stiffness says [-]: twice where force rises with

@@ -8,7 +8,7 @@ namespace haptic_cloth {
 namespace {
 
 // Hats of several levels move the same parts of the cloth: in full, their sum goes too far. Twice their
-// blocks needs the fewest iterations (docs/design.md).
+// blocks needs the fewest iterations (decision 0006).
 constexpr double kOverlap = 2.0;
 
 // About what a hat or a child takes one core, a node's own block, and the inverse of either [s].

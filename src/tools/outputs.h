@@ -1,4 +1,4 @@
-/// The files `simulate` writes. Formats: docs/formats.md.
+/// The files `simulate` writes. Formats: docs/reference/results.md.
 #pragma once
 
 #include <filesystem>

@@ -1,6 +1,6 @@
 /// Short runs of random scenes. Criteria: the reader takes the scene; every step ends with finite values and
 /// none fails; no edge is strained beyond kMostStrain; the state has equal bits for 1 and 2 threads
-/// (docs/design.md). HAPTIC_CLOTH_RANDOM_SEED=n begins at scene n, HAPTIC_CLOTH_RANDOM_SCENES=n runs so many.
+/// (decision 0008). HAPTIC_CLOTH_RANDOM_SEED=n begins at scene n, HAPTIC_CLOTH_RANDOM_SCENES=n runs so many.
 /// A scene that breaks a criterion is kept in a file, to be run by `simulate`.
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 /// What must not change, or change one way only.
-/// Criteria: the same bits for any number of threads (docs/design.md, parallel), on each path of the kernels
+/// Criteria: the same bits for any number of threads (decision 0008), on each path of the kernels
 /// (ctest runs this file on all that the machine has); reset() gives back the same
 /// run; without a device energy is only lost (backward Euler is dissipative on a convex potential).
 #include <gtest/gtest.h>

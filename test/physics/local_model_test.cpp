@@ -5,7 +5,7 @@
 /// solver's own force does from one solve to the next is no step of the model. Reference: the same scene,
 /// each millisecond, solved to a fifth of the tolerance. The rms error is reached at 1 and 5 ms; at 10 and 20
 /// ms only where the hand presses on held cloth. What is measured there is printed and stands in
-/// docs/design.md.
+/// decision 0015.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -235,7 +235,7 @@ TEST_P(LocalModel, GivesTheSolversForce) {
         100 * plain.largest, 100 * whole.largest, 100 * model.step, 100 * plain.step, 100 * whole.step);
     EXPECT_LT(model.step, tolerance(0.07)) << interval << " ms";
     if (interval > 5)
-      continue;  // 10 and 20 ms fall short of 5 % but where the cloth is pressed: docs/design.md
+      continue;  // 10 and 20 ms fall short of 5 % but where the cloth is pressed: decision 0015
     EXPECT_LE(model.rms, tolerance(0.05)) << interval << " ms";
     EXPECT_LE(whole.rms, tolerance(0.05)) << interval << " ms: the controller is felt where nothing buzzes";
   }

@@ -1,7 +1,7 @@
 /// Scenes at the edge of what a scene may be: the smallest and thinnest meshes, nothing free, all inside a
 /// solid, a probe on a particle, solids on top of each other, extreme steps, laws that are not there.
 /// Criteria: every step ends with finite values and none fails; the state has equal bits for 1, 2 and 4
-/// threads, as docs/design.md promises.
+/// threads, as decision 0008 promises.
 #include <gtest/gtest.h>
 
 #include <cmath>

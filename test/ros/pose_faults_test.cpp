@@ -1,5 +1,5 @@
 /// Poses as they should not be: too many, too few, in bursts, out of order, not finite, of two hands.
-/// Criterion of every case (docs/design.md, haptic loop): each wrench is finite, within 3.3 N and changes by
+/// Criterion of every case (docs/architecture.md): each wrench is finite, within 3.3 N and changes by
 /// no more than five periods' worth of 200 N/s a tick; the fault is counted in the diagnostics; good poses
 /// beside bad ones keep their force; afterwards a press is felt again without anybody having touched the
 /// node.

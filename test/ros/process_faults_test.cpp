@@ -1,6 +1,6 @@
 /// Processes that are killed, stopped, starved or cannot write: the device, the node, the recorder, the
 /// master. Criterion: as in pose_faults_test. Of a device that is killed: the force is zero within 50 ms of
-/// the watchdog's limit (docs/design.md), counted in the wrenches, of which there is one every millisecond.
+/// the watchdog's limit (architecture.md), counted in the wrenches, of which there is one every millisecond.
 #include <geometry_msgs/Point.h>
 #include <signal.h>
 #include <stdlib.h>

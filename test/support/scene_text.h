@@ -7,7 +7,7 @@
 
 namespace haptic_cloth {
 
-/// Scene file (docs/formats.md) that reads back to the same doubles. A scene does not know where its fabric
+/// Scene file (scenes.md) that reads back to the same doubles. A scene does not know where its fabric
 /// came from: @param fabric_file path of the fabric file, as `cloth.fabric` will have it.
 std::string sceneText(const Scene& scene, const std::string& fabric_file);
 

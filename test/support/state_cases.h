@@ -41,7 +41,7 @@ std::uint64_t readings(const Simulation& simulation, const StepReport& report);
 /// One step of a case. @param exercised added to, if given @return readings after it
 std::uint64_t advance(const StateCase& run, Simulation& simulation, int step, Exercised* exercised = nullptr);
 
-/// An entry of a saved state, see docs/formats.md.
+/// An entry of a saved state, see docs/reference/states.md.
 struct StateEntry {
   std::string name;
   char type;

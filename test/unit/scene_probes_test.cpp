@@ -1,4 +1,4 @@
-/// Probes and moving obstacles in scene files. Criterion: docs/formats.md.
+/// Probes and moving obstacles in scene files. Criterion: docs/reference/scenes.md.
 #include <gtest/gtest.h>
 
 #include "haptic_cloth/error.h"

@@ -1,5 +1,5 @@
 /// States that do not fit are refused with a line that says why, and leave the simulation as it was; files
-/// are written whole or not at all. Criterion: docs/formats.md.
+/// are written whole or not at all. Criterion: docs/reference/states.md.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>

@@ -1,4 +1,4 @@
-/// The rules of the source tree that a compiler does not check (docs/design.md, layout).
+/// The rules of the source tree that a compiler does not check (docs/architecture.md).
 #include <gtest/gtest.h>
 
 #include <algorithm>

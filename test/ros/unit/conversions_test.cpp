@@ -274,7 +274,7 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
 }
 
 TEST(Diagnostics, AnObstaclesDroppedPoseIsForgivenWhenPosesAreGoodAgain) {
-  // As a probe's: a warning for 5 s, the figure of docs/design.md; counted for ever.
+  // As a probe's: a warning for 5 s, the figure of docs/architecture.md; counted for ever.
   using diagnostic_msgs::DiagnosticStatus;
   const tf2_ros::Buffer transforms;
   Mailbox<ObstacleTarget> shared;

@@ -282,7 +282,7 @@ TEST(DevicePresets, EveryPairOfDeviceAndDriverLoadsWithoutWarning) {
   }
 }
 
-/// What CHAI3D 3.2 specifies for these models; the rule of docs/devices.md for the coupling: at most half of
+/// What CHAI3D 3.2 specifies for these models; the rule of guide/devices.md for the coupling: at most half of
 /// the largest stiffness, and B/(T/2 + t) with T = 1 ms and the delay t = 1 ms, over USB 2 ms (Gil et al.
 /// 2009, b = 0).
 TEST(DevicePresets, StayWithinThePublishedLimits) {
