@@ -1,19 +1,19 @@
 # The ROS side: one library with everything, and a thin main for each node.
 set(ros_mains node_main.cpp nodelet.cpp hand_main.cpp mouse_hand_main.cpp path_hand_main.cpp monitor_main.cpp
   device_adapter_main.cpp latency_probe_main.cpp)
-file(GLOB ros_sources CONFIGURE_DEPENDS src/ros/*.cpp)
+file(GLOB ros_sources CONFIGURE_DEPENDS src/ros/*/*.cpp)
 foreach(main ${ros_mains})
-  list(REMOVE_ITEM ros_sources "${PROJECT_SOURCE_DIR}/src/ros/${main}")
+  list(REMOVE_ITEM ros_sources "${PROJECT_SOURCE_DIR}/src/ros/programs/${main}")
 endforeach()
 
 add_library(haptic_cloth_ros ${ros_sources})
-add_library(haptic_cloth_nodelet src/ros/nodelet.cpp)
-add_executable(haptic_cloth_node src/ros/node_main.cpp)
-add_executable(hand src/ros/hand_main.cpp)
-add_executable(mouse_hand src/ros/mouse_hand_main.cpp)
-add_executable(path_hand src/ros/path_hand_main.cpp)
-add_executable(monitor src/ros/monitor_main.cpp)
-add_executable(device_adapter src/ros/device_adapter_main.cpp)
+add_library(haptic_cloth_nodelet src/ros/programs/nodelet.cpp)
+add_executable(haptic_cloth_node src/ros/programs/node_main.cpp)
+add_executable(hand src/ros/programs/hand_main.cpp)
+add_executable(mouse_hand src/ros/programs/mouse_hand_main.cpp)
+add_executable(path_hand src/ros/programs/path_hand_main.cpp)
+add_executable(monitor src/ros/programs/monitor_main.cpp)
+add_executable(device_adapter src/ros/programs/device_adapter_main.cpp)
 
 target_link_libraries(haptic_cloth_ros haptic_cloth haptic_cloth_private ${catkin_LIBRARIES})
 # A thread that waits for a file system outlives an unloaded nodelet; its code must stay.
@@ -27,7 +27,7 @@ foreach(target haptic_cloth_ros haptic_cloth_nodelet haptic_cloth_node hand mous
 endforeach()
 
 # For bench/latency.
-add_executable(latency_probe src/ros/latency_probe_main.cpp)
+add_executable(latency_probe src/ros/programs/latency_probe_main.cpp)
 target_include_directories(latency_probe SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
 target_link_libraries(latency_probe haptic_cloth_ros nlohmann_json::nlohmann_json)
 add_dependencies(latency_probe ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})

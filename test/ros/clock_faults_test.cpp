@@ -6,8 +6,8 @@
 #include <tf2_ros/static_transform_broadcaster.h>
 
 #include "fault_support.h"
-#include "ros/conversions.h"
-#include "ros/steady_clock.h"
+#include "ros/node/conversions.h"
+#include "ros/node/steady_clock.h"
 
 namespace haptic_cloth {
 namespace {

@@ -14,8 +14,8 @@
 #include <limits>
 #include <memory>
 
-#include "ros/conversions.h"
-#include "ros/steady_clock.h"
+#include "ros/node/conversions.h"
+#include "ros/node/steady_clock.h"
 #include "ros_test_support.h"
 
 namespace haptic_cloth {

@@ -18,7 +18,7 @@
 #include <limits>
 #include <memory>
 
-#include "ros/conversions.h"
+#include "ros/node/conversions.h"
 #include "ros_test_support.h"
 
 namespace haptic_cloth {

@@ -16,7 +16,7 @@
 #include <thread>
 #include <vector>
 
-#include "ros/steady_clock.h"
+#include "ros/node/steady_clock.h"
 #include "ros_test_support.h"
 
 namespace haptic_cloth {

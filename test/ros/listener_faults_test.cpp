@@ -10,7 +10,7 @@
 
 #include "fault_support.h"
 #include "raw_listeners.h"
-#include "ros/steady_clock.h"
+#include "ros/node/steady_clock.h"
 
 namespace haptic_cloth {
 namespace {

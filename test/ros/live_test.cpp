@@ -15,7 +15,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "ros/reconfigure_messages.h"
+#include "ros/options/reconfigure_messages.h"
 #include "ros_test_support.h"
 
 namespace haptic_cloth {

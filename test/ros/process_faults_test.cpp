@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "fault_support.h"
-#include "ros/conversions.h"
-#include "ros/steady_clock.h"
+#include "ros/node/conversions.h"
+#include "ros/node/steady_clock.h"
 
 namespace haptic_cloth {
 namespace {

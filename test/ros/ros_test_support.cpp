@@ -11,8 +11,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "ros/conversions.h"
-#include "ros/steady_clock.h"
+#include "ros/node/conversions.h"
+#include "ros/node/steady_clock.h"
 
 namespace haptic_cloth {
 

@@ -1,7 +1,7 @@
 /// Parameters of admittance devices: the shipped ones are the code's, bad ones are named.
 #include <gtest/gtest.h>
 
-#include "ros/node_options.h"
+#include "ros/options/node_options.h"
 #include "yaml_parameters.h"
 
 namespace haptic_cloth {

@@ -1,5 +1,5 @@
 /// The pure functions between ROS and the library: conversions, markers, diagnostics.
-#include "ros/conversions.h"
+#include "ros/node/conversions.h"
 
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
@@ -11,10 +11,10 @@
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/machine.h"
 #include "haptic_cloth/simulation.h"
-#include "ros/diagnostics.h"
-#include "ros/hand_model.h"
-#include "ros/markers.h"
-#include "ros/node_options.h"
+#include "ros/display/diagnostics.h"
+#include "ros/display/markers.h"
+#include "ros/options/node_options.h"
+#include "ros/programs/hand_model.h"
 #include "yaml_parameters.h"
 
 namespace haptic_cloth {

@@ -1,5 +1,5 @@
 /// Units, axes and scales of devices, the warnings about them, and every shipped preset.
-#include "ros/device_map.h"
+#include "ros/input/device_map.h"
 
 #include <gtest/gtest.h>
 
@@ -11,9 +11,9 @@
 #include <set>
 
 #include "haptic_cloth/error.h"
-#include "ros/diagnostics.h"
-#include "ros/node_options.h"
-#include "ros/unit_check.h"
+#include "ros/display/diagnostics.h"
+#include "ros/input/unit_check.h"
+#include "ros/options/node_options.h"
 #include "yaml_parameters.h"
 
 namespace haptic_cloth {

@@ -1,5 +1,5 @@
 /// When the log says why nothing of a device is taken: after a second of it, once a reason.
-#include "ros/drop_notice.h"
+#include "ros/input/drop_notice.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 /// Which options change live, by which rules, and how tools see them.
 /// Criteria: a value set live is what the same private parameter gives a node that starts with it, for every
 /// option there is; what a file may not say is refused live with the same words; a set is taken as a whole.
-#include "ros/live_options.h"
+#include "ros/options/live_options.h"
 
 #include <gtest/gtest.h>
 
@@ -11,10 +11,10 @@
 #include <sstream>
 
 #include "haptic_cloth/error.h"
-#include "ros/diagnostics.h"
-#include "ros/force_input.h"
-#include "ros/markers.h"
-#include "ros/reconfigure_messages.h"
+#include "ros/display/diagnostics.h"
+#include "ros/display/markers.h"
+#include "ros/input/force_input.h"
+#include "ros/options/reconfigure_messages.h"
 #include "yaml_parameters.h"
 
 namespace haptic_cloth {

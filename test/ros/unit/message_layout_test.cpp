@@ -1,5 +1,5 @@
 /// Messages whose types are known only at run time, against roscpp's own serialisation and fingerprints.
-#include "ros/message_layout.h"
+#include "ros/input/message_layout.h"
 
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <geometry_msgs/PointStamped.h>
@@ -15,9 +15,9 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include "haptic_cloth/error.h"
-#include "ros/force_types.h"
-#include "ros/md5.h"
-#include "ros/vector_field.h"
+#include "ros/input/force_types.h"
+#include "ros/input/md5.h"
+#include "ros/input/vector_field.h"
 
 namespace haptic_cloth {
 namespace {

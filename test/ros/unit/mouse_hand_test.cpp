@@ -1,12 +1,12 @@
 /// The hand without a device: how it follows the mouse, and where its handles stand.
-#include "ros/mouse_hand.h"
+#include "ros/programs/mouse_hand.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "ros/conversions.h"
+#include "ros/node/conversions.h"
 
 namespace haptic_cloth {
 namespace {

@@ -1,5 +1,5 @@
 /// The node's private parameters: defaults, scenes among them, several probes, and what is said of bad ones.
-#include "ros/node_options.h"
+#include "ros/options/node_options.h"
 
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>

@@ -1,11 +1,11 @@
 /// Which messages the gate lets through: by content, sender and stamp.
-#include "ros/pose_gate.h"
+#include "ros/input/pose_gate.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "ros/conversions.h"
+#include "ros/node/conversions.h"
 
 namespace haptic_cloth {
 namespace {

@@ -1,7 +1,7 @@
 /// Work that services give to others: to the solver thread, and to threads that wait for files.
 /// Criteria: every caller gets its own answer; who waits can be called off; a state has the options
 /// that were asked for.
-#include "ros/solver_tasks.h"
+#include "ros/node/solver_tasks.h"
 
 #include <gtest/gtest.h>
 
@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "haptic_cloth/error.h"
-#include "ros/file_work.h"
-#include "ros/solver_loop.h"
-#include "ros/steady_clock.h"
+#include "ros/node/file_work.h"
+#include "ros/node/solver_loop.h"
+#include "ros/node/steady_clock.h"
 #include "yaml_parameters.h"
 
 namespace haptic_cloth {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "haptic_cloth/error.h"
-#include "ros/node_options.h"
+#include "ros/options/node_options.h"
 
 namespace haptic_cloth {
 

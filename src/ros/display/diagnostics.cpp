@@ -1,0 +1,202 @@
+#include "ros/display/diagnostics.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <utility>
+
+#include "haptic_cloth/machine.h"
+
+namespace haptic_cloth {
+namespace {
+
+using diagnostic_msgs::DiagnosticStatus;
+
+constexpr double kHanging = 2.0;        ///< without news [s]
+constexpr double kRateShare = 0.9;      ///< of the wanted rate that is good enough [-]
+constexpr double kLatenessGood = 1e-3;  ///< 99 % of ticks are less late [s]
+constexpr double kNow = 0.5;            ///< messages of a device come closer together [s]
+constexpr double kLately = 5.0;         ///< a fault that is over is a warning no longer than this [s]
+
+void add(DiagnosticStatus& status, const std::string& key, const std::string& value) {
+  diagnostic_msgs::KeyValue entry;
+  entry.key = key;
+  entry.value = value;
+  status.values.push_back(entry);
+}
+
+void add(DiagnosticStatus& status, const std::string& key, double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  add(status, key, std::string(text));
+}
+
+void add(DiagnosticStatus& status, const std::string& key, std::uint64_t value) {
+  add(status, key, std::to_string(value));
+}
+
+void judge(DiagnosticStatus& status, int level, const std::string& message) {
+  status.level = static_cast<DiagnosticStatus::_level_type>(level);
+  status.message = message;
+}
+
+using DropReason = std::pair<const char*, std::uint64_t>;
+
+/// Why messages were dropped, and how many for that.
+std::array<DropReason, 6> dropReasons(const InputCounters& counters) {
+  return {DropReason{"not finite", counters.not_finite}, {"unknown frame", counters.unknown_frame},
+          {"out of order", counters.out_of_order},       {"late", counters.late},
+          {"other sender", counters.other_sender},       {"too far", counters.too_far}};
+}
+
+const char* mostDropped(const InputCounters& counters) {
+  const auto reasons = dropReasons(counters);
+  return std::max_element(reasons.begin(), reasons.end(),
+                          [](const DropReason& a, const DropReason& b) { return a.second < b.second; })
+      ->first;
+}
+
+const char* graspText(GraspState grasp) {
+  switch (grasp) {
+    case GraspState::Open:
+      return "open";
+    case GraspState::Closed:
+      return "closed";
+    case GraspState::Holding:
+      return "holds cloth";
+  }
+  return "unknown";
+}
+
+}  // namespace
+
+DiagnosticStatus solverStatus(const SolverStats& stats, bool paused, double now) {
+  DiagnosticStatus status;
+  status.name = "haptic_cloth: solver";
+  if (paused) {
+    judge(status, DiagnosticStatus::OK, "paused");
+  } else if (stats.taken < 0.0 || now - stats.taken > kHanging) {
+    judge(status, DiagnosticStatus::WARN, "no steps");
+  } else if (stats.last.failed || stats.last.minimizer.why == Termination::NotFinite) {
+    judge(status, DiagnosticStatus::WARN, "the last step failed; the last good state was restored");
+  } else {
+    judge(status, DiagnosticStatus::OK, "running");
+  }
+  add(status, "steps per second", stats.wall > 0.0 ? stats.steps / stats.wall : 0.0);
+  add(status, "real-time factor", stats.real_time_factor);
+  add(status, "simulated time [s]", stats.time);
+  add(status, "active particles", static_cast<std::uint64_t>(stats.last.active_particles));
+  add(status, "iterations per step", stats.iterations);
+  add(status, "termination", std::string(toString(stats.last.minimizer.why)));
+  add(status, "residual [|g|]", stats.last.minimizer.residual);
+  add(status, "failed steps", stats.failed);
+  add(status, "kinetic energy [J]", stats.kinetic);
+  static const std::string processor = processorName();  // reads a file once
+  add(status, "processor", processor);
+  add(status, "instruction set", std::string(instructionSet()));
+  return status;
+}
+
+DiagnosticStatus hapticStatus(const HapticStats& stats, const std::string& scheduling, double now) {
+  const double measured = stats.wall > 0.0 ? stats.ticks / stats.wall : 0.0;
+  DiagnosticStatus status;
+  status.name = "haptic_cloth: haptic thread";
+  if (stats.taken < 0.0) {
+    judge(status, DiagnosticStatus::OK, "starting");
+  } else if (now - stats.taken > kHanging) {
+    judge(status, DiagnosticStatus::ERROR, "no ticks");
+  } else if (measured < kRateShare * stats.rate || stats.lateness.quantile(0.99) > kLatenessGood) {
+    judge(status, DiagnosticStatus::WARN, "late; " + scheduling);
+  } else {
+    judge(status, DiagnosticStatus::OK, scheduling);
+  }
+  add(status, "rate [Hz]", measured);
+  add(status, "late p50 [us]", 1e6 * stats.lateness.quantile(0.5));
+  add(status, "late p99 [us]", 1e6 * stats.lateness.quantile(0.99));
+  add(status, "late max [us]", 1e6 * stats.lateness.max());
+  add(status, "ticks given up", stats.given_up);
+  add(status, "scheduling", scheduling);
+  return status;
+}
+
+DiagnosticStatus optionsStatus(const LiveReport& report) {
+  DiagnosticStatus status;
+  status.name = "haptic_cloth: options";
+  judge(status, report.refused_last ? DiagnosticStatus::WARN : DiagnosticStatus::OK,
+        report.refused_last ? "refused: " + report.refusal
+        : report.taken > 0  ? "changed live"
+                            : "as started");
+  add(status, "changes taken over", report.taken);
+  add(status, "changes refused", report.refused);
+  add(status, "last refusal", report.refusal);
+  return status;
+}
+
+DiagnosticStatus probeStatus(const std::string& name, const InputCounters& counters, const FeltForce& felt,
+                             GraspState grasp, double now, const std::string& message) {
+  DiagnosticStatus status;
+  status.name = "haptic_cloth: " + name;
+  const std::uint64_t dropped = counters.dropped();
+  const UnitDoubt doubt = counters.doubt;
+  const bool stale = felt.status == HapticStatus::PoseStale || felt.status == HapticStatus::ForceStale;
+  if (counters.received == 0) {
+    judge(status, DiagnosticStatus::OK, "no " + message + " yet");
+  } else if (doubt != UnitDoubt::None) {
+    judge(status, DiagnosticStatus::WARN, toText(doubt));
+  } else if (felt.status == HapticStatus::SnapshotStale) {
+    judge(status, DiagnosticStatus::WARN, "the solver stalls; no force");
+  } else if (dropped > 0 && now - counters.last_dropped < (stale ? kNow : kLately)) {
+    const std::string and_so = stale ? "; no force" : "";
+    judge(status, DiagnosticStatus::WARN,
+          std::to_string(dropped) + " " + message + "s dropped, most " + mostDropped(counters) + and_so);
+  } else if (stale) {
+    judge(status, DiagnosticStatus::WARN, "the " + message + "s stopped; no force");
+  } else {
+    judge(status, DiagnosticStatus::OK, "receiving");
+  }
+  add(status, "status", std::string(toString(felt.status)));
+  add(status, "force [N]", felt.force.norm());
+  add(status, "torque [N m]", felt.torque.norm());
+  add(status, "grasp", std::string(graspText(grasp)));
+  add(status, "received", counters.received.load());
+  add(status, "dropped", dropped);
+  for (const auto& [reason, count] : dropReasons(counters)) {
+    add(status, std::string("dropped: ") + reason, count);
+  }
+  add(status, "force off: " + message + "s stopped", felt.input_stops);
+  add(status, "force off: solver stalled", felt.snapshot_stops);
+  add(status, "units", std::string(doubt == UnitDoubt::None ? "plausible" : toText(doubt)));
+  add(status, "taken: bad quaternion", counters.bad_quaternion.load());
+  return status;
+}
+
+DiagnosticStatus obstacleStatus(const std::string& name, const ObstacleCounters& counters, double now) {
+  DiagnosticStatus status;
+  status.name = "haptic_cloth: obstacle " + name;
+  const std::uint64_t dropped = counters.dropped();
+  if (dropped > 0 && now - counters.last_dropped < kLately) {
+    judge(status, DiagnosticStatus::WARN, std::to_string(dropped) + " poses dropped");
+  } else {
+    judge(status, DiagnosticStatus::OK, counters.received == 0 ? "no pose yet" : "receiving");
+  }
+  add(status, "received", counters.received.load());
+  add(status, "dropped", dropped);
+  add(status, "dropped: not finite", counters.not_finite.load());
+  add(status, "dropped: unknown frame", counters.unknown_frame.load());
+  add(status, "taken: bad quaternion", counters.bad_quaternion.load());
+  return status;
+}
+
+DiagnosticStatus displayStatus(std::uint64_t marker_frames, std::uint64_t state_frames, bool master_reachable,
+                               std::uint64_t registrations) {
+  DiagnosticStatus status;
+  status.name = "haptic_cloth: display";
+  judge(status, master_reachable ? DiagnosticStatus::OK : DiagnosticStatus::WARN,
+        master_reachable ? "running" : "ROS master lost; connected peers go on");
+  add(status, "marker frames", marker_frames);
+  add(status, "state frames", state_frames);
+  add(status, "registrations renewed", registrations);
+  return status;
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,125 @@
+#include "ros/display/display_thread.h"
+
+#include <diagnostic_msgs/DiagnosticArray.h>
+
+#include <algorithm>
+
+#include "ros/display/diagnostics.h"
+#include "ros/node/conversions.h"
+#include "ros/node/steady_clock.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kDiagnosticsPeriod = 1.0;  ///< [s]
+
+/// Whether something that comes every `period` is due; moves `due` on without piling up what was missed.
+bool isDue(double now, double period, double& due) {
+  if (now < due) return false;
+  due = std::max(due + period, now);
+  return true;
+}
+
+}  // namespace
+
+DisplayThread::DisplayThread(const NodeOptions& options, const DisplayPublishers& publishers,
+                             const DisplaySources& sources, SharedState& shared)
+    : frame_id_(options.frame_id),
+      columns_(options.scene.cloth.particles[0]),
+      rows_(options.scene.cloth.particles[1]),
+      markers_period_(1.0 / options.markers.rate),
+      state_period_(1.0 / options.state_rate),
+      publishers_(publishers),
+      sources_(sources),
+      shared_(shared),
+      live_(shared.live_for_display),
+      builder_(options.scene, options.frame_id, options.markers) {}
+
+void DisplayThread::run() {
+  markers_due_ = state_due_ = steadyNow();
+  double diagnostics_due = steadyNow() + kDiagnosticsPeriod;
+  while (!shared_.stop) {
+    sleepUntil(std::min({markers_due_, state_due_, diagnostics_due}));
+    takeOptions();
+    const double now = steadyNow();
+    const bool markers =
+        isDue(now, markers_period_, markers_due_) && publishers_.markers.getNumSubscribers() > 0;
+    const bool state = isDue(now, state_period_, state_due_);
+    const bool mesh = state && publishers_.state.getNumSubscribers() > 0;
+    const bool proxy = state && proxiesWanted();
+    if (markers || mesh || proxy) {
+      // The copy that answers this wish is shown next time: at most one frame old, and nobody waits.
+      const DisplayFrame& frame = shared_.frame.read();
+      shared_.frame_wanted = true;
+      if (frame.valid && markers) publishMarkers(frame);
+      if (frame.valid && mesh) publishState(frame);
+      if (frame.valid && proxy) publishProxies(frame);
+    }
+    if (isDue(now, kDiagnosticsPeriod, diagnostics_due)) publishDiagnostics(now);
+  }
+}
+
+void DisplayThread::takeOptions() {
+  if (!live_.readNew()) return;
+  const LiveOptions& live = live_.newest();
+  builder_.setOptions(live.options->markers);
+  markers_period_ = 1.0 / live.options->markers.rate;
+  state_period_ = 1.0 / live.options->state_rate;
+  // What a slow rate had put off for long comes at the new one.
+  markers_due_ = std::min(markers_due_, steadyNow() + markers_period_);
+  state_due_ = std::min(state_due_, steadyNow() + state_period_);
+}
+
+void DisplayThread::publishMarkers(const DisplayFrame& frame) {
+  forces_.clear();
+  for (SharedProbe& probe : shared_.probes) forces_.push_back(probe.felt.read().force);
+  publishers_.markers.publish(builder_.build(frame, forces_, ros::Time::now()));
+  ++marker_frames_;
+}
+
+void DisplayThread::publishState(const DisplayFrame& frame) {
+  toClothState(frame, columns_, rows_, scratch_, state_);
+  state_.header.stamp = ros::Time::now();
+  state_.header.frame_id = frame_id_;
+  publishers_.state.publish(state_);
+  ++state_frames_;
+}
+
+bool DisplayThread::proxiesWanted() const {
+  return std::any_of(sources_.probes.begin(), sources_.probes.end(),
+                     [](const ProbeTopics& probe) { return probe.proxy().getNumSubscribers() > 0; });
+}
+
+void DisplayThread::publishProxies(const DisplayFrame& frame) {
+  geometry_msgs::PoseStamped proxy;
+  proxy.header.stamp = ros::Time::now();
+  proxy.header.frame_id = frame_id_;
+  for (std::size_t k = 0; k < frame.probes.size(); ++k) {
+    const ProbeView& probe = frame.probes[k];
+    if (!probe.report.present) continue;
+    proxy.pose = toPose(probe.report.proxy, probe.orientation);
+    sources_.probes[k].proxy().publish(proxy);
+  }
+}
+
+void DisplayThread::publishDiagnostics(double now) {
+  diagnostic_msgs::DiagnosticArray array;
+  array.header.stamp = ros::Time::now();
+  array.status = {
+      solverStatus(shared_.solver_stats.read(), shared_.paused, now),
+      hapticStatus(shared_.haptic_stats.read(), sources_.haptics.scheduling(), now),
+      displayStatus(marker_frames_, state_frames_, sources_.master.reachable(), sources_.master.renewals()),
+      optionsStatus(shared_.live_report.read())};
+  for (std::size_t k = 0; k < sources_.probes.size(); ++k) {
+    const ProbeTopics& probe = sources_.probes[k];
+    SharedProbe& shared = shared_.probes[k];
+    array.status.push_back(
+        probeStatus(probe.name(), probe.counters(), shared.felt.read(), shared.grasp, now, probe.message()));
+  }
+  for (const ObstacleTopics& obstacle : sources_.obstacles) {
+    array.status.push_back(obstacleStatus(obstacle.name(), obstacle.counters(), now));
+  }
+  publishers_.diagnostics.publish(array);
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,127 @@
+#include "ros/display/flow_meter.h"
+
+#include <geometry_msgs/PoseStamped.h>
+#include <geometry_msgs/WrenchStamped.h>
+#include <haptic_cloth/ClothState.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "ros/node/conversions.h"
+#include "ros/node/steady_clock.h"
+#include "ros/node/topics.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr int kCountQueue = 1000;  ///< long enough that none is lost while the others are looked at
+
+bool isFinite(const std::vector<float>& numbers) {
+  return std::all_of(numbers.begin(), numbers.end(), [](float number) { return std::isfinite(number); });
+}
+
+bool isFinite(const visualization_msgs::MarkerArray& array) {
+  return std::all_of(
+      array.markers.begin(), array.markers.end(), [](const visualization_msgs::Marker& marker) {
+        return std::all_of(marker.points.begin(), marker.points.end(),
+                           [](const geometry_msgs::Point& point) { return toVec3(point).allFinite(); });
+      });
+}
+
+}  // namespace
+
+FlowMeter::FlowMeter(ros::NodeHandle& node, const std::vector<std::string>& probes, double reaction_rate,
+                     double display_rate)
+    : markers_{"markers", display_rate}, state_{"state", display_rate} {
+  for (const std::string& name : probes) {
+    probes_.emplace_back();
+    probes_.back().reaction = {name + "/reaction", reaction_rate};
+    subscribe(node, name, probes_.back());
+  }
+  markers_subscriber_ = node.subscribe<visualization_msgs::MarkerArray>(
+      topics::kMarkers, 2,
+      [this](const visualization_msgs::MarkerArray::ConstPtr& message) { markers_.add(isFinite(*message)); });
+  state_subscriber_ =
+      node.subscribe<ClothState>(topics::kState, 2, [this](const ClothState::ConstPtr& message) {
+        state_.add(isFinite(message->positions) && isFinite(message->tension) && isFinite(message->bending));
+        cells_ = message->levels.size();
+        newest_ = {message->time, steadyNow()};
+        if (state_.count == 1) first_ = newest_;
+      });
+}
+
+void FlowMeter::subscribe(ros::NodeHandle& node, const std::string& name, Probe& probe) {
+  probe.reaction_subscriber = node.subscribe<geometry_msgs::WrenchStamped>(
+      topics::ofProbe(name, topics::kReaction), kCountQueue,
+      [&probe](const geometry_msgs::WrenchStamped::ConstPtr& message) {
+        const auto& wrench = message->wrench;
+        const Vec3 force(wrench.force.x, wrench.force.y, wrench.force.z);
+        probe.reaction.add(force.allFinite());
+        probe.force = force.norm();
+        probe.max_force = std::max(probe.max_force, probe.force);
+      },
+      ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+  probe.proxy_subscriber = node.subscribe<geometry_msgs::PoseStamped>(
+      topics::ofProbe(name, topics::kProxy), 2,
+      [&probe](const geometry_msgs::PoseStamped::ConstPtr& message) {
+        probe.height = message->pose.position.z;
+      });
+}
+
+std::vector<const Flow*> FlowMeter::flows() const {
+  std::vector<const Flow*> all;
+  for (const Probe& probe : probes_) all.push_back(&probe.reaction);
+  all.push_back(&markers_);
+  all.push_back(&state_);
+  return all;
+}
+
+bool FlowMeter::allFlow() const {
+  const std::vector<const Flow*> all = flows();
+  return std::all_of(all.begin(), all.end(), [](const Flow* flow) { return flow->count > 0; });
+}
+
+void FlowMeter::clear() {
+  for (Probe& probe : probes_) {
+    probe.reaction.count = 0;
+    probe.max_force = 0.0;
+  }
+  markers_.count = state_.count = 0;
+}
+
+std::string FlowMeter::line(double seconds) const {
+  const double between = newest_.received - first_.received;
+  const double speed = state_.count > 1 && between > 0.0 ? (newest_.time - first_.time) / between : 0.0;
+  std::string text;
+  char part[200];
+  for (const Probe& probe : probes_) {
+    std::snprintf(part, sizeof part, "%s %6.1f Hz  force %5.2f N (max %5.2f)  proxy z %6.1f mm | ",
+                  probe.reaction.name.c_str(), probe.reaction.count / seconds, probe.force, probe.max_force,
+                  1e3 * probe.height);
+    text += part;
+  }
+  std::snprintf(part, sizeof part, "markers %4.1f Hz  state %4.1f Hz | cells %5zu  t %6.2f s  speed %4.2f",
+                markers_.count / seconds, state_.count / seconds, cells_, newest_.time, speed);
+  return text + part;
+}
+
+std::string FlowMeter::verdict(double seconds, bool& passed) const {
+  passed = true;
+  std::string text;
+  for (const Flow* flow : flows()) {
+    const double rate = flow->count / seconds;
+    passed = passed && rate >= flow->wanted && flow->finite;
+    char part[100];
+    std::snprintf(part, sizeof part, ", %s %.1f Hz (at least %.0f)%s", flow->name.c_str(), rate, flow->wanted,
+                  flow->finite ? "" : " NOT FINITE");
+    text += part;
+  }
+  double most = 0.0;
+  for (const Probe& probe : probes_) most = std::max(most, probe.max_force);
+  char force[60];
+  std::snprintf(force, sizeof force, ", force up to %.2f N", most);
+  return (passed ? "PASS: " : "FAIL: ") + text.substr(2) + force;
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,54 @@
+/// The picture: cloth, mesh, probes, forces and obstacles as rviz markers.
+#pragma once
+
+#include <visualization_msgs/MarkerArray.h>
+
+#include <string>
+#include <vector>
+
+#include "haptic_cloth/scene.h"
+#include "ros/display/solid_markers.h"
+#include "ros/node/shared_state.h"
+
+namespace haptic_cloth {
+
+/// Builds one MarkerArray a frame. Every marker keeps namespace, id and number of points from frame to
+/// frame, so that rviz updates its buffers instead of rebuilding them.
+class MarkerBuilder {
+ public:
+  MarkerBuilder(const Scene& scene, const std::string& frame_id, const MarkerOptions& options);
+
+  /// From the next frame on.
+  void setOptions(const MarkerOptions& options) { options_ = options; }
+
+  /// @param forces on each probe, as sent to its device [N]
+  const visualization_msgs::MarkerArray& build(const DisplayFrame& frame, const std::vector<Vec3>& forces,
+                                               const ros::Time& stamp);
+
+ private:
+  /// A probe where its device is, where the cloth lets it be, and the force between.
+  struct ProbeMarkers {
+    SolidMarkers device, proxy;
+    std::size_t arrow;  ///< index among the markers
+  };
+
+  void addProbe(const ProbeOptions& probe);
+  void updateNormals(const DisplayFrame& frame);
+  void updateSurface(const DisplayFrame& frame);
+  std_msgs::ColorRGBA lineColor(const DisplayFrame& frame, std::size_t cell) const;
+  void updateMesh(const DisplayFrame& frame);
+  void updateProbe(const ProbeMarkers& markers, const ProbeView& probe, const Vec3& force);
+
+  int columns_, rows_;
+  int stride_;  ///< of the surface's vertices on the finest grid
+  MarkerOptions options_;
+  std::string frame_id_;
+  std::vector<Vec3> normals_;                ///< per finest particle
+  std::vector<std_msgs::ColorRGBA> shade_;   ///< per finest particle
+  visualization_msgs::MarkerArray markers_;  ///< surface, mesh, then probes and obstacles
+  std::vector<ProbeMarkers> probes_;
+  std::vector<SolidMarkers> obstacles_;
+  enum Index { kSurface, kMesh };
+};
+
+}  // namespace haptic_cloth

@@ -1,0 +1,177 @@
+#include "ros/input/device_adapter.h"
+
+#include <ros/console.h>
+#include <ros/master.h>
+#include <ros/this_node.h>
+
+#include "haptic_cloth/error.h"
+#include "ros/node/conversions.h"
+#include "ros/node/steady_clock.h"
+#include "ros/node/topics.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kAskPeriod = 0.5;    ///< between two questions to the master [s]
+constexpr double kSayPeriod = 5.0;    ///< between two warnings of the same kind [s]
+constexpr int kZeros = 20;            ///< sent at the end
+constexpr double kZeroPeriod = 2e-3;  ///< between them [s]
+constexpr double kFlush = 0.05;       ///< for the last to leave the process [s]
+
+}  // namespace
+
+AdapterOptions readAdapterOptions(ParameterGroup group) {
+  AdapterOptions options;
+  ParameterGroup pose = group.group("pose"), force = group.group("force");
+  pose.read("field", options.pose_field);
+  pose.read("frame_id", options.pose_frame);
+  pose.rejectRest();
+  force.read("type", options.force_type);
+  force.read("definition", options.force_definition);
+  force.read("field", options.force_field);
+  force.read("timeout", options.timeout, false);
+  force.rejectRest();
+  group.rejectRest();
+  return options;
+}
+
+std::optional<std::string> typeOnMaster(const std::string& topic) {
+  XmlRpc::XmlRpcValue request, response, types;
+  request[0] = ros::this_node::getName();
+  if (!ros::master::execute("getTopicTypes", request, response, types, false)) return std::nullopt;
+  for (int k = 0; k < types.size(); ++k) {
+    if (static_cast<std::string>(types[k][0]) != topic) continue;
+    const auto type = static_cast<std::string>(types[k][1]);
+    if (type != "*") return type;
+  }
+  return std::nullopt;
+}
+
+PoseAdapter::PoseAdapter(ros::NodeHandle& node, const AdapterOptions& options)
+    : options_(options),
+      pose_(node.advertise<geometry_msgs::PoseStamped>(topics::kPose, topics::kPoseQueue)) {
+  subscriber_ = node.subscribe(topics::kDevicePose, topics::kPoseQueue, &PoseAdapter::accept, this,
+                               ros::TransportHints().tcpNoDelay());
+}
+
+void PoseAdapter::accept(const topic_tools::ShapeShifter::ConstPtr& message) {
+  if (!learn(*message)) return;
+  bytes_.resize(message->size());
+  ros::serialization::OStream stream(bytes_.data(), message->size());
+  message->write(stream);
+  const std::optional<Vec3> position = reader_->read(bytes_);
+  if (!position) {
+    ROS_WARN_STREAM_THROTTLE(kSayPeriod, "a message of " << message->getDataType() << " holds no position");
+    return;
+  }
+  const MessageHeader header = reader_->header(bytes_);
+  geometry_msgs::PoseStamped pose;
+  pose.header.stamp = header.stamp.isZero() ? ros::Time::now() : header.stamp;
+  pose.header.frame_id = options_.pose_frame.empty() ? header.frame_id : options_.pose_frame;
+  pose.pose = toPose(*position);
+  pose_.publish(pose);
+}
+
+bool PoseAdapter::learn(const topic_tools::ShapeShifter& message) {
+  if (message.getMD5Sum() == fingerprint_) return reader_.has_value();
+  fingerprint_ = message.getMD5Sum();
+  reader_.reset();
+  try {
+    const MessageLayout layout(message.getDataType(), message.getMessageDefinition());
+    const auto path = options_.pose_field.empty() ? findVector(layout, positionPaths()) : options_.pose_field;
+    if (!path) throw InputError(message.getDataType(), "", "", "holds no position; set ~pose/field");
+    reader_.emplace(layout, *path);
+    ROS_INFO_STREAM("positions from " << message.getDataType() << (path->empty() ? "" : ", " + *path));
+  } catch (const InputError& error) {
+    ROS_ERROR_STREAM(error.what());  // a callback must not end the node
+  }
+  return reader_.has_value();
+}
+
+ForceAdapter::ForceAdapter(ros::NodeHandle& node, const AdapterOptions& options)
+    : options_(options), node_(node) {
+  if (!options.force_type.empty()) {
+    const std::optional<ForceType> type = options.force_definition.empty()
+                                              ? findForceType(options.force_type)
+                                              : ForceType{options.force_type, options.force_definition, {}};
+    if (!type) {
+      throw InputError("force/type", options.force_type, "",
+                       "is not known here; give its text in force/definition");
+    }
+    advertise(*type);
+  }
+  subscriber_ = node_.subscribe<geometry_msgs::WrenchStamped>(
+      topics::kReaction, topics::kReactionQueue,
+      [this](const geometry_msgs::WrenchStamped::ConstPtr& wrench) { accept(*wrench); }, ros::VoidConstPtr(),
+      ros::TransportHints().tcpNoDelay());
+}
+
+void ForceAdapter::look() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!writer_) learn();
+  if (steadyNow() - received_ > options_.timeout) send(Vec3::Zero(), {ros::Time::now(), ""});
+}
+
+void ForceAdapter::end() {
+  for (int i = 0; i < kZeros; ++i) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      ended_ = true;
+      send(Vec3::Zero(), {ros::Time::now(), ""});
+    }
+    sleepUntil(steadyNow() + kZeroPeriod);
+  }
+  sleepUntil(steadyNow() + kFlush);
+}
+
+void ForceAdapter::accept(const geometry_msgs::WrenchStamped& wrench) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (ended_) return;
+  const auto& given = wrench.wrench.force;
+  Vec3 force(given.x, given.y, given.z);
+  if (force.allFinite()) {
+    received_ = steadyNow();
+  } else {
+    ROS_WARN_THROTTLE(kSayPeriod, "a force is not finite; zero is sent instead");
+    force.setZero();
+  }
+  send(force, {wrench.header.stamp, wrench.header.frame_id});
+}
+
+void ForceAdapter::learn() {
+  if (steadyNow() - asked_ < kAskPeriod) return;
+  asked_ = steadyNow();
+  const std::optional<std::string> name = typeOnMaster(node_.resolveName(topics::kDeviceForce));
+  if (!name || *name == refused_) return;
+  try {
+    const std::optional<ForceType> type = options_.force_definition.empty()
+                                              ? findForceType(*name)
+                                              : ForceType{*name, options_.force_definition, {}};
+    if (!type)
+      throw InputError(*name, "", "", "is no known type of force; give its text in ~force/definition");
+    advertise(*type);
+  } catch (const InputError& error) {
+    refused_ = *name;
+    ROS_ERROR_STREAM(error.what());  // the driver may come again with another type
+  }
+}
+
+void ForceAdapter::advertise(const ForceType& type) {
+  const MessageLayout layout(type.datatype, type.definition);
+  const auto path = options_.force_field.empty() ? findVector(layout, forcePaths()) : options_.force_field;
+  if (!path) throw InputError(type.datatype, "", "", "holds no force; set ~force/field");
+  writer_.emplace(layout, *path, type.lengths);
+  message_.morph(layout.fingerprint(), type.datatype, type.definition, "");
+  force_ = message_.advertise(node_, topics::kDeviceForce, topics::kReactionQueue);
+  ROS_INFO_STREAM("forces as " << type.datatype << (path->empty() ? "" : ", " + *path));
+}
+
+void ForceAdapter::send(const Vec3& force, const MessageHeader& header) {
+  if (!writer_) return;
+  std::vector<unsigned char> bytes = writer_->write(force, header);
+  ros::serialization::IStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+  message_.read(stream);
+  force_.publish(message_);
+}
+
+}  // namespace haptic_cloth

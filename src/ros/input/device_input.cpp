@@ -1,0 +1,120 @@
+#include "ros/input/device_input.h"
+
+#include <ros/console.h>
+
+#include "ros/node/conversions.h"
+#include "ros/node/steady_clock.h"
+
+namespace haptic_cloth {
+namespace {
+
+/// From the origin of the cloth's frame [m]: the earth's circumference. Numbers beyond are no places, and
+/// their squares and quotients would leave what a double holds.
+constexpr double kFarthest = 4e7;
+
+}  // namespace
+
+std::atomic<std::uint64_t>* InputCounters::of(PoseVerdict verdict) {
+  switch (verdict) {
+    case PoseVerdict::NotFinite:
+      return &not_finite;
+    case PoseVerdict::OtherSender:
+      return &other_sender;
+    case PoseVerdict::OutOfOrder:
+      return &out_of_order;
+    case PoseVerdict::Late:
+      return &late;
+    case PoseVerdict::Accepted:
+      break;
+  }
+  return nullptr;
+}
+
+DeviceInput::DeviceInput(const NodeOptions& options, std::size_t number, const tf2_ros::Buffer& transforms,
+                         SharedState& shared)
+    : device_(options.probes[number].device),
+      frames_(options.frame_id, transforms),
+      shared_(shared.probes[number]),
+      live_(shared.live_for_poses),
+      gate_(options.max_pose_age, options.probes[number].haptics.pose_timeout),
+      filter_(options.velocity_time_constant, options.probes[number].haptics.pose_timeout),
+      units_(device_.workspace_radius),
+      notice_("poses of " + options.scene.probes[number].name, frames_.clothFrame()) {}
+
+void DeviceInput::accept(const geometry_msgs::PoseStamped& pose, const std::string& sender) {
+  StampedSample sample;
+  const double received = steadyNow();
+  ++counters_.received;
+  takeOptions();
+  if (std::atomic<std::uint64_t>* counter = refused(pose, sender, received)) {
+    counters_.drop(*counter, received);
+    return;
+  }
+  takeOrientation(pose.pose.orientation);
+  const Vec3 position = toVec3(pose.pose.position);
+  checkUnits(position, received);
+  sample.frame_id = pose.header.frame_id.empty() ? frames_.clothFrame() : pose.header.frame_id;
+  const std::optional<Pose> frame = device_.use_tf ? frames_.find(sample.frame_id) : Pose();
+  if (!frame) {
+    counters_.drop(counters_.unknown_frame, received);
+    warn(notice_.unknownFrame(sample.frame_id, received));
+    return;
+  }
+  const Pose there = composed(*frame, {placed(device_, position), placed(device_, orientation_)});
+  if (!(there.position.norm() < kFarthest)) {
+    counters_.drop(counters_.too_far, received);
+    return;
+  }
+  gate_.take(pose.header, sender, received);
+  notice_.taken();
+  sample.frame_position = frame->position;
+  sample.frame_rotation = frame->orientation;
+  sample.orientation = there.orientation.normalized();
+  sample.stamp = pose.header.stamp;
+  sample.sample.received = received;
+  sample.sample.stamp = pose.header.stamp.toSec();
+  sample.sample.position = there.position;
+  sample.sample.velocity = filter_.update(sample.sample.position, received);
+  shared_.device_for_haptics.write(sample);
+  if (device_.kind == DeviceKind::Impedance) shared_.device_for_solver.write(sample);
+}
+
+void DeviceInput::takeOptions() {
+  if (!live_.readNew()) return;
+  const LiveOptions& live = live_.newest();
+  gate_.setTimes(live.options->max_pose_age, live.options->haptics.pose_timeout);
+  filter_.setTimes(live.options->velocity_time_constant, live.options->haptics.pose_timeout);
+}
+
+std::atomic<std::uint64_t>* DeviceInput::refused(const geometry_msgs::PoseStamped& pose,
+                                                 const std::string& sender, double received) {
+  const ros::Time now = ros::Time::now();
+  const PoseVerdict verdict = gate_.judge(pose, sender, now, received);
+  if (verdict == PoseVerdict::OtherSender) warnOf(sender);
+  if (verdict == PoseVerdict::Late)
+    warn(notice_.late((now - pose.header.stamp).toSec(), gate_.maxAge(), received));
+  return counters_.of(verdict);
+}
+
+void DeviceInput::warnOf(const std::string& sender) const {
+  if (counters_.other_sender > 0) return;  // once; the diagnostics go on counting
+  ROS_WARN_STREAM("poses of " << sender << " are dropped as long as " << gate_.sender() << " sends, too");
+}
+
+void DeviceInput::takeOrientation(const geometry_msgs::Quaternion& orientation) {
+  if (isUnit(orientation)) {
+    orientation_ = toQuat(orientation).normalized();
+  } else {
+    ++counters_.bad_quaternion;
+  }
+}
+
+void DeviceInput::checkUnits(const Vec3& position, double received) {
+  if (counters_.doubt != UnitDoubt::None) return;
+  const UnitDoubt doubt = units_.look(device_.position_unit * position, received);
+  if (doubt == UnitDoubt::None) return;
+  counters_.doubt = doubt;
+  ROS_WARN_STREAM(toText(doubt));
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,77 @@
+/// Device poses on their way in: checked, moved into the cloth's frame, filtered.
+#pragma once
+
+#include <geometry_msgs/PoseStamped.h>
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+
+#include "haptics/velocity_filter.h"
+#include "ros/input/drop_notice.h"
+#include "ros/input/frame_lookup.h"
+#include "ros/input/pose_gate.h"
+#include "ros/input/unit_check.h"
+#include "ros/node/shared_state.h"
+#include "ros/options/node_options.h"
+
+namespace haptic_cloth {
+
+/// What became of the poses since start. Written by the pose callback, read by the display thread.
+struct InputCounters {
+  std::atomic<std::uint64_t> received{0}, not_finite{0}, unknown_frame{0}, out_of_order{0}, late{0};
+  std::atomic<std::uint64_t> other_sender{0}, too_far{0};
+  std::atomic<std::uint64_t> bad_quaternion{0};  ///< taken all the same, with the last good orientation
+  std::atomic<UnitDoubt> doubt{UnitDoubt::None};
+  std::atomic<double> last_dropped{-1e30};  ///< steady clock [s]
+  std::uint64_t dropped() const {
+    return not_finite + unknown_frame + out_of_order + late + other_sender + too_far;
+  }
+
+  /// The one for a message that the gate refuses; nullptr for one that it accepts.
+  std::atomic<std::uint64_t>* of(PoseVerdict verdict);
+
+  /// @param when steady clock [s]
+  void drop(std::atomic<std::uint64_t>& counter, double when) {
+    ++counter;
+    last_dropped = when;
+  }
+};
+
+/// Of one probe. One thread calls accept().
+class DeviceInput {
+ public:
+  /// @param number of the probe in the scene
+  DeviceInput(const NodeOptions& options, std::size_t number, const tf2_ros::Buffer& transforms,
+              SharedState& shared);
+
+  /// @param sender name of the node that sent it
+  void accept(const geometry_msgs::PoseStamped& pose, const std::string& sender);
+
+  const InputCounters& counters() const { return counters_; }
+
+ private:
+  void takeOptions();
+  /// @return the counter for a pose that the gate refuses; nullptr for one that it accepts
+  std::atomic<std::uint64_t>* refused(const geometry_msgs::PoseStamped& pose, const std::string& sender,
+                                      double received);
+  /// Says who sends beside whom.
+  void warnOf(const std::string& sender) const;
+  /// Warns once when the positions cannot be metres.
+  void checkUnits(const Vec3& position, double received);
+  /// Remembers the orientation of the pose if it is one.
+  void takeOrientation(const geometry_msgs::Quaternion& orientation);
+
+  DeviceOptions device_;
+  FrameLookup frames_;
+  SharedProbe& shared_;
+  LiveReader live_;
+  PoseGate gate_;
+  VelocityFilter filter_;
+  UnitCheck units_;
+  Quat orientation_ = Quat::Identity();  ///< last good one, by the driver
+  InputCounters counters_;
+  DropNotice notice_;
+};
+
+}  // namespace haptic_cloth

@@ -1,0 +1,103 @@
+#include "ros/input/device_map.h"
+
+#include <cstdio>
+
+namespace haptic_cloth {
+namespace {
+
+std::string tooHigh(const char* what, const char* unit, double felt, double limit, const char* parameter,
+                    double value) {
+  char text[300];
+  std::snprintf(
+      text, sizeof text,
+      "the hand would feel a %s of %.4g %s (%s x device/position_scale x device/force_scale), more than "
+      "the device renders (%.4g %s): it may buzz. Set %s to %.4g or less",
+      what, felt, unit, parameter, limit, unit, parameter, value);
+  return text;
+}
+
+}  // namespace
+
+DeviceOptions readDeviceOptions(ParameterGroup group, DeviceOptions device) {
+  const std::size_t kind =
+      group.readChoice("kind", {"impedance", "admittance"}, static_cast<std::size_t>(device.kind));
+  device.kind = static_cast<DeviceKind>(kind);
+  group.read("position_unit", device.position_unit, false);
+  group.read("position_scale", device.position_scale, false);
+  group.read("force_scale", device.force_scale, false);
+  group.read("offset", device.offset);
+  group.read("orientation", device.orientation);
+  group.read("force_axes", device.force_axes);
+  group.read("use_tf", device.use_tf);
+  group.read("max_stiffness", device.max_stiffness, true);
+  group.read("max_damping", device.max_damping, true);
+  group.read("workspace_radius", device.workspace_radius, true);
+  group.rejectRest();
+  return device;
+}
+
+Vec3 placed(const DeviceOptions& device, const Vec3& position) {
+  return device.offset + device.orientation * (device.position_scale * device.position_unit * position);
+}
+
+Quat placed(const DeviceOptions& device, const Quat& orientation) { return device.orientation * orientation; }
+
+Vec3 positionForDriver(const DeviceOptions& device, const Vec3& position) {
+  return device.orientation.conjugate() * (position - device.offset) /
+         (device.position_scale * device.position_unit);
+}
+
+Quat orientationForDriver(const DeviceOptions& device, const Quat& orientation) {
+  return device.orientation.conjugate() * orientation;
+}
+
+Vec3 forceForDriver(const DeviceOptions& device, const Quat& frame, const Vec3& force) {
+  return device.force_scale * ((frame * device.orientation * device.force_axes).conjugate() * force);
+}
+
+Wrench wrenchForDriver(const DeviceOptions& device, const Quat& frame, const Wrench& wrench) {
+  return {forceForDriver(device, frame, wrench.force),
+          forceForDriver(device, frame, wrench.torque) / device.position_scale};
+}
+
+Vec3 forceAtProbe(const DeviceOptions& device, const Quat& frame, const Vec3& force) {
+  return (frame * device.orientation * device.force_axes) * force / device.force_scale;
+}
+
+HapticOptions limitsAtProbe(HapticOptions haptics, const DeviceOptions& device) {
+  haptics.max_force /= device.force_scale;
+  haptics.max_force_rate /= device.force_scale;
+  haptics.max_torque *= device.position_scale / device.force_scale;
+  AdmittanceOptions& tool = haptics.admittance;
+  tool.mass /= device.force_scale * device.position_scale;
+  tool.damping /= device.force_scale * device.position_scale;
+  tool.deadband /= device.force_scale;
+  tool.max_speed *= device.position_scale;
+  tool.max_acceleration *= device.position_scale;
+  return haptics;
+}
+
+double feltStiffness(const DeviceOptions& device, const HapticOptions& haptics) {
+  return haptics.coupling_stiffness * device.position_scale * device.force_scale;
+}
+
+double feltDamping(const DeviceOptions& device, const HapticOptions& haptics) {
+  return haptics.coupling_damping * device.position_scale * device.force_scale;
+}
+
+std::vector<std::string> deviceWarnings(const DeviceOptions& device, const HapticOptions& haptics) {
+  const double scale = device.position_scale * device.force_scale;
+  const double stiffness = feltStiffness(device, haptics), damping = feltDamping(device, haptics);
+  std::vector<std::string> warnings;
+  if (device.max_stiffness > 0.0 && stiffness > device.max_stiffness) {
+    warnings.push_back(tooHigh("stiffness", "N/m", stiffness, device.max_stiffness,
+                               "probe/coupling_stiffness", device.max_stiffness / scale));
+  }
+  if (device.max_damping > 0.0 && damping > device.max_damping) {
+    warnings.push_back(tooHigh("damping", "N s/m", damping, device.max_damping, "probe/coupling_damping",
+                               device.max_damping / scale));
+  }
+  return warnings;
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,37 @@
+#include "ros/input/drop_notice.h"
+
+#include <ros/console.h>
+
+#include <cstdio>
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kPatience = 1.0;  ///< [s]
+
+}  // namespace
+
+bool DropNotice::isDue(Reason reason, double now) {
+  if (since_ < 0.0) since_ = now;
+  return now - since_ >= kPatience && said_.insert(reason).second;
+}
+
+std::string DropNotice::unknownFrame(const std::string& frame, double now) {
+  if (!isDue(Reason::UnknownFrame, now)) return "";
+  return "all " + what_ + " are dropped: they are in '" + frame + "', and tf has no way from there to '" +
+         cloth_frame_ + "'. Broadcast it, correct frame_id, or set device/use_tf: false";
+}
+
+std::string DropNotice::late(double age, double max_age, double now) {
+  if (!isDue(Reason::Late, now)) return "";
+  char times[100];
+  std::snprintf(times, sizeof times, "%.3g s old, max_pose_age is %.3g s", age, max_age);
+  return "all " + what_ + " are dropped: their stamps are " + times +
+         ". Set it to 0 for a recording; a stamp of zero is always taken";
+}
+
+void warn(const std::string& text) {
+  if (!text.empty()) ROS_WARN_STREAM(text);
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,33 @@
+#include "ros/input/frame_lookup.h"
+
+#include <tf2/exceptions.h>
+
+#include "ros/node/conversions.h"
+
+namespace haptic_cloth {
+namespace {
+
+std::string withoutSlash(const std::string& frame) {
+  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
+}
+
+}  // namespace
+
+FrameLookup::FrameLookup(const std::string& frame_id, const tf2_ros::Buffer& transforms)
+    : frame_id_(withoutSlash(frame_id)), transforms_(transforms) {}
+
+std::optional<Pose> FrameLookup::find(const std::string& frame) const {
+  const std::string name = withoutSlash(frame);
+  if (name.empty() || name == frame_id_) return Pose();
+  // The newest transform, not that of the stamp: a 1 kHz pose must not wait for a slower transform.
+  if (!transforms_.canTransform(frame_id_, name, ros::Time(0))) return std::nullopt;
+  try {
+    const Pose pose = toPose(transforms_.lookupTransform(frame_id_, name, ros::Time(0)));
+    if (pose.position.allFinite() && pose.orientation.coeffs().allFinite()) return pose;
+  } catch (const tf2::TransformException&) {
+    // tf2 reports by exception when the buffer was cleared in between (clock set back).
+  }
+  return std::nullopt;
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,31 @@
+#include "ros/input/obstacle_input.h"
+
+#include "ros/node/conversions.h"
+
+namespace haptic_cloth {
+
+void ObstacleInput::accept(const geometry_msgs::PoseStamped& pose, double received) {
+  ++counters_.received;
+  if (!isFinite(pose.pose)) {
+    counters_.drop(counters_.not_finite, received);
+    return;
+  }
+  const std::optional<Pose> frame = frames_.find(pose.header.frame_id);
+  if (!frame) {
+    counters_.drop(counters_.unknown_frame, received);
+    return;
+  }
+  const Pose there = composed(*frame, toPose(pose.pose));
+  if (!there.position.allFinite()) {
+    counters_.drop(counters_.not_finite, received);
+    return;
+  }
+  if (isUnit(pose.pose.orientation)) {
+    orientation_ = there.orientation.normalized();
+  } else {
+    ++counters_.bad_quaternion;
+  }
+  shared_.write({++sent_, {there.position, orientation_}});
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,48 @@
+/// Poses of an obstacle on their way in.
+#pragma once
+
+#include <geometry_msgs/PoseStamped.h>
+
+#include <atomic>
+#include <cstdint>
+
+#include "ros/input/frame_lookup.h"
+#include "ros/node/shared_state.h"
+
+namespace haptic_cloth {
+
+/// What became of the poses since start. Written by the pose callback, read by the display thread.
+struct ObstacleCounters {
+  std::atomic<std::uint64_t> received{0}, not_finite{0}, unknown_frame{0};
+  std::atomic<std::uint64_t> bad_quaternion{0};  ///< taken all the same, with the last good orientation
+  std::atomic<double> last_dropped{-1e30};       ///< steady clock [s]
+  std::uint64_t dropped() const { return not_finite + unknown_frame; }
+
+  /// @param when steady clock [s]
+  void drop(std::atomic<std::uint64_t>& counter, double when) {
+    ++counter;
+    last_dropped = when;
+  }
+};
+
+/// Of one obstacle. One thread calls accept().
+class ObstacleInput {
+ public:
+  /// @param start pose in the scene
+  ObstacleInput(const Pose& start, const FrameLookup& frames, Mailbox<ObstacleTarget>& shared)
+      : frames_(frames), shared_(shared), orientation_(start.orientation) {}
+
+  /// @param received steady clock [s]
+  void accept(const geometry_msgs::PoseStamped& pose, double received);
+
+  const ObstacleCounters& counters() const { return counters_; }
+
+ private:
+  FrameLookup frames_;
+  Mailbox<ObstacleTarget>& shared_;
+  Quat orientation_;  ///< last good one in the cloth's frame
+  std::uint64_t sent_ = 0;
+  ObstacleCounters counters_;
+};
+
+}  // namespace haptic_cloth

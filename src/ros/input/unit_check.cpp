@@ -1,0 +1,61 @@
+#include "ros/input/unit_check.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kFarthest =
+    5.0;                        ///< from the driver's origin; more than any arm that stands on the floor [m]
+constexpr double kReach = 6.0;  ///< way of a device over the radius of its workspace: a Touch, whose
+                                ///< workspace has 75 mm, reaches 0.43 m mechanically [-]
+constexpr double kFastest = 10.0;  ///< no hand that holds a device is faster [m/s]
+constexpr double kWindow = 0.02;  ///< shortest time a speed is taken over, since messages come in bunches [s]
+constexpr double kLongWindow = 0.5;  ///< after a longer silence nothing is known of the speed [s]
+constexpr int kFastWindows = 3;      ///< in a row; one may be a tool that was set down elsewhere
+
+}  // namespace
+
+UnitDoubt UnitCheck::look(const Vec3& position, double received) {
+  if (!started_) {
+    started_ = true;
+    first_ = window_start_ = position;
+    window_begin_ = received;
+  }
+  if (doubt_ != UnitDoubt::None) return doubt_;
+  if (tooFar(position)) {
+    doubt_ = UnitDoubt::TooFar;
+  } else if (tooFast(position, received)) {
+    doubt_ = UnitDoubt::TooFast;
+  }
+  return doubt_;
+}
+
+bool UnitCheck::tooFar(const Vec3& position) const {
+  if (position.norm() > kFarthest) return true;
+  return workspace_radius_ > 0.0 && (position - first_).norm() > kReach * workspace_radius_;
+}
+
+bool UnitCheck::tooFast(const Vec3& position, double received) {
+  const double elapsed = received - window_begin_;
+  if (elapsed < kWindow) return false;
+  const bool fast = elapsed < kLongWindow && (position - window_start_).norm() > kFastest * elapsed;
+  fast_windows_ = fast ? fast_windows_ + 1 : 0;
+  window_start_ = position;
+  window_begin_ = received;
+  return fast_windows_ >= kFastWindows;
+}
+
+std::string toText(UnitDoubt doubt) {
+  const std::string remedy =
+      "; for a driver in millimetres set device/position_unit to 0.001, for one ten times too large to 0.1";
+  switch (doubt) {
+    case UnitDoubt::TooFar:
+      return "the poses are farther apart than the device reaches, were they in metres" + remedy;
+    case UnitDoubt::TooFast:
+      return "the poses are faster than a hand, were they in metres" + remedy;
+    case UnitDoubt::None:
+      break;
+  }
+  return "";
+}
+
+}  // namespace haptic_cloth

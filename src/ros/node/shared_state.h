@@ -1,0 +1,152 @@
+/// What the threads of the node tell each other. Mailboxes have one writer and one reader each, named here.
+#pragma once
+
+#include <ros/time.h>
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "haptic_cloth/haptics.h"
+#include "haptic_cloth/report.h"
+#include "haptic_cloth/simulation.h"
+#include "haptics/lateness.h"
+#include "ros/node/solver_tasks.h"
+#include "ros/options/live_options.h"
+
+namespace haptic_cloth {
+
+/// A device pose with what the wrench that answers it needs: exact stamp and frame of its message.
+struct StampedSample {
+  DeviceSample sample;
+  ros::Time stamp;
+  std::string frame_id;                    ///< of the message
+  Vec3 frame_position = Vec3::Zero();      ///< of that frame in the cloth's [m]
+  Quat frame_rotation = Quat::Identity();  ///< of that frame in the cloth's
+  Quat orientation = Quat::Identity();     ///< of the device in the cloth's frame
+};
+
+/// A measured force with what its answer needs.
+struct StampedForce {
+  ForceSample sample;
+  ros::Time stamp;
+  std::string frame_id;                    ///< of the message
+  Quat frame_rotation = Quat::Identity();  ///< of that frame in the cloth's
+};
+
+/// What a probe does with the cloth it touches.
+enum class GraspState { Open, Closed, Holding };
+
+/// A probe as it is shown.
+struct ProbeView {
+  ProbeReport report;
+  Quat orientation = Quat::Identity();
+  GraspState grasp = GraspState::Open;
+};
+
+/// A copy of what is shown.
+struct DisplayFrame {
+  double time = 0.0;  ///< simulated [s]
+  std::vector<Vec3> positions;
+  std::vector<CellView> cells;
+  std::vector<float> tension, bending;
+  std::vector<ProbeView> probes;  ///< in the scene's order, as the obstacles
+  std::vector<Pose> obstacles;
+  bool valid = false;
+};
+
+/// The solver over one window of about a second.
+struct SolverStats {
+  double taken = -1.0;          ///< steady clock at the end of the window [s]; < 0: none yet
+  double wall = 0.0;            ///< length of the window [s]
+  double time = 0.0;            ///< simulated since reset [s]
+  int steps = 0;                ///< in the window
+  double real_time_factor = 0;  ///< simulated over wall time [-]
+  double iterations = 0.0;      ///< mean a step [-]
+  std::uint64_t failed = 0;     ///< since start
+  double kinetic = 0.0;         ///< [J]
+  StepReport last;
+};
+
+/// The haptic thread over one window of about a second.
+struct HapticStats {
+  double taken = -1.0;  ///< steady clock at the end of the window [s]; < 0: none yet
+  double wall = 0.0;    ///< [s]
+  double rate = 0.0;    ///< that was wanted [Hz]
+  int ticks = 0;
+  std::uint64_t given_up = 0;  ///< ticks since start that were too late to be made up for
+  LatenessHistogram lateness;
+};
+
+/// What a hand feels.
+struct FeltForce {
+  HapticStatus status = HapticStatus::NoPose;
+  Vec3 force = Vec3::Zero();                          ///< on the probe [N]
+  Vec3 torque = Vec3::Zero();                         ///< on the probe [N·m]
+  std::uint64_t input_stops = 0, snapshot_stops = 0;  ///< how often either was stale, since start
+
+  /// What a tick found and sent.
+  void note(HapticStatus now, const Wrench& sent) {
+    const auto stale = [](HapticStatus s) {
+      return s == HapticStatus::PoseStale || s == HapticStatus::ForceStale;
+    };
+    input_stops += stale(now) && !stale(status);
+    snapshot_stops += now == HapticStatus::SnapshotStale && status != now;
+    status = now;
+    force = sent.force;
+    torque = sent.torque;
+  }
+};
+
+/// Of one probe.
+struct SharedProbe {
+  Mailbox<StampedSample> device_for_haptics;  ///< pose callback → haptic thread
+  Mailbox<StampedForce> force;                ///< force callback → haptic thread; admittance devices
+  Mailbox<StampedSample> device_for_solver;   ///< → solver thread; from the pose callback, or the haptic
+                                              ///< thread where that moves a tool
+  Mailbox<ProbeSnapshot> snapshot;            ///< solver thread → haptic thread
+  Mailbox<FeltForce> felt;                    ///< haptic thread → display thread
+
+  std::atomic<bool> present{false};       ///< the solver has a pose of it
+  std::atomic<bool> grasp_wanted{false};  ///< set by topic and service; the solver opens it
+  std::atomic<GraspState> grasp{GraspState::Open};
+};
+
+/// Where an obstacle is sent.
+struct ObstacleTarget {
+  std::uint64_t number = 0;  ///< counts up; 0: none yet
+  Pose pose;
+};
+
+/// What became of requests to change options.
+struct LiveReport {
+  std::uint64_t taken = 0, refused = 0;  ///< since start
+  bool refused_last = false;
+  std::string refusal;  ///< of the last one that was refused; empty: none yet
+};
+
+struct SharedState {
+  explicit SharedState(const Scene& scene) : probes(scene.probes.size()), obstacles(scene.obstacles.size()) {}
+
+  std::vector<SharedProbe> probes;                 ///< in the scene's order
+  std::vector<Mailbox<ObstacleTarget>> obstacles;  ///< pose callback → solver thread, in the scene's order
+
+  Mailbox<DisplayFrame> frame;        ///< solver thread → display thread
+  Mailbox<SolverStats> solver_stats;  ///< solver thread → display thread
+  Mailbox<HapticStats> haptic_stats;  ///< haptic thread → display thread
+
+  SolverTasks tasks;                      ///< services → solver thread
+  Mailbox<LiveOptions> live_for_haptics;  ///< service callback → haptic thread
+  Mailbox<LiveOptions> live_for_solver;   ///< service callback → solver thread
+  Mailbox<LiveOptions> live_for_poses;    ///< service callback → pose callbacks, which share a thread
+  Mailbox<LiveOptions> live_for_display;  ///< service callback → display thread
+  Mailbox<LiveReport> live_report;        ///< service callback → display thread
+
+  std::atomic<bool> stop{false};
+  std::atomic<bool> paused{false};
+  std::atomic<bool> frame_wanted{true};
+  std::atomic<std::uint64_t> resets_wanted{0}, resets_done{0};
+};
+
+}  // namespace haptic_cloth

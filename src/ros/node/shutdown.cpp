@@ -1,0 +1,37 @@
+#include "ros/node/shutdown.h"
+
+#include <ros/console.h>
+#include <ros/master.h>
+#include <ros/xmlrpc_manager.h>
+
+namespace haptic_cloth {
+
+Signals::Signals() {
+  sigemptyset(&set_);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&set_, signal);
+  pthread_sigmask(SIG_BLOCK, &set_, nullptr);
+}
+
+bool Signals::wait(long milliseconds) const {
+  const timespec timeout{0, milliseconds * 1000000};
+  return sigtimedwait(&set_, nullptr, &timeout) > 0;
+}
+
+void answerShutdownCall(std::atomic<bool>& asked) {
+  const auto& manager = ros::XMLRPCManager::instance();
+  manager->unbind("shutdown");
+  manager->bind("shutdown", [&asked](XmlRpc::XmlRpcValue&, XmlRpc::XmlRpcValue& result) {
+    asked = true;
+    result = ros::xmlrpc::responseInt(1, "", 0);
+  });
+}
+
+bool waitForMaster(const Signals& signals) {
+  for (bool told = false; !ros::master::check(); told = true) {
+    if (!told) ROS_WARN_STREAM("waiting for the ROS master at " << ros::master::getURI());
+    if (signals.wait(500)) return false;
+  }
+  return true;
+}
+
+}  // namespace haptic_cloth

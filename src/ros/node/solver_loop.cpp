@@ -1,0 +1,190 @@
+#include "ros/node/solver_loop.h"
+
+#include <algorithm>
+#include <thread>
+
+#include "ros/node/steady_clock.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kIdle = 1e-3;        ///< sleep while paused [s]
+constexpr double kMaxBacklog = 0.02;  ///< wall time the solver may catch up after a slow step [s]
+constexpr double kSmoothing = 0.1;    ///< weight of the newest step in the mean pace [-]
+constexpr double kWindow = 1.0;       ///< of the statistics [s]
+
+/// Where the scene leaves the number of threads open, the haptic thread keeps a core for itself.
+Scene sceneFor(Scene scene) {
+  const int cores = static_cast<int>(std::thread::hardware_concurrency());
+  if (scene.solver.threads == 0) scene.solver.threads = std::max(1, cores - 1);
+  return scene;
+}
+
+}  // namespace
+
+SolverLoop::SolverLoop(const NodeOptions& options, SharedState& shared)
+    : time_step_(options.scene.solver.time_step),
+      shared_(shared),
+      live_(shared.live_for_solver),
+      simulation_(sceneFor(options.scene)),
+      targets_seen_(options.scene.obstacles.size(), 0),
+      wall_per_step_(time_step_) {
+  for (std::size_t k = 0; k < options.scene.probes.size(); ++k) {
+    probes_.emplace_back(options, static_cast<int>(k), simulation_, shared.probes[k]);
+  }
+}
+
+void SolverLoop::run() {
+  while (!shared_.stop) {
+    resetWhenAsked();
+    shared_.tasks.work(*this);
+    copyFrameWhenWanted();
+    if (shared_.paused) {
+      due_ = last_start_ = window_start_ = -1.0;
+      for (SolverProbe& probe : probes_) probe.open();
+      sleepUntil(steadyNow() + kIdle);
+      continue;
+    }
+    waitUntilDue();
+    takeOptions();
+    moveObstacles();
+    for (SolverProbe& probe : probes_) probe.takeDevice();
+    const StepReport report = simulation_.step();
+    for (SolverProbe& probe : probes_) probe.publishSnapshot(wall_per_step_);
+    record(report);
+  }
+}
+
+void SolverLoop::resetWhenAsked() {
+  const std::uint64_t wanted = shared_.resets_wanted;
+  if (wanted == resets_seen_) return;
+  resets_seen_ = wanted;
+  simulation_.reset();
+  startAnew();
+  shared_.resets_done = wanted;
+}
+
+std::string SolverLoop::saveState() {
+  skipRamps();
+  return simulation_.saveState();
+}
+
+/// The hands are where they are now, and may have been elsewhere then: none may find itself holding cloth, or
+/// on the other side of it. So probes come as they do after silence.
+void SolverLoop::loadState(const std::string& state, const std::string& origin) {
+  skipRamps();
+  simulation_.loadState(state, origin);
+  for (std::size_t k = 0; k < probes_.size(); ++k) simulation_.removeDevice(static_cast<int>(k));
+  startAnew();
+}
+
+/// What was said and seen of another cloth is forgotten.
+void SolverLoop::startAnew() {
+  for (SolverProbe& probe : probes_) probe.forget();
+  // Where an obstacle was sent before is forgotten, too.
+  for (std::size_t k = 0; k < targets_seen_.size(); ++k)
+    targets_seen_[k] = shared_.obstacles[k].read().number;
+  window_start_ = -1.0;
+  shared_.frame_wanted = true;
+  copyFrameWhenWanted();
+}
+
+/// Between two steps. The set was checked as a whole by the rules that the simulation has.
+void SolverLoop::takeOptions() {
+  const bool other = live_.readNew();
+  const LiveOptions& live = live_.newest();
+  if (other) {
+    const Scene& scene = live.options->scene;
+    simulation_.setOptions(scene.solver, scene.adapt, scene.air_damping);
+    for (SolverProbe& probe : probes_) probe.setTimeout(live.options->probe_timeout);
+    gains_move_ = true;
+  }
+  if (!gains_move_) return;
+  const double now = steadyNow();
+  gains_move_ = false;
+  for (std::size_t k = 0; k < live.gains.size(); ++k) {
+    const Gains gains = live.gains[k].at(now);
+    simulation_.setCoupling(static_cast<int>(k), gains.coupling_stiffness, gains.coupling_damping);
+    gains_move_ = gains_move_ || !live.gains[k].isDone(now);
+  }
+}
+
+/// The newest options are taken, couplings at the ends of their ramps. No step is made with these:
+/// the next one takes the couplings of its time again.
+void SolverLoop::skipRamps() {
+  takeOptions();
+  const LiveOptions& live = live_.newest();
+  for (std::size_t k = 0; k < live.gains.size(); ++k) {
+    const ProbeOptions& asked = live.options->scene.probes[k];
+    simulation_.setCoupling(static_cast<int>(k), asked.coupling_stiffness, asked.coupling_damping);
+  }
+  gains_move_ = !live.gains.empty();
+}
+
+void SolverLoop::copyFrameWhenWanted() {
+  if (!shared_.frame_wanted.exchange(false)) return;
+  frame_.time = simulation_.time();
+  simulation_.positions(frame_.positions);
+  simulation_.cells(frame_.cells);
+  simulation_.cellLoads(frame_.tension, frame_.bending);
+  frame_.probes.clear();
+  for (const SolverProbe& probe : probes_) frame_.probes.push_back(probe.view());
+  frame_.obstacles.clear();
+  for (std::size_t k = 0; k < targets_seen_.size(); ++k) {
+    frame_.obstacles.push_back(simulation_.obstaclePose(static_cast<int>(k)));
+  }
+  frame_.valid = true;
+  shared_.frame.write(frame_);
+}
+
+void SolverLoop::waitUntilDue() {
+  double now = steadyNow();
+  if (due_ < 0.0) due_ = now;
+  due_ = std::max(due_, now - kMaxBacklog);
+  if (due_ > now) {
+    sleepUntil(due_);
+    now = steadyNow();
+  }
+  due_ += time_step_;
+  if (last_start_ >= 0.0) wall_per_step_ += kSmoothing * (now - last_start_ - wall_per_step_);
+  wall_per_step_ = std::max(wall_per_step_, time_step_);
+  last_start_ = now;
+}
+
+void SolverLoop::moveObstacles() {
+  for (std::size_t k = 0; k < targets_seen_.size(); ++k) {
+    const ObstacleTarget& target = shared_.obstacles[k].read();
+    if (target.number == targets_seen_[k]) continue;
+    targets_seen_[k] = target.number;
+    simulation_.moveObstacle(static_cast<int>(k), target.pose);
+  }
+}
+
+void SolverLoop::record(const StepReport& report) {
+  const double now = steadyNow();
+  window_.failed += report.failed;
+  if (window_start_ < 0.0) {
+    window_start_ = now;
+    window_start_time_ = simulation_.time();
+    window_.steps = 0;
+    window_iterations_ = 0.0;
+    return;
+  }
+  ++window_.steps;
+  window_iterations_ += report.minimizer.iterations;
+  if (now - window_start_ < kWindow) return;
+  window_.taken = now;
+  window_.wall = now - window_start_;
+  window_.time = simulation_.time();
+  window_.real_time_factor = (window_.time - window_start_time_) / window_.wall;
+  window_.iterations = window_iterations_ / window_.steps;
+  window_.kinetic = simulation_.energy().kinetic;
+  window_.last = report;
+  shared_.solver_stats.write(window_);
+  window_start_ = now;
+  window_start_time_ = window_.time;
+  window_.steps = 0;
+  window_iterations_ = 0.0;
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,78 @@
+#include "ros/options/reconfigure_server.h"
+
+#include <ros/console.h>
+#include <ros/master.h>
+#include <ros/this_node.h>
+
+#include "haptic_cloth/error.h"
+#include "ros/node/steady_clock.h"
+#include "ros/node/topics.h"
+#include "ros/options/reconfigure_messages.h"
+
+namespace haptic_cloth {
+
+ReconfigureServer::ReconfigureServer(const NodeOptions& options, ros::NodeHandle private_node,
+                                     SharedState& shared)
+    : origin_(private_node.getNamespace() + " (live)"),
+      node_(private_node),
+      shared_(shared),
+      live_(firstOptions(options)),
+      offered_(offeredOptions(options)) {
+  descriptions_ =
+      node_.advertise<dynamic_reconfigure::ConfigDescription>(topics::kOptionDescriptions, 1, true);
+  updates_ = node_.advertise<dynamic_reconfigure::Config>(topics::kOptionUpdates, 1, true);
+  descriptions_.publish(toDescription(offered_, options));
+  updates_.publish(toConfig(offered_, options));
+  service_ = node_.advertiseService(topics::kSetOptions, &ReconfigureServer::set, this);
+}
+
+bool ReconfigureServer::set(Request& request, Response& response) {
+  try {
+    takeOver(changed(*live_.options, toValues(request.config), origin_));
+    report_.refused_last = false;
+  } catch (const InputError& error) {
+    ROS_WARN_STREAM("refused, nothing changed: " << error.what());
+    ++report_.refused;
+    report_.refused_last = true;
+    report_.refusal = error.what();
+  }
+  shared_.live_report.write(report_);
+  response.config = toConfig(offered_, *live_.options);
+  updates_.publish(response.config);
+  return true;
+}
+
+void ReconfigureServer::takeOver(const NodeOptions& options) {
+  const std::shared_ptr<const NodeOptions> before = live_.options;
+  live_ = nextOptions(live_, options, steadyNow());
+  for (Mailbox<LiveOptions>* mailbox : {&shared_.live_for_haptics, &shared_.live_for_solver,
+                                        &shared_.live_for_poses, &shared_.live_for_display}) {
+    mailbox->write(live_);
+  }
+  ++report_.taken;
+  for (const LiveOption& option : offered_) {
+    const LiveValue value = option.value(options);
+    if (value != option.value(*before)) keep(option.name, value);
+  }
+  for (std::size_t k = 0; k < options.probes.size(); ++k) {
+    const ProbeSettings& settings = options.probes[k];
+    for (const std::string& warning : deviceWarnings(settings.device, settings.haptics))
+      ROS_WARN_STREAM(options.scene.probes[k].name << ": " << warning);
+  }
+}
+
+/// Among the private parameters, where a node that is started again finds it. A master that is away is not
+/// waited for.
+void ReconfigureServer::keep(const std::string& name, const LiveValue& value) const {
+  XmlRpc::XmlRpcValue request, response, payload;
+  request[0] = ros::this_node::getName();
+  request[1] = node_.resolveName(name);
+  std::visit([&request](const auto& v) { request[2] = v; }, value);
+  if (ros::master::execute("setParam", request, response, payload, false)) {
+    ROS_INFO_STREAM(name << " = " << request[2]);
+  } else {
+    ROS_WARN_STREAM(name << " = " << request[2] << " is in force, but no master keeps it as a parameter");
+  }
+}
+
+}  // namespace haptic_cloth

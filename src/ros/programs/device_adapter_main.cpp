@@ -1,0 +1,50 @@
+/// The adapter as a node. Ends with 0 when asked to, 2 for bad parameters, 1 for anything else; force zero
+/// always last.
+#include <ros/ros.h>
+
+#include <string>
+#include <utility>
+
+#include "haptic_cloth/error.h"
+#include "ros/input/device_adapter.h"
+#include "ros/node/shutdown.h"
+#include "ros/node/topics.h"
+#include "ros/programs/program.h"
+
+namespace {
+
+constexpr long kLook = 10;  ///< between two looks [ms]
+
+int run(int argc, char** argv) {
+  ros::init(argc, argv, "device_adapter", ros::init_options::NoSigintHandler);
+  const haptic_cloth::Signals signals;
+  std::atomic<bool> asked{false};
+  if (!haptic_cloth::waitForMaster(signals)) return 0;
+  ros::NodeHandle node, private_node("~");
+  haptic_cloth::answerShutdownCall(asked);
+  XmlRpc::XmlRpcValue parameters;
+  private_node.getParam(private_node.getNamespace(), parameters);
+  const haptic_cloth::AdapterOptions options = haptic_cloth::readAdapterOptions(
+      haptic_cloth::ParameterGroup(parameters, private_node.getNamespace() + " (parameters)"));
+
+  for (const auto& [ours, drivers] :
+       {std::pair(haptic_cloth::topics::kPose, haptic_cloth::topics::kDevicePose),
+        std::pair(haptic_cloth::topics::kReaction, haptic_cloth::topics::kDeviceForce)}) {
+    if (node.resolveName(ours) != node.resolveName(drivers)) continue;
+    throw haptic_cloth::InputError("remapping", drivers, node.resolveName(drivers),
+                                   std::string("must be another topic than ") + ours);
+  }
+  haptic_cloth::PoseAdapter poses(node, options);
+  haptic_cloth::ForceAdapter forces(node, options);
+  // Two threads: a pose waits for no force.
+  ros::AsyncSpinner spinner(2);
+  spinner.start();
+  while (!asked && ros::ok() && !signals.wait(kLook)) forces.look();
+  forces.end();
+  spinner.stop();
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return haptic_cloth::runProgram("device_adapter", run, argc, argv); }

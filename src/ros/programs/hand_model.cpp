@@ -1,0 +1,61 @@
+#include "ros/programs/hand_model.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace haptic_cloth {
+
+HandOptions readHandOptions(ParameterGroup group) {
+  HandOptions options;
+  group.read("start", options.start);
+  group.read("press", options.press);
+  group.read("slide", options.slide);
+  group.read("delay", options.delay, true);
+  group.read("approach_time", options.approach_time, false);
+  group.read("hold_time", options.hold_time, true);
+  group.read("slide_time", options.slide_time, false);
+  group.read("lift_time", options.lift_time, false);
+  group.read("mass", options.mass, false);
+  group.read("stiffness", options.stiffness, false);
+  group.read("damping", options.damping, true);
+  group.read("rate", options.rate, false);
+  group.read("frame_id", options.frame_id);
+  group.rejectRest();
+  return options;
+}
+
+Vec3 handTarget(const HandOptions& options, double time) {
+  struct Move {
+    double duration;
+    Vec3 end;
+  };
+  const Vec3 far_end = options.press + options.slide;
+  const std::array<Move, 6> moves{
+      Move{options.approach_time, options.press}, Move{options.hold_time, options.press},
+      Move{options.slide_time, far_end},          Move{options.hold_time, far_end},
+      Move{options.lift_time, options.start},     Move{options.hold_time, options.start}};
+  double period = 0.0;
+  for (const Move& move : moves) period += move.duration;
+  double left = std::fmod(std::max(0.0, time - options.delay), period);
+  Vec3 from = options.start;
+  for (const Move& move : moves) {
+    if (left < move.duration) {
+      // A smooth step: at rest at both ends.
+      const double s = left / move.duration;
+      return from + s * s * (3.0 - 2.0 * s) * (move.end - from);
+    }
+    left -= move.duration;
+    from = move.end;
+  }
+  return options.start;
+}
+
+const Vec3& HandModel::step(const Vec3& target, const Vec3& reaction, double dt) {
+  const Vec3 force = options_.stiffness * (target - position_) - options_.damping * velocity_ + reaction;
+  velocity_ += dt / options_.mass * force;
+  position_ += dt * velocity_;
+  return position_;
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,110 @@
+/// A live line a second on what flows; with ~seconds > 0 a verdict at the end and as exit code:
+/// 0 all topics flowed at their rates and were finite, 1 they did not.
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "haptic_cloth/error.h"
+#include "ros/display/flow_meter.h"
+#include "ros/node/steady_clock.h"
+#include "ros/options/node_options.h"
+#include "ros/options/parameter_group.h"
+#include "ros/programs/program.h"
+
+namespace {
+
+struct MonitorOptions {
+  std::string node = "haptic_cloth";  ///< whose probes these are; its parameters name them
+  double seconds = 0.0;               ///< measured, once everything flows [s]; 0: until interrupted
+  double patience = 30.0;             ///< for the node's parameters, then for the first messages [s]
+  double reaction_rate = 900.0;       ///< lowest good rate [Hz]
+  double display_rate = 20.0;         ///< lowest good rate of markers and state [Hz]
+};
+
+MonitorOptions readOptions(haptic_cloth::ParameterGroup group) {
+  MonitorOptions options;
+  group.read("node", options.node);
+  group.read("seconds", options.seconds, true);
+  group.read("patience", options.patience, false);
+  group.read("reaction_rate", options.reaction_rate, true);
+  group.read("display_rate", options.display_rate, true);
+  group.rejectRest();
+  return options;
+}
+
+/// Handles messages until `end` (steady clock [s]) or until ROS is shut down.
+void spinUntil(double end) {
+  for (double left = 1.0; ros::ok() && left > 0.0; left = end - haptic_cloth::steadyNow()) {
+    ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(std::min(left, 0.1)));
+  }
+}
+
+void say(const std::string& line) {
+  std::puts(line.c_str());
+  std::fflush(stdout);
+}
+
+/// Names of the node's probes. While a launch file is being loaded its parameters are not whole yet.
+std::vector<std::string> findProbes(const ros::NodeHandle& node, const MonitorOptions& options) {
+  const std::string served = node.resolveName(options.node);
+  const double give_up = haptic_cloth::steadyNow() + options.patience;
+  std::string wrong = served + ": no parameters";
+  while (ros::ok() && haptic_cloth::steadyNow() < give_up) {
+    XmlRpc::XmlRpcValue parameters;
+    try {
+      if (node.getParam(served, parameters)) {
+        std::vector<std::string> names;
+        const auto scene = haptic_cloth::parseNodeOptions(parameters, served + " (parameters)").scene;
+        for (const haptic_cloth::ProbeOptions& probe : scene.probes) names.push_back(probe.name);
+        return names;
+      }
+    } catch (const haptic_cloth::InputError& error) {
+      wrong = error.what();
+    }
+    haptic_cloth::sleepUntil(haptic_cloth::steadyNow() + 0.1);
+  }
+  say(wrong + "; listening to the probe named probe alone");
+  return {"probe"};
+}
+
+int run(int argc, char** argv) {
+  ros::init(argc, argv, "monitor", ros::init_options::AnonymousName);
+  ros::NodeHandle node, private_node("~");
+  XmlRpc::XmlRpcValue parameters;
+  private_node.getParam(private_node.getNamespace(), parameters);
+  const MonitorOptions options =
+      readOptions(haptic_cloth::ParameterGroup(parameters, private_node.getNamespace() + " (parameters)"));
+
+  const std::vector<std::string> probes = findProbes(node, options);
+  // Two meters: one for the line, one for the whole time.
+  haptic_cloth::FlowMeter second(node, probes, options.reaction_rate, options.display_rate);
+  haptic_cloth::FlowMeter whole(node, probes, options.reaction_rate, options.display_rate);
+  const double give_up = haptic_cloth::steadyNow() + options.patience;
+  while (ros::ok() && !whole.allFlow() && haptic_cloth::steadyNow() < give_up) {
+    spinUntil(haptic_cloth::steadyNow() + 0.1);
+  }
+  if (ros::ok() && !whole.allFlow()) say("not everything flows yet");
+
+  second.clear();
+  whole.clear();
+  const double start = haptic_cloth::steadyNow();
+  double last = start;
+  while (ros::ok() && (options.seconds == 0.0 || haptic_cloth::steadyNow() < start + options.seconds)) {
+    spinUntil(last + 1.0);
+    const double now = haptic_cloth::steadyNow();
+    say(second.line(now - last));
+    second.clear();
+    last = now;
+  }
+  if (options.seconds == 0.0) return 0;
+  bool passed = false;
+  say(whole.verdict(last - start, passed));
+  return passed ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return haptic_cloth::runProgram("monitor", run, argc, argv); }

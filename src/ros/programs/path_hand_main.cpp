@@ -1,0 +1,141 @@
+/// A hand that does what the scene says: every probe of the node with a path follows it, and grasps in its
+/// times. Time starts with a reset of the cloth, once the node hears every probe, and is the cloth's: in slow
+/// motion the hand is slow as well.
+#include <geometry_msgs/PoseStamped.h>
+#include <haptic_cloth/ClothState.h>
+#include <ros/ros.h>
+#include <std_msgs/Bool.h>
+#include <std_srvs/Empty.h>
+
+#include <algorithm>
+#include <deque>
+
+#include "ros/node/conversions.h"
+#include "ros/node/steady_clock.h"
+#include "ros/node/topics.h"
+#include "ros/options/node_options.h"
+#include "ros/programs/program.h"
+
+namespace {
+
+namespace topics = haptic_cloth::topics;
+
+/// Poses sent before the reset: the node must know where each probe is when the cloth starts anew [s].
+constexpr double kLead = 0.5;
+
+struct PathOptions {
+  std::string node = "haptic_cloth";  ///< whose probes these are; its parameters say which
+  double rate = 1000.0;               ///< poses a second [Hz]
+};
+
+PathOptions readPathOptions(haptic_cloth::ParameterGroup group) {
+  PathOptions options;
+  group.read("node", options.node);
+  group.read("rate", options.rate, false);
+  group.rejectRest();
+  return options;
+}
+
+/// The cloth's time between two messages that tell it, at the pace of the last.
+class ClothClock {
+ public:
+  void hear(double cloth_time) {
+    const double now = haptic_cloth::steadyNow();
+    const bool forward = cloth_time > heard_ && now > when_;
+    if (when_ > 0.0 && forward) pace_ = std::min(1.0, (cloth_time - heard_) / (now - when_));
+    heard_ = cloth_time;
+    when_ = now;
+  }
+  /// Never backwards, and never far ahead of what was heard.
+  double read() {
+    const double ahead = std::min(haptic_cloth::steadyNow() - when_, kAhead);
+    time_ = std::max(time_, heard_ + pace_ * ahead);
+    return time_;
+  }
+
+ private:
+  static constexpr double kAhead = 0.1;  ///< [s]
+  double heard_ = 0.0, when_ = 0.0, pace_ = 0.0, time_ = 0.0;
+};
+
+/// One probe on its path.
+class PathProbe {
+ public:
+  PathProbe(const haptic_cloth::NodeOptions& options, std::size_t number, ros::NodeHandle& node)
+      : frame_id_(options.frame_id),
+        probe_(options.scene.probes[number]),
+        device_(options.probes[number].device),
+        pose_(node.advertise<geometry_msgs::PoseStamped>(topics::ofProbe(probe_.name, topics::kPose),
+                                                         topics::kPoseQueue)),
+        grasp_(node.advertise<std_msgs::Bool>(topics::ofProbe(probe_.name, topics::kGrasp),
+                                              topics::kGraspQueue)) {}
+
+  /// @param time on the path [s]
+  void step(double time) {
+    geometry_msgs::PoseStamped message;
+    message.header.stamp = ros::Time::now();
+    message.header.frame_id = frame_id_;
+    message.pose = haptic_cloth::toPose(positionForDriver(device_, pathPosition(probe_.path, time)),
+                                        orientationForDriver(device_, probe_.orientation));
+    pose_.publish(message);
+    std_msgs::Bool closed;
+    closed.data = std::any_of(probe_.grasp.begin(), probe_.grasp.end(),
+                              [&](const auto& times) { return times[0] <= time && time < times[1]; });
+    if (closed.data != closed_) grasp_.publish(closed);
+    closed_ = closed.data;
+  }
+
+  bool isHeard() const { return pose_.getNumSubscribers() > 0; }
+
+ private:
+  std::string frame_id_;
+  haptic_cloth::ProbeOptions probe_;
+  haptic_cloth::DeviceOptions device_;
+  ros::Publisher pose_, grasp_;
+  bool closed_ = false;
+};
+
+int run(int argc, char** argv) {
+  ros::init(argc, argv, "path_hand");
+  ros::NodeHandle node, private_node("~");
+  XmlRpc::XmlRpcValue own, theirs;
+  private_node.getParam(private_node.getNamespace(), own);
+  const PathOptions path =
+      readPathOptions(haptic_cloth::ParameterGroup(own, private_node.getNamespace() + " (parameters)"));
+  const std::string served = node.resolveName(path.node);
+  node.getParam(served, theirs);
+  const haptic_cloth::NodeOptions options = haptic_cloth::parseNodeOptions(theirs, served + " (parameters)");
+
+  std::deque<PathProbe> probes;
+  for (std::size_t k = 0; k < options.scene.probes.size(); ++k) {
+    if (!options.scene.probes[k].path.empty()) probes.emplace_back(options, k, node);
+  }
+  const double period = 1.0 / path.rate;
+  ClothClock clock;
+  bool started = false;
+  ros::Time start;  // what was said before is of the time before the reset
+  const ros::Subscriber state = node.subscribe<haptic_cloth::ClothState>(
+      topics::kState, topics::kStateQueue, [&](const haptic_cloth::ClothState::ConstPtr& message) {
+        if (started && message->header.stamp > start) clock.hear(message->time);
+      });
+  double lead = kLead, due = haptic_cloth::steadyNow();
+  while (ros::ok()) {
+    haptic_cloth::sleepUntil(due += period);
+    const bool heard =
+        std::all_of(probes.begin(), probes.end(), [](const PathProbe& probe) { return probe.isHeard(); });
+    if (heard) lead -= period;
+    if (lead < 0.0 && !started) {
+      std_srvs::Empty empty;
+      started = ros::service::call(served + "/" + topics::kReset, empty);
+      due = haptic_cloth::steadyNow();
+      start = ros::Time::now();
+    }
+    ros::spinOnce();
+    for (PathProbe& probe : probes) probe.step(started ? clock.read() : 0.0);
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return haptic_cloth::runProgram("path_hand", run, argc, argv); }
