@@ -12,7 +12,7 @@ class Curve {
  public:
   struct Point {
     double potential;  ///< ψ(s) = ∫₀ˢ f  [f · s]
-    double force;      ///< f(s)
+    double force;      ///< slope of the interval that contains s
     double slope;      ///< f'(s), that of the interval s lies in
   };
 
@@ -36,7 +36,8 @@ class Curve {
             interval.force + ds * interval.slope, interval.slope};
   }
 
-  /// f on [begin, next begin): the first one also before, the last one also after.
+  /// Coefficients of f from `begin` to the next interval's; the outer intervals extend beyond the
+  /// ends.
   struct Interval {
     double begin, potential, force, slope;
   };
@@ -44,7 +45,7 @@ class Curve {
   double begin() const { return begin_; }
   double inverseStep() const { return inverse_step_; }
 
-  /// True where f vanishes everywhere, so that the term can be left out of a model.
+  /// Tells whether f vanishes everywhere, so that a model can leave the term out.
   bool isZero() const;
 
  private:

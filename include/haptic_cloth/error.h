@@ -1,4 +1,4 @@
-/// The exceptions of the library: an input that breaks a rule, an output that cannot be written.
+/// Exceptions of the library: an input that breaks a rule, an output that cannot be written.
 #pragma once
 
 #include <cctype>
@@ -10,19 +10,19 @@ namespace haptic_cloth {
 /// Bad configuration or file. The message is one line that names file, key, value and rule.
 class InputError : public std::runtime_error {
  public:
-  /// @param file  where the value stands ("scene.yaml", "--set", "~ (parameters)")
+  /// @param file  source of the value ("scene.yaml", "--set", "~ (parameters)")
   /// @param key   dotted path of the key ("cloth.particles[0]"), empty for the file itself
-  /// @param value the offending value as written, empty if there is none
-  /// @param rule  what would be right ("must be > 0")
+  /// @param value offending value as written, empty if there is none
+  /// @param rule  rule that it breaks ("must be > 0")
   InputError(const std::string& file, const std::string& key, const std::string& value,
              const std::string& rule)
       : std::runtime_error(oneLine(file) + (key.empty() ? "" : ": " + oneLine(key)) +
                            (value.empty() ? "" : " = " + oneLine(value)) + ": " + oneLine(rule)) {}
 
  private:
-  static constexpr std::size_t kLongest = 2000;  ///< of each part [characters]
+  static constexpr std::size_t kLongest = 2000;  ///< largest length of each part [characters]
 
-  /// Names and values come from files that may hold anything.
+  /// Shortens the text and replaces control characters: names and values come from arbitrary files.
   static std::string oneLine(std::string text) {
     if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
     for (char& c : text) {

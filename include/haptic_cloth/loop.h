@@ -1,4 +1,4 @@
-/// A force law with hysteresis: play between the two branches of a measured loop.
+/// Force law with hysteresis: play between the two branches of a measured loop.
 #pragma once
 
 #include <algorithm>
@@ -8,47 +8,50 @@
 
 namespace haptic_cloth {
 
-/// Force of a deformation s (strain [-], curvature [1/m] or shear angle [rad]) with memory:
+/// Force law of a deformation s (strain [-], curvature [1/m] or shear angle [rad]) with memory:
 ///
-///     f(s) = R(s) + clamp(q, lower(s) - R(s), upper(s) - R(s)),
+///     f(s) = R(s) + clamp(q, lower(s) - R(s), upper(s) - R(s)).
 ///
-/// upper and lower the branches of the outer loop, R the path taken after a reversal and q, the play, the one
-/// number an element remembers. R rises faster than both branches everywhere (`reversal` times the steeper),
-/// so a path leaves one branch, runs along R and joins the other: inner cycles stay inside the loop, close,
-/// dissipate and do not ratchet (play operator [Visintin 1994, III.2]). Where both branches are one, the law
-/// is elastic there; where they are one everywhere, it has no memory at all.
+/// upper and lower are the branches of the outer loop. R is the path after a reversal. q, the play,
+/// is the only number that an element remembers. R rises faster than both branches everywhere
+/// (`reversal` times the steeper), so a path leaves one branch, follows R and joins the other.
+/// Inner cycles stay inside the loop, close, dissipate and do not ratchet (play operator [Visintin
+/// 1994, III.2]). The law is elastic where the branches coincide; it has no memory if they coincide
+/// everywhere.
 class Loop {
  public:
   using Point = Curve::Point;
 
-  /// The law of one element until its play changes: the path in the middle, the branches beyond.
+  /// Law of one element while its play is constant: the path between `low` and `high`, the branches
+  /// beyond.
   struct Step {
     double play;                ///< q
-    double low, high;           ///< deformations at which the path joins the lower and the upper branch
-    double on_lower, on_upper;  ///< constants by which the branches' integrals continue the path's
+    double low, high;           ///< deformations where the path meets the lower, upper branch
+    double on_lower, on_upper;  ///< offsets of the branches' integrals that make ψ continuous
   };
 
   /// f = 0.
   Loop() : Loop(Curve()) {}
 
-  /// Without memory.
+  /// Elastic law without memory.
   Loop(const Curve& elastic) : upper_(elastic) {}  // NOLINT: an elastic law is a loop
 
-  /// @param upper, lower branches on one grid begin, begin + step, ...; upper >= lower, both non-decreasing;
-  /// past the ends both go on with the upper's last slope and the lower's first
-  /// @param reversal slope of R over that of the steeper branch, > 1
+  /// @param upper, lower branches on one grid begin, begin + step, ...; upper >= lower, both
+  /// non-decreasing. Beyond the last sample both continue with the last slope of the upper branch,
+  /// before the first with the first slope of the lower.
+  /// @param reversal ratio of the slope of R to that of the steeper branch, > 1
   Loop(double begin, double step, std::vector<double> upper, std::vector<double> lower, double reversal);
 
   bool hasMemory() const { return memory_; }
   bool isZero() const { return !memory_ && upper_.isZero(); }
 
-  /// The rising branch; the law itself where there is no memory.
+  /// Rising branch; the law itself if it has no memory.
   const Curve& upper() const { return upper_; }
 
-  /// The falling branch.
+  /// Falling branch.
   const Curve& lower() const { return memory_ ? lower_ : upper_; }
 
-  /// R. @pre hasMemory()
+  /// R, the path after a reversal. @pre hasMemory()
   const Curve& path() const { return path_; }
 
   /// Play of an element that was never deformed.
@@ -57,7 +60,7 @@ class Loop {
   /// Play after a step that ends at deformation s.
   double commit(double play, double s) const { return memory_ ? clampPlay(play, s) : 0.0; }
 
-  /// Play that gives `force` at s, or the nearest the loop allows: what a change of the mesh hands over.
+  /// Play that gives `force` at s, or the nearest that the loop allows; used when the mesh changes.
   double playFor(double force, double s) const {
     return memory_ ? clampPlay(force - path_(s).force, s) : 0.0;
   }
@@ -67,10 +70,10 @@ class Loop {
     return memory_ ? path_(s).force + clampPlay(play, s) : upper_(s).force;
   }
 
-  /// The law for a given play.
+  /// Law for a given play.
   Step begin(double play) const { return begin(play, 0.0, 0.0); }
 
-  /// The law after a step that ends at deformation s.
+  /// Law after a step that ends at deformation s.
   Step next(const Step& step, double s) const;
 
   /// ψ (up to a constant), f and f' at s within a step; ψ is C1 and f its derivative.
@@ -81,8 +84,9 @@ class Loop {
     return {path.potential + step.play * s, path.force + step.play, path.slope};
   }
 
-  /// Energy an element could give back: that of the loop's middle line, and that of the reversal path as a
-  /// spring in series with a slider. Work done minus its change is what was dissipated.
+  /// Energy that an element could give back: that of the loop's middle line, plus that of the
+  /// reversal path as a spring in series with a slider. Work minus the change of this energy was
+  /// dissipated.
   double stored(double play, double s) const;
 
  private:
@@ -102,7 +106,7 @@ class Loop {
   double begin_ = 0.0, step_ = 1.0;
   int nodes_ = 0;
   Curve upper_, lower_, path_;
-  std::vector<double> upper_above_, lower_above_;  ///< the branches less R at the nodes
+  std::vector<double> upper_above_, lower_above_;  ///< branches minus R at the nodes
 };
 
 }  // namespace haptic_cloth

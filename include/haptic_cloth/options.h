@@ -1,4 +1,5 @@
-/// Numerical options, each default in this one place. Scene files, parameters and tests refer to these.
+/// Numerical options. Every default stands here only; scene files, parameters and tests refer to
+/// it.
 #pragma once
 
 namespace haptic_cloth {
@@ -8,38 +9,47 @@ enum class Preconditioner { None, Jacobi, Multilevel };
 enum class Strategy { Finest, Coarsest, Refine, Coarsen, Amrc };
 enum class StartMesh { Finest, Coarsest };
 
-/// When the minimizer stops, and what it may cost.
+/// Stopping rules of the minimizer.
 struct MinimizerOptions {
   Preconditioner preconditioner = Preconditioner::Multilevel;
   double tolerance =
-      0.1;  ///< stop when rms_m(|∇Φ|/m) <= tolerance · |gravity| (9.80665 m/s² where there is none)  [-]
-  int max_iterations = 200;  ///< [-]
-  double time_budget = 0.0;  ///< wall clock of one step [s], but one iteration at least; 0: none. The best
-                             ///< state so far is kept. What follows the solve comes on top.
+      /// The solve stops when rms_m(|∇Φ|/m) <= tolerance · |gravity| [-]; without gravity |gravity|
+      /// is 9.80665 m/s².
+      0.1;
+  int max_iterations = 200;
+  /// Wall clock time from the start of a step to the end of its solve [s]; 0: no limit. At least
+  /// one iteration is made, and the best state so far is kept. Work after the solve is not
+  /// included.
+  double time_budget = 0.0;
 };
 
-/// How a step is made.
+/// Options of time integration.
 struct SolverOptions {
   double time_step = 1e-3;  ///< [s]
   Cost cost = Cost::Condensed;
   MinimizerOptions minimizer;
-  double sleep_speed = 3e-4;  ///< particles slower than this for 50 steps stay where they are until the force
-                              ///< on them changes, and cost one look a step [m/s]; 0: none
-  int threads = 0;            ///< at most; 0: as many as there are cores, of which the node leaves
-                              ///< one to its haptic thread. A step takes fewer where particles are few
+  /// Particles slower than this for 50 steps fall asleep [m/s]; 0: none do. They keep their
+  /// position until the force on them changes, and cost one evaluation a step.
+  double sleep_speed = 3e-4;
+  /// Largest number of threads; 0: one for each core, of which the ROS node leaves one to its
+  /// haptic thread. A step with few particles uses fewer.
+  int threads = 0;
 };
 
-/// How the mesh follows the shape.
+/// Options of the adaptive mesh.
 struct AdaptOptions {
   Strategy strategy = Strategy::Amrc;
-  StartMesh start = StartMesh::Finest;  ///< mesh that `Amrc` begins with; the others begin as they must
+  StartMesh start = StartMesh::Finest;  ///< initial mesh of `Amrc`; the other strategies fix theirs
   int levels = 2;                       ///< L: the coarsest cell is 2^L finest cells wide
-  int interval = 3;                     ///< steps between two looks at the mesh
-  double refine_above = 0.60;           ///< turning angle at a triple above which its cells split [rad]
-  double coarsen_below = 0.30;  ///< turning angle below which four siblings merge, as on their parent [rad]
-  double refine_above_strain = 0.005;  ///< cells split where tensile strain differs more between corners [-]
-  double coarsen_below_strain = 0.0025;  ///< siblings merge where it differs less, as on their parent [-]
-  int minimum_age = 30;  ///< steps a new cell stays as it is before it may merge; against chatter
+  int interval = 3;                     ///< steps between two mesh decisions
+  double refine_above = 0.60;           ///< cells split above this turning angle at a triple [rad]
+  /// Four siblings merge below this turning angle, measured on their parent [rad].
+  double coarsen_below = 0.30;
+  /// Cells split if tensile strain differs by more than this between their corners [-].
+  double refine_above_strain = 0.005;
+  /// Four siblings merge if it differs by less than this on their parent [-].
+  double coarsen_below_strain = 0.0025;
+  int minimum_age = 30;  ///< steps before a new cell may merge; prevents chatter
 };
 
 }  // namespace haptic_cloth

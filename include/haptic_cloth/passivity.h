@@ -1,4 +1,4 @@
-/// Watches the energy that leaves through the device and takes back what should not have come out.
+/// Passivity observer and controller: removes energy that the haptic loop has created.
 #pragma once
 
 #include <array>
@@ -7,62 +7,70 @@
 
 namespace haptic_cloth {
 
-/// Of the passivity observer and controller.
+/// Options of the passivity observer and controller.
 struct PassivityOptions {
-  double damping = 2.0;  ///< most that the controller adds [N·s/m]
-  double debt = 5e-4;    ///< of energy at which the coupling is left half of its force [J]; 0: all of it
-  double store = 0.05;   ///< most energy put into the cloth earlier that may come out again [J]
-  double device_damping = 0.5;  ///< of mechanism and hand, which may be counted on [N·s/m]
-  double loop_delay = 0.001;  ///< from a force leaving to a pose that has felt it, beyond the tick's own [s]
+  double damping = 2.0;  ///< largest damping that the controller adds [N·s/m]
+  double debt = 5e-4;    ///< energy debt that halves the coupling's force [J]; 0: never weaken it
+  double store = 0.05;   ///< largest energy put into the cloth earlier that may come out again [J]
+  /// Damping of mechanism and hand that can be relied on [N·s/m].
+  double device_damping = 0.5;
+  /// Time from sending a force to the pose that responds to it, beyond the tick itself [s].
+  double loop_delay = 0.001;
 };
 
-/// What could come out again at a pose [J]: of the coupling's spring, known exactly, and of the cloth.
+/// Energy that could come out again at a pose [J]: of the coupling's spring (exact) and of the
+/// cloth.
 struct HeldEnergy {
   double coupling = 0.0, cloth = 0.0;
 };
 
-/// Time-domain passivity observer and controller of one probe's device port [Hannaford & Ryu 2002], impedance
-/// causality: E = -Σ f·Δx over the device's path is what the hand has put in; where it falls below zero the
-/// loop has made energy, and f gets -α v until that is paid back. A virtual wall, a held force and a slow
-/// solver all may make energy; a buzz lives on it.
+/// Time-domain passivity observer and controller for the device port of one probe [Hannaford & Ryu
+/// 2002], impedance causality. E = -Σ f·Δx over the path of the device is the energy that the hand
+/// has put in. If E falls below zero, the loop has created energy, and -α v is added to f until the
+/// debt is paid. A virtual wall, a held force or a slow solver may create energy, and a buzz lives
+/// on it.
 ///
-/// E is kept at most at what coupling and cloth hold and can give back. Without that bound friction would
-/// fill the store in a long contact and a later buzz would live on it for long.
+/// E is kept at or below the energy that coupling and cloth hold and can give back. Otherwise
+/// friction would fill the store during a long contact and feed a later buzz.
 class PassivityController {
  public:
-  /// @param period of the ticks [s]
+  /// @param period time between ticks [s]
   PassivityController(const PassivityOptions& options, double period);
 
-  /// Takes in a device position [m] and what is held there; once a tick, before damping().
+  /// Records a device position [m] and the energy held there. Called once a tick, before damping().
   void observe(const Vec3& position, const HeldEnergy& held);
 
-  /// Force to add [N] to pay back what is owed; zero where nothing is.
+  /// Force that pays the debt [N]; zero if there is none.
   Vec3 damping() const;
 
-  /// Factor of the coupling's force: 1 where nothing was owed for long, a half at a debt of
-  /// PassivityOptions::debt. It falls at once and rises slowly: else it would swing with the buzz and feed
-  /// it.
+  /// Factor for the coupling's force: 1 without debt, ½ at a debt of PassivityOptions::debt. It
+  /// falls at once and rises slowly; otherwise it would swing with the buzz and feed it.
   double gain() const { return gain_; }
 
-  /// The force that was sent to the device in this tick [N].
+  /// Records the force sent to the device in this tick [N].
   void sent(const Vec3& force);
 
-  /// Lets a debt fade; once a tick where nothing is touched. A bounce is too short for much of that.
+  /// Lets a debt fade. Called once a tick without contact. A bounce is too short for the debt to
+  /// fade much.
   void forgive();
 
-  /// Other options from now on; what was put in and owed stays.
-  /// @param unit of force and energy from now on, over that until now
+  /// Changes the options; energy and debt stay.
+  /// @param unit new unit of force and energy / old unit
   void setOptions(const PassivityOptions& options, double period, double unit);
 
-  /// Forgets everything, debts too, as after a fault: what is held at the next observe() counts as put in.
+  /// Forgets everything including debts, as after a fault. The energy held at the next observe()
+  /// counts as put in.
   void reset();
 
-  double energy() const { return energy_; }  ///< put in by the hand and not given back [J]; < 0: owed
-  const Vec3& velocity() const { return velocity_; }  ///< of the device, over kWindow ticks [m/s]
+  /// Energy put in by the hand and not given back [J]; < 0: debt.
+  double energy() const { return energy_; }
+
+  /// Velocity of the device over the last kWindow ticks [m/s].
+  const Vec3& velocity() const { return velocity_; }
 
  private:
-  static constexpr int kForces = 64;  ///< ticks of forces that are remembered
-  static constexpr int kWindow = 4;   ///< ticks over which speed is measured
+  static constexpr int kForces = 64;  ///< number of forces remembered [ticks]
+  static constexpr int kWindow = 4;   ///< span of the velocity measurement [ticks]
 
   Vec3 forceFelt() const;
 
@@ -70,7 +78,7 @@ class PassivityController {
   double period_;
   std::array<Vec3, kForces> forces_;
   std::array<Vec3, kWindow + 1> positions_;
-  int force_count_ = 0, position_count_ = 0;  ///< ever written
+  int force_count_ = 0, position_count_ = 0;  ///< number of entries written since reset
   double energy_ = 0.0, gain_ = 1.0;
   Vec3 velocity_ = Vec3::Zero();
 };

@@ -12,17 +12,17 @@
 
 namespace haptic_cloth {
 
-/// Particles i0..i1 x j0..j1 of the finest grid, ends included.
+/// Particles i0 … i1 × j0 … j1 of the finest grid, ends included.
 struct ParticleRange {
   int i0, i1, j0, j1;
 };
 
 struct ClothOptions {
-  std::array<int, 2> particles{77, 77};               ///< finest grid: along warp (x), weft (y)
+  std::array<int, 2> particles{77, 77};               ///< finest grid along warp (x) and weft (y)
   std::array<double, 2> size{0.30, 0.30};             ///< [m]
   Pose pose{Vec3(0.0, 0.0, 0.10), Quat::Identity()};  ///< centre of the flat cloth
   Fabric fabric;
-  std::vector<ParticleRange> pins;  ///< held where they start
+  std::vector<ParticleRange> pins;  ///< particles held at their initial position
 };
 
 enum class Shape { Box, Sphere, Cylinder, Capsule, Plane };
@@ -33,36 +33,39 @@ struct PathPoint {
   Vec3 position;  ///< [m]
 };
 
-/// A solid with friction. Cylinder and capsule have their axis along local z, a plane its normal along local
-/// +z.
+/// A solid with friction. The axis of a cylinder or capsule is local z; the normal of a plane is
+/// local +z.
 struct Obstacle {
-  std::string name;  ///< by which it can be moved; empty: it stays
+  std::string name;  ///< name by which it can be moved; empty: it cannot
   Shape shape = Shape::Plane;
   Vec3 size = Vec3::Zero();  ///< box: full side lengths [m]
   double radius = 0.0;       ///< sphere, cylinder, capsule [m]
-  double length = 0.0;       ///< cylinder: full height; capsule: distance of the two centres [m]
+  double length = 0.0;       ///< cylinder: full height; capsule: distance of its centres [m]
   Pose pose;
   double friction = 0.3;        ///< Coulomb coefficient [-]
-  std::vector<PathPoint> path;  ///< of its position, as a probe's; empty: it stays until moved
+  std::vector<PathPoint> path;  ///< positions over time, as for a probe; empty: no scripted motion
 };
 
-/// A sphere, or a capsule with its axis along local z.
+/// A sphere, or a capsule whose axis is local z.
 struct ProbeOptions {
   std::string name = "probe";
   double radius = 0.008;              ///< [m]
-  double length = 0.0;                ///< of a capsule: distance of its two centres [m]; 0: a sphere
+  double length = 0.0;                ///< capsule: distance of its centres [m]; 0: sphere
   double friction = 0.2;              ///< [-]
-  double coupling_stiffness = 400.0;  ///< virtual coupling, device to proxy [N/m]
-  double coupling_damping = 1.0;      ///< [N·s/m]
-  std::vector<PathPoint> path;        ///< linear between rows, held after the last; empty: no scripted motion
-  Quat orientation = Quat::Identity();       ///< of a capsule on its path
-  std::vector<std::array<double, 2>> grasp;  ///< from, to: closed meanwhile on its path [s]
+  double coupling_stiffness = 400.0;  ///< stiffness of the virtual coupling [N/m]
+  double coupling_damping = 1.0;      ///< damping of the virtual coupling [N·s/m]
+  /// Scripted motion of the device, linear between rows and constant after the last; empty: none.
+  std::vector<PathPoint> path;
+  Quat orientation = Quat::Identity();  ///< orientation of a capsule on its path
+  /// Intervals [from, to] in which the probe is closed on its path [s].
+  std::vector<std::array<double, 2>> grasp;
 };
 
-/// When a run of `simulate` ends.
+/// Conditions that end a run of `simulate`.
 struct StopOptions {
-  double time = 2.0;        ///< [s]
-  double rest_speed = 0.0;  ///< ends earlier when the fastest particle stays below [m/s]; 0: never
+  double time = 2.0;  ///< [s]
+  /// The run ends earlier once the fastest particle stays below this speed [m/s]; 0: never.
+  double rest_speed = 0.0;
 };
 
 struct Scene {
@@ -76,20 +79,21 @@ struct Scene {
   StopOptions stop;
 };
 
-/// Reads a scene file; `overrides` are "a.b=VALUE" with VALUE in YAML, applied in order.
+/// Reads a scene file. `overrides` are "a.b=VALUE" with VALUE in YAML, applied in order.
 /// @throws InputError naming file, key, value and rule.
 Scene loadScene(const std::string& file, const std::vector<std::string>& overrides = {});
 
-/// Reads a scene from YAML text. @param origin names the source in messages ("~ (parameters)");
-/// @param base_directory is where relative fabric paths start.
+/// Reads a scene from YAML text.
+/// @param origin name of the source in messages ("~ (parameters)")
+/// @param base_directory directory that relative fabric paths start from
 Scene parseScene(const std::string& yaml, const std::string& origin, const std::string& base_directory,
                  const std::vector<std::string>& overrides = {});
 
-/// Checks what a scene built in code must fulfil; the loaders call it too.
+/// Checks the rules for a scene that was built in code; the loaders call it too.
 /// @throws InputError with `origin` as file.
 void validateScene(const Scene& scene, const std::string& origin);
 
-/// Position on a path at a time [s]: linear between rows, the first before, the last after.
+/// Position on a path at a time [s]: linear between rows, the first row before, the last after.
 Vec3 pathPosition(const std::vector<PathPoint>& path, double time);
 
 }  // namespace haptic_cloth

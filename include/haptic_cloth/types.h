@@ -15,20 +15,23 @@ struct Pose {
   Quat orientation = Quat::Identity();
 };
 
-/// A haptic device at the end of a step, in the world frame.
+/// State of a haptic device at the end of a step, in the world frame.
 struct DeviceState {
   Vec3 position = Vec3::Zero();         ///< [m]
   Vec3 velocity = Vec3::Zero();         ///< [m/s]
-  Quat orientation = Quat::Identity();  ///< matters where the probe is a capsule
-  double elapsed = 0.0;  ///< by the hand's clock since the state before; a time step at least [s]
+  Quat orientation = Quat::Identity();  ///< used if the probe is a capsule
+  /// Time since the previous state by the hand's clock [s]; less than a time step counts as one.
+  double elapsed = 0.0;
 };
 
-/// No hand is faster [m/s]; and so far may a device be from where it seems, as poses come late: what a hand
-/// at 2 m/s moves in 50 ms [m].
+/// Limits of plausible device motion: the largest speed of a hand [m/s], and the distance that a
+/// device may be off because poses come late [m]: 2 m/s for 50 ms.
 constexpr double kFastestHand = 10.0, kLatePose = 0.1;
 
-/// Whether a device is elsewhere without having moved there: its driver or tracker lost it, or began anew.
-/// @param way [m]  @param elapsed meanwhile [s]
+/// Tells whether a device is elsewhere without having moved there: its driver or tracker lost it or
+/// was restarted.
+/// @param way distance between the two positions [m]
+/// @param elapsed time between them [s]
 inline bool isJump(double way, double elapsed) { return way > kFastestHand * elapsed + kLatePose; }
 
 /// Thread directions of a woven cloth: warp runs along grid index i (x), weft along j (y).
