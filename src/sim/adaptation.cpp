@@ -95,8 +95,8 @@ void Adaptation::measureStrain(const Field& nodes, const ActiveMesh& mesh) {
   }
 }
 
-/// Turning angle over the whole cell [rad], from the particles at its corners (parts 1) or also at those of
-/// its four children (parts 2).
+/// Turning angle over a cell [rad], from the particles at its corners (parts 1) or at the corners
+/// of its four children (parts 2).
 double Adaptation::turning(const Cell& cell, int parts, const ActiveMesh& mesh) const {
   double largest = 0.0;
   const int step = cell.span() / parts;
@@ -109,7 +109,7 @@ double Adaptation::turning(const Cell& cell, int parts, const ActiveMesh& mesh) 
   return largest * length(cell);
 }
 
-/// Largest minus smallest strain of one direction among the same particles.
+/// Largest difference of strain among the same particles, in one direction.
 double Adaptation::strainDifference(const Cell& cell, int parts, const ActiveMesh& mesh) const {
   double difference = 0.0;
   const int step = cell.span() / parts;
@@ -127,15 +127,15 @@ double Adaptation::strainDifference(const Cell& cell, int parts, const ActiveMes
   return difference;
 }
 
-/// Seen from the lower left one of four siblings only.
+/// Tells whether a cell may merge with siblings; only the lower left one of four answers yes.
 bool Adaptation::hasParent(const Cell& cell) const {
   const int mask = 2 * cell.span() - 1;
   return cell.level < grid_.levels && (cell.i & mask) == 0 && (cell.j & mask) == 0;
 }
 
-/// All merges were decided from one mesh, so their order does not matter. They keep it balanced: none has a
-/// neighbour finer than its children, so a child's neighbour that merges as well gets no coarser than two
-/// merged cells side by side may be.
+/// Makes the planned merges. All were decided from one mesh, so their order does not matter. They
+/// keep the mesh balanced: no merging parent has a neighbour finer than its children, so neighbours
+/// still differ by at most one level.
 void Adaptation::mergeCells(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state) {
   merge_transfer_.capture(mesh, state);
   for (const Cell& parent : merged_) {

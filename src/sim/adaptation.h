@@ -1,5 +1,5 @@
-/// Adaptive mesh refinement and coarsening: where the cloth turns or its strain varies, cells split; where
-/// both are smooth, they merge.
+/// Adaptive mesh: cells split where the cloth turns or its strain varies, and merge where both are
+/// smooth.
 #pragma once
 
 #include <array>
@@ -13,49 +13,51 @@
 
 namespace haptic_cloth {
 
-/// A ball in which cells stay finest: the probe's surroundings.
+/// Ball in which cells stay finest, around a probe.
 struct FineRegion {
   Vec3 centre;
   double radius;  ///< [m]
 };
 using FineRegions = std::vector<FineRegion>;
 
-/// The bending cost of a triple, ½ B κ² A, is compared in a form that suits any fabric, size and resolution:
-/// as the turning angle κ l over the cell it would be judged on. The stretch cost enters as the difference of
-/// strain over a cell, for that is what a larger cell cannot follow; slack threads, below zero, count as
-/// unstrained.
+/// Mesh decisions from curvature, strain and hidden load. The bending cost of a triple, ½ B κ² A,
+/// enters as the turning angle κ l over the cell, so one threshold suits any fabric, size and
+/// resolution. The stretch cost enters as the difference of strain over a cell, which a larger cell
+/// cannot represent. Slack threads (strain below zero) count as unstrained.
 class Adaptation {
  public:
   Adaptation(const AdaptOptions& options, const Grid& grid);
 
-  /// For looks from now on. @pre the same levels
+  /// Changes the options for the next decisions. @pre the same levels
   void setOptions(const AdaptOptions& options) { options_ = options; }
 
-  /// The age of the leaves. @param steps made so far
+  /// Saves or loads the age of the leaves. @param steps made so far
   void serialize(Archive& archive, long steps) {
     archive.within("born", born_, -options_.minimum_age, steps);
   }
 
-  /// What the last apply() changed: parents merged, then cells split, in order.
+  /// Changes made by the last apply(): merged parents and split cells, in order.
   const std::vector<Cell>& merged() const { return merged_; }
   const std::vector<Cell>& split() const { return split_; }
 
-  /// Level all leaves start at.
+  /// Level of all leaves in the initial mesh.
   static int startLevel(const AdaptOptions& options);
 
-  /// Whether plan() looks at the mesh in this step, as it does every `interval` steps.
+  /// Tells whether plan() decides in this step, which it does every `interval` steps.
   bool looks(long step) const { return (refines() || coarsens()) && step % options_.interval == 0; }
 
-  /// Turn [rad] by the load that a cell hides, of a leaf (parts 1) or of the parent of four leaves (parts 2).
+  /// Turning angle [rad] under the load that a cell hides: of a leaf (parts 1) or of the parent of
+  /// four leaves (parts 2).
   using HiddenTurn = std::function<double(const Cell& cell, int parts)>;
 
-  /// Decides what splits and what merges, all from the mesh as it is. @return whether apply() has something
-  /// to do  @param nodes positions of the nodes [m]
+  /// Decides all splits and merges from the current mesh.
+  /// @param nodes positions of the nodes [m]
+  /// @return whether apply() has anything to do
   bool plan(long step, const Field& nodes, const InternalEnergy& internal, const FineRegions& fine,
             const LeafMesh& leaves, const ActiveMesh& mesh, const ParticleState& state,
             const HiddenTurn& hidden);
 
-  /// Does what was planned: rebuilds `mesh` and hands the state over.
+  /// Makes the planned changes: rebuilds `mesh` and hands the state over.
   void apply(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
 
  private:
@@ -76,9 +78,10 @@ class Adaptation {
   AdaptOptions options_;
   Grid grid_;
   std::vector<double> curvature_;              ///< largest |κ| at a node [1/m]
-  std::array<std::vector<double>, 2> strain_;  ///< mean of a node's edges by direction, 0 where slack [-]
-  std::vector<int> edges_;                     ///< of a node, scratch of measureStrain()
-  std::vector<long> born_;                     ///< step a leaf came to be, at its lower left finest cell
+  std::array<std::vector<double>, 2> strain_;  ///< mean strain of a node's edges by direction, 0 if
+                                               ///< slack [-]
+  std::vector<int> edges_;                     ///< edges at each node, scratch of measureStrain()
+  std::vector<long> born_;  ///< step in which a leaf was created, at its lower left finest cell
   std::vector<Cell> leaves_, marked_, merged_, split_;
   MergeTransfer merge_transfer_;
 };

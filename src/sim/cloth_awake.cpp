@@ -1,4 +1,4 @@
-// The part of ClothObjective that knows who is awake.
+// Part of ClothObjective that manages sleeping nodes.
 #include <algorithm>
 #include <cmath>
 
@@ -32,8 +32,10 @@ void ClothObjective::forcesAtRest(const Field& velocities, Field& forces) const 
 }
 
 bool ClothObjective::wake(const Rest& rest) {
-  constexpr int kRings = 3;            // of cells around what moves: what is pushed pushes its neighbours
-  constexpr double kWorthwhile = 0.6;  // share of nodes above which all may as well be awake
+  constexpr int kRings = 3;  // rings of cells woken around what moves: pushed cloth pushes its
+                             // neighbours
+  // Share of awake nodes above which all are woken.
+  constexpr double kWorthwhile = 0.6;
   bool more = false;
   seen_.assign(mesh_.nodes(), 0);
   for (int n = 0; n < mesh_.free; ++n) {
@@ -69,7 +71,8 @@ void ClothObjective::measureSleepers() {
   }
 }
 
-/// From nodes that are seen to all of their cells; hanging ones go with their masters.
+/// Extends seen_ by one ring: to all nodes of the cells around seen nodes. Hanging nodes follow
+/// their masters.
 void ClothObjective::spread() {
   reached_.assign(mesh_.nodes(), 0);
   for (const Patch& patch : mesh_.patches) {

@@ -1,4 +1,4 @@
-// The part of ClothWorld that keeps account of energy.
+// Part of ClothWorld that balances energy.
 #include <algorithm>
 #include <cmath>
 
@@ -6,10 +6,11 @@
 
 namespace haptic_cloth {
 
-/// Passivity: what moves may not hold more kinetic energy than is left [J] of what the step began with, the
-/// work of its inputs included. What a mesh change created beyond what there is motion to take it from stays:
-/// owed by later steps it would freeze cloth that is about to buckle. @return scale of the velocities, 1
-/// where nothing was to do
+/// Energy guard: limits the kinetic energy to `left` [J], the energy at the start of the step plus
+/// the work of its inputs minus what is now stored or dissipated. Energy that a mesh change created
+/// beyond the kinetic energy is not carried over to later steps: that debt would freeze cloth that
+/// is about to buckle.
+/// @return factor applied to the velocities, 1 if none was needed
 double ClothWorld::guardEnergy(double left) {
   const double kinetic = kineticEnergy();
   const double allowed = std::max(0.0, left);
@@ -19,9 +20,10 @@ double ClothWorld::guardEnergy(double left) {
   return scale;
 }
 
-/// What the devices do: they work on spring and damper of their couplings; taking one away takes the spring's
-/// energy with it. Obstacles work where they move and where they let cloth out. What is missing in the
-/// balance at the end of a step was dissipated, in a failed step too.
+/// Adds the work of devices and obstacles. Devices work on spring and damper of their couplings;
+/// removing a device removes the energy of its spring. Obstacles work by moving and by ejecting
+/// cloth. Energy missing in the balance at the end of a step counts as dissipated, also after a
+/// failed step.
 void ClothWorld::account() {
   for (int k = 0; k < static_cast<int>(probes.size()); ++k) {
     const ProbeStep& made = objective.probeSteps()[k];
@@ -45,7 +47,7 @@ double ClothWorld::kineticEnergy() const {
   return kinetic;
 }
 
-/// Kinetic energy and that of gravity.
+/// Kinetic energy and energy of gravity.
 EnergyReport ClothWorld::measureMotion() const {
   EnergyReport e;
   e.kinetic = kineticEnergy();

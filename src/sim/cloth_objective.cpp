@@ -11,7 +11,7 @@ namespace {
 enum Part { kStretch, kBend, kShear, kContact, kFriction };
 
 double referenceAcceleration(const Vec3& gravity) {
-  constexpr double kStandardGravity = 9.80665;  // where a scene has none
+  constexpr double kStandardGravity = 9.80665;  // [m/s²], used if a scene has no gravity
   return gravity.norm() > 0.0 ? gravity.norm() : kStandardGravity;
 }
 
@@ -63,7 +63,7 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
   forPresent([this](int k) { probes_[k].unknown = present_++; });
   start_ = positions;
   for (auto* list : {&inertial_, &gradient_, &diagonal_}) list->resize(mesh_.nodes());
-  motion_.clear(mesh_.nodes());  // of what is pinned
+  motion_.clear(mesh_.nodes());  // zero for pinned nodes
   const double share = h_ / (1.0 + air_damping_ * h_);
   for (int c = 0; c < 3; ++c) {
     const auto &x = positions.coordinate(c), &v = velocities.coordinate(c);
@@ -81,7 +81,7 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
 
   double total_mass = 0.0;
   for (int n = 0; n < mesh_.free; ++n) total_mass += mesh_.mass[n];
-  // A proxy has no mass; its coupling answers over a step as this one would.
+  // The proxy has no mass. Over a step its coupling resists like this mass.
   const auto proxy_mass = [this](int k) { return h_ * h_ * couplingStiffness(k); };
   if (mesh_.free == 0) forPresent([&](int k) { total_mass += proxy_mass(k); });
   const double g = referenceAcceleration(gravity_);
@@ -173,8 +173,8 @@ double ClothObjective::evaluate(const Vector& x, Vector& gradient) {
   return energies_.head<5>().sum() + motion[0] + coupling;
 }
 
-/// The proxies' part of the gradient, that of the nodes they hold included. @return energy and loss of the
-/// couplings [J]
+/// Writes the proxies' part of the gradient, including forces on held nodes.
+/// @return energy and loss of the couplings [J]
 double ClothObjective::evaluateProbes(Vector& gradient) {
   for (Proxies* list : {&hold_forces_, &hold_torques_}) std::fill(list->begin(), list->end(), Vec3::Zero());
   for (const HeldNode& held : held_) {
@@ -203,7 +203,7 @@ void ClothObjective::placeProbes() {
   forPresent([this](int k) { contacts_.placeProbe(k, proxies_[k]); });
 }
 
-/// Velocity of the proxy against its device [m/s].
+/// Velocity of the proxy minus that of its device [m/s].
 Vec3 ClothObjective::slip(int probe) const {
   return (proxies_[probe] - probes_[probe].proxy) / h_ - probes_[probe].device_velocity;
 }
@@ -229,7 +229,7 @@ Sums ClothObjective::evaluateElements(int begin, int end) {
   return sums;
 }
 
-/// Gradient of the nodes begin..end; returns their energy of motion and gravity [J].
+/// Collects the gradient of nodes begin..end. @return their energy of motion and gravity [J]
 double ClothObjective::gatherNodes(int begin, int end) {
   const double energy = kernels().evaluateMotion(motion(), begin, end, nodes_.arrays(), gradient_.arrays());
   internal_.addGradient(begin, end, gradient_);
@@ -360,7 +360,7 @@ double ClothObjective::lossPotential() const {
   return loss;
 }
 
-double ClothObjective::motionCost() const {  // E^n of docs/model.md; pinned nodes have no law of motion
+double ClothObjective::motionCost() const {
   double cost = 0.0;
   for (int n = 0; n < mesh_.free; ++n) cost += 0.5 * h_ * h_ / mesh_.mass[n] * gradient_[n].squaredNorm();
   return cost;

@@ -1,4 +1,4 @@
-/// The incremental potential of one step, Φ(X): motion and gravity, internal energy, contact and probe
+/// Incremental potential of one step, Φ(X): motion and gravity, internal energy, contact and probe
 /// coupling.
 #pragma once
 
@@ -20,104 +20,112 @@
 
 namespace haptic_cloth {
 
-/// A probe in one step.
+/// State of a probe in one step.
 struct ProbeStep {
   bool present = false;
-  int unknown = 0;                      ///< its number among those that are present
-  Vec3 device = Vec3::Zero();           ///< where the device is at the end of the step [m]
+  int unknown = 0;                      ///< index among the present probes
+  Vec3 device = Vec3::Zero();           ///< position of the device at the end of the step [m]
   Vec3 device_velocity = Vec3::Zero();  ///< [m/s]
-  Vec3 proxy = Vec3::Zero();            ///< where the proxy is at the start of the step [m]
+  Vec3 proxy = Vec3::Zero();            ///< position of the proxy at the start of the step [m]
 
   void serialize(Archive& archive);
 };
 
-using Proxies = std::vector<Vec3>;  ///< a position or way for each probe of the scene [m]
+using Proxies = std::vector<Vec3>;  ///< position or displacement for each probe of the scene [m]
 
 /// Φ(X, y) = Σ m (1 + c h)/(2h²) |x - x⁰ - h v⁰/(1 + c h)|² - m g · (x - x⁰)            motion, air, gravity
 ///         + Σ A ψ_s(ε) + Σ A ψ_b(κ) + Σ A ψ_h(γ)                                       internal energy
 ///         + contact and friction + ½ k |y - device|² + ½ (b/h) |y - y⁰ - h v_device|²  probe, proxy at y
-/// over the free nodes X and the proxy y. Its gradient is the negative of Newton's residual [N].
+/// over the free nodes X and the proxies y. Its gradient is the negative of Newton's residual [N].
 class ClothObjective : public Objective {
  public:
   ClothObjective(const Scene& scene, const ActiveMesh& mesh, InternalEnergy& internal, ContactSet& contacts,
                  Team& team);
 
-  /// Largest size() can get.
+  /// Upper bound of size().
   int capacity() const { return 3 * (mesh_.grid.particles() + static_cast<int>(probes_.size())); }
 
-  /// From the next begin() on.
+  /// Changes take effect with the next begin().
   void setAirDamping(double air_damping) { air_damping_ = air_damping; }
   void setCoupling(int probe, double stiffness, double damping) { couplings_[probe] = {stiffness, damping}; }
 
-  /// Starts a step from node positions and velocities (ghosts included).
-  /// @param probes of the scene  @param held free nodes that a present probe has grasped
+  /// Starts a step from positions and velocities of the nodes, hanging ones included. All nodes are
+  /// awake.
+  /// @param probes one for each probe of the scene
+  /// @param held free nodes that a present probe has grasped
   void begin(const Field& positions, const Field& velocities, const std::vector<ProbeStep>& probes,
              const std::vector<HeldNode>& held = {});
 
-  /// Nodes may sleep: they and the elements around them are left out of the solve and stay where they are.
-  /// begin() wakes all.
+  /// Puts all nodes to sleep. Sleeping nodes and the elements between them are left out of the
+  /// solve; the nodes keep their position. begin() wakes all.
   void sleepAll();
 
-  /// Forces on the nodes, with the opposite sign, if they stood still at the last evaluated point [N].
+  /// Negative forces on the nodes at the last evaluated point, as if the nodes had no velocity [N].
   void forcesAtRest(const Field& velocities, Field& forces) const;
 
-  /// Wakes the free nodes that do not rest and some around them; what evaluates next is what concerns them.
-  /// @return whether there were any  @pre the last evaluation looked at all
+  /// Wakes the free nodes that may not rest, with some around them; later evaluations cover these.
+  /// @return whether there were any @pre the last evaluation covered all nodes
   bool wake(const Rest& rest);
   void wakeAll();
 
-  /// Has everything evaluated until the next wake(), also what sleeps.
+  /// Makes evaluations cover everything, sleeping nodes included, until the next wake().
   void lookAtAll();
 
-  /// Takes what is unbalanced at the sleepers into residual(). @pre the last evaluation looked at all
+  /// Includes the forces on sleeping nodes in residual(). @pre the last evaluation covered all
+  /// nodes
   void measureSleepers();
   bool allAwake() const { return all_awake_; }
-  int awake() const;  ///< free nodes that are
+  int awake() const;  ///< number of free nodes that are awake
   bool isAwake(int node) const { return awake_[node] != 0; }
-  const Field& gradient() const { return gradient_; }  ///< of all nodes at the last evaluated point [N]
+  const Field& gradient() const {
+    return gradient_;
+  }  ///< gradient of all nodes at the last
+     ///< evaluated point [N]
 
   int size() const override { return 3 * (mesh_.free + present_); }
   double evaluate(const Vector& x, Vector& gradient) override;
   Along along(const Vector& d) override;
 
-  /// The fabric's part of d · H⁺ d [J] and that of all else.
+  /// Quadratic form d · H⁺ d [J]: part of the fabric, and of everything else.
   struct Curvature {
     double fabric, others;
     double sum() const { return fabric + others; }
   };
 
-  /// d · H⁺ d at the last evaluated point, friction as it is over all of d. @param deforms false: not the
-  /// fabric's part, since all nodes go alike
+  /// Quadratic form d · H⁺ d at the last evaluated point, with friction as over the whole of d.
+  /// @param deforms false: leaves out the fabric, since all nodes move alike
   Curvature curvatureOfWay(const Vector& d, bool deforms = true);
 
-  /// Whether a way of all free nodes is one of all nodes.
+  /// Tells whether a direction over all free nodes moves every node.
   bool allFree() const { return mesh_.pinned == 0 && held_.empty() && all_awake_; }
 
-  /// Largest admissible factor of d from the last evaluated point.
+  /// Largest admissible factor of d at the last evaluated point.
   double maxStep(const Vector& d);
   void fitPreconditioner() override;
 
-  /// After a change of the mesh.
+  /// Must follow a change of the mesh.
   void resize() {
     if (multilevel_) multilevel_->resize();
   }
   void precondition(const Vector& gradient, Vector& z) override;
   double residual(const Vector& gradient) const override;
 
-  /// Unknowns from node values and proxies as begin() has them, for its mesh.
+  /// Packs node values, and the proxies given to begin(), as unknowns.
   void pack(const Field& nodes, Vector& x) const;
 
-  /// The free nodes' vectors, as a solver's Vector has them: all x, all y, all z.
+  /// Packs the free nodes' vectors as unknowns: all x, all y, all z.
   void packFree(const Field& nodes, Vector& x) const;
 
-  /// Node values and proxies from unknowns; ghosts follow their masters.
+  /// Node values and proxies from unknowns; hanging nodes follow their masters.
   void unpack(const Vector& values, Field& nodes, Proxies& proxies) const;
 
-  /// Held nodes go where their proxy goes, at their `offsets` from it, or, for directions, as it does.
+  /// Moves held nodes with their proxy: to their `offsets` from it or, for directions, by the same
+  /// vector.
   void carryHeld(const Proxies& proxies, bool offsets, Field& nodes) const;
   const std::vector<HeldNode>& held() const { return held_; }
 
-  /// Of the energy of motion, air and gravity by a node at x [N]; per mass it stiffens by inertia() [1/s²].
+  /// Gradient of the energy of motion, air and gravity at a node at x [N]. Its derivative is
+  /// inertia() times the node's mass; inertia() is in [1/s²].
   Vec3 motionGradient(int node, const Vec3& x) const {
     Vec3 gradient = -mesh_.mass[node] * gravity_;
     if (node < mesh_.free) gradient += mesh_.mass[node] * inertia() * (x - inertial_[node]);
@@ -125,38 +133,46 @@ class ClothObjective : public Objective {
   }
   double inertia() const { return (1.0 + air_damping_ * h_) / (h_ * h_); }
 
-  /// Of the coupling's energy by a proxy [N], and its stiffness [N/m].
+  /// Gradient of the coupling's energy by a proxy [N], and its stiffness [N/m].
   Vec3 couplingGradient(int probe, const Vec3& proxy) const;
   double couplingStiffness(int probe) const {
     return couplings_[probe].stiffness + couplings_[probe].damping / h_;
   }
 
-  /// The end of the last step as far as it is asked for afterwards; begin() does not look at it.
+  /// Saves or loads results of the last step that are queried later; begin() does not read them.
   void serialize(Archive& archive);
 
   double timeStep() const { return h_; }
   Preconditioner preconditioner() const { return preconditioner_; }
 
-  /// What residuals are measured in [m/s²].
+  /// Unit of residuals, |gravity| [m/s²].
   double accelerationUnit() const { return std::sqrt(reference_acceleration_); }
 
-  /// residual() of a state whose motionCost() is `cost` [J].
+  /// residual() of a state with this motionCost() [J].
   double residualOf(double cost) const { return std::sqrt(2.0 * cost / reference_) / h_; }
 
-  /// At the last evaluated point:
+  /// Values at the last evaluated point:
   const Field& nodes() const { return nodes_; }
   const Vec3& proxy(int probe) const { return proxies_[probe]; }
-  const std::vector<ProbeStep>& probeSteps() const { return probes_; }  ///< as begin() was given them
-  int proxyAt(const ProbeStep& probe) const { return 3 * (mesh_.free + probe.unknown); }  ///< in x
-  Vec3 holdForce(int probe) const { return hold_forces_[probe]; }    ///< of the nodes it holds on it [N]
-  Vec3 holdTorque(int probe) const { return hold_torques_[probe]; }  ///< the same about its proxy [N·m]
-  double internalEnergy(
-      Sums& parts) const;         ///< stretch, bend, shear, contact [J] as parts 0..3; returns their sum
+  const std::vector<ProbeStep>& probeSteps() const { return probes_; }  ///< as given to begin()
+  int proxyAt(const ProbeStep& probe) const {
+    return 3 * (mesh_.free + probe.unknown);
+  }  ///< first
+     ///< index
+     ///< in x
+  Vec3 holdForce(int probe) const {
+    return hold_forces_[probe];
+  }                                                                  ///< of its held nodes on the
+                                                                     ///< probe [N]
+  Vec3 holdTorque(int probe) const { return hold_torques_[probe]; }  ///< about its proxy [N·m]
+
+  /// Writes stretch, bending, shear and contact energy [J] to parts 0 … 3. @return their sum
+  double internalEnergy(Sums& parts) const;
   double couplingEnergy() const;  ///< springs between devices and proxies [J]
   double couplingEnergy(int probe) const;
-  double lossPotential() const;  ///< friction and coupling damper: what the step dissipates there [J]
-  double motionCost() const;     ///< E^n = Σ h²/(2m) |residual force|² [J]
-  Vec3 pinForce() const;         ///< of the pins on the cloth [N]
+  double lossPotential() const;  ///< potential of friction and coupling dampers [J]
+  double motionCost() const;     ///< E^n = Σ h²/(2m) |residual|² [J]
+  Vec3 pinForce() const;         ///< force of the pins on the cloth [N]
 
  private:
   struct Coupling {
@@ -184,21 +200,23 @@ class ClothObjective : public Objective {
   Vec3 gravity_;
   Preconditioner preconditioner_;
   double h_, air_damping_;
-  std::vector<Coupling> couplings_;      ///< of the scene's probes
+  std::vector<Coupling> couplings_;      ///< one for each probe of the scene
   double reference_acceleration_ = 1.0;  ///< |gravity|² [m²/s⁴]
-  double reference_ = 1.0;  ///< mass times |gravity|², what residuals are measured in [kg m²/s⁴]
+  /// Mass of the free nodes times |gravity|², the unit of squared residuals [kg m²/s⁴].
+  double reference_ = 1.0;
 
   std::vector<ProbeStep> probes_;
   std::vector<HeldNode> held_;
-  int present_ = 0;                           ///< probes
-  std::vector<char> awake_, seen_, reached_;  ///< a node each
+  int present_ = 0;                           ///< number of present probes
+  std::vector<char> awake_, seen_, reached_;  ///< one flag for each node
   bool all_awake_ = true;
-  double asleep_square_ = 0.0;              ///< the sleepers' part of the squared residual [-]
-  Runs awake_elements_, awake_nodes_;       ///< what evaluate() and along() look at
-  Field start_, inertial_;                  ///< x⁰ and x⁰ + h v⁰/(1 + c h) of the nodes [m]
-  std::vector<double> mass_, moving_mass_;  ///< of all nodes; of the free ones, zero for others; padded [kg]
+  double asleep_square_ = 0.0;         ///< share of the sleeping nodes in the squared residual [-]
+  Runs awake_elements_, awake_nodes_;  ///< ranges covered by evaluate() and along()
+  Field start_, inertial_;             ///< x⁰ and x⁰ + h v⁰/(1 + c h) of the nodes [m]
+  /// Mass of all nodes; mass of the free nodes, zero for others [kg]. Both padded.
+  std::vector<double> mass_, moving_mass_;
   Field nodes_, motion_, gradient_, diagonal_;
-  BlockField blocks_;  ///< of the Jacobi preconditioner
+  BlockField blocks_;  ///< blocks for the Jacobi preconditioner
   Proxies proxies_, proxy_motions_, hold_forces_, hold_torques_;
   Sums energies_ = Sums::Zero();
   Vector inverse_diagonal_, residual_weight_;

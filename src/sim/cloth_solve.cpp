@@ -1,4 +1,4 @@
-// The part of ClothWorld that solves a step.
+// Part of ClothWorld that solves a step.
 #include <algorithm>
 #include <cmath>
 
@@ -7,7 +7,7 @@
 namespace haptic_cloth {
 namespace {
 
-/// Work of two solves of one step; the state is the last one's.
+/// Report of two solves of one step: work is added, the state is that of the last solve.
 MinimizerReport sum(const MinimizerReport& a, MinimizerReport b) {
   b.iterations += a.iterations;
   b.evaluations += a.evaluations;
@@ -16,15 +16,16 @@ MinimizerReport sum(const MinimizerReport& a, MinimizerReport b) {
   return b;
 }
 
-/// Stopped by a limit, with a state that counts.
+/// Tells whether a solve was stopped by a limit, with a usable state.
 bool isCut(const MinimizerReport& report) {
   return report.why != Termination::Converged && report.why != Termination::NotFinite;
 }
 
 }  // namespace
 
-/// Contacts are sought as far as each node is expected to move. Where one moved farther, something may have
-/// been missed: the step is solved again with a reach that covers it.
+/// Solves a step. Contacts are searched within the distance that each node is expected to move. If
+/// a node moved farther, a contact may have been missed: the step is solved again with a larger
+/// reach.
 void ClothWorld::solve(StepReport& report) {
   constexpr int kAttempts = 3;
   const double h = scene.solver.time_step;
@@ -34,8 +35,8 @@ void ClothWorld::solve(StepReport& report) {
         2.0 * h * (velocities_[n].norm() + h * scene.gravity.norm()) + 0.1 * std::min(grid.dx, grid.dy);
   }
   for (std::size_t k = 0; k < probes.size(); ++k) {
-    // Cloth that holds a proxy back from a device far behind it mostly goes on doing so; where it does not,
-    // and time allows, the step is solved again.
+    // Cloth usually keeps holding back a proxy whose device is far ahead. If it does not, and there
+    // is no time limit, the step is solved again.
     double way = (probe_steps_[k].device - probe_steps_[k].proxy).norm();
     if (scene.solver.minimizer.time_budget == 0.0) way = std::min(way, scene.probes[k].radius);
     proxy_reach_[k] = way + 2.0 * h * probes[k].velocity.norm();
@@ -62,7 +63,7 @@ void ClothWorld::findContacts(const std::vector<double>& proxy_reach) {
   contacts.collect(mesh, nodes_, reach_, touching_);
 }
 
-/// covered() for the proxies.
+/// Same as covered(), for the proxies.
 bool ClothWorld::proxiesCovered(std::vector<double>& proxy_reach) const {
   bool all = true;
   for (int k = 0; k < static_cast<int>(probe_steps_.size()); ++k) {
@@ -74,8 +75,8 @@ bool ClothWorld::proxiesCovered(std::vector<double>& proxy_reach) const {
   return all;
 }
 
-/// Whether no node moved farther in the step just solved than contacts were sought; else widens the reach of
-/// all to twice what they moved.
+/// Checks that no node moved farther in the last solve than contacts were searched; otherwise
+/// widens the reach of all to twice their displacement.
 bool ClothWorld::covered() {
   bool all = true;
   for (int n = 0; n < mesh.nodes(); ++n) {
@@ -88,8 +89,9 @@ bool ClothWorld::covered() {
   return all;
 }
 
-/// Only what moves is solved for. Each solve is followed by a look at everything: who was pushed wakes. The
-/// last solve, where it comes to that, is for all, so a step that says it converged did so as a whole.
+/// Minimises over the awake nodes. After each solve everything is evaluated, and sleeping nodes
+/// that were pushed wake. The last solve, if it is needed, covers all nodes, so a step reported as
+/// converged has converged as a whole.
 MinimizerReport ClothWorld::minimise() {
   constexpr int kSolves = 4;
   const double tolerance = scene.solver.minimizer.tolerance;
@@ -114,7 +116,7 @@ MinimizerReport ClothWorld::minimise() {
     if (isCut(report)) moveAsAWhole(report);
     const bool ended = report.why == Termination::NotFinite || report.why == Termination::TimeBudget;
     if (objective.allAwake()) break;
-    objective.lookAtAll();  // also where it ended early: energies and forces are counted over all
+    objective.lookAtAll();  // also after an early end: energies and forces are summed over all
     objective.evaluate(x_, gradient_);
     objective.measureSleepers();
     report.residual = objective.residual(gradient_);
@@ -124,7 +126,7 @@ MinimizerReport ClothWorld::minimise() {
   return report;
 }
 
-/// Wakes who may not sleep on at the point last evaluated. @return whether there were any
+/// Wakes nodes that may not sleep at the last evaluated point. @return whether there were any
 bool ClothWorld::wakeUnrested() {
   if (objective.allAwake()) return false;
   const double tolerance = scene.solver.minimizer.tolerance * objective.accelerationUnit();
@@ -135,7 +137,8 @@ bool ClothWorld::wakeUnrested() {
   return more;
 }
 
-/// Φ and its gradient with all at rest, the proxy included; the solve starts there.
+/// Evaluates Φ and its gradient with all nodes and proxies at x⁰, where the solve starts by
+/// default.
 void ClothWorld::lookAtRest() {
   const int size = objective.size();
   objective.pack(nodes_, start_);
@@ -146,9 +149,10 @@ void ClothWorld::lookAtRest() {
   x_.head(size) = start_.head(size);
 }
 
-/// Positions as the joint cost has them; forces and energies then are those of the laws there, as ever. A
-/// least square falls while Φ rises: where it was cut short above Φ at rest, which the condensed cost never
-/// is, the step stays where the solve started. Else a step could store any energy out of nothing.
+/// Minimises the joint cost; forces and energies are then those of the laws at its positions. The
+/// joint cost may fall while Φ rises. If the solve was cut short above Φ(x⁰), which the condensed
+/// cost never is, the step stays at the initial guess. Otherwise a step could create any amount of
+/// energy.
 MinimizerReport ClothWorld::minimiseJoint() {
   const int size = objective.size();
   joint_->begin(start_, x_, joint_x_);
@@ -166,11 +170,11 @@ MinimizerReport ClothWorld::minimiseJoint() {
   return report;
 }
 
-/// A solve that is cut short may leave any net force on the cloth, and its inner forces, however stiff, none:
-/// that force moves all awake cloth alike, to the minimum of Φ's model on the way. So the mass centre of free
-/// cloth obeys Newton's law however a step ended.
+/// Corrects the net force after a solve that was cut short: moves all awake cloth alike along that
+/// force, to the minimum of Φ's quadratic model. Stiff inner forces do not oppose this motion. The
+/// centre of mass of free cloth thus obeys Newton's law however a step ended.
 void ClothWorld::moveAsAWhole(MinimizerReport& report) {
-  constexpr double kRounding = 1e-10;  // of Φ, as in the minimizer's line search
+  constexpr double kRounding = 1e-10;  // relative to Φ, as in the line search of the minimizer
   const int size = objective.size();
   const double value = objective.evaluate(x_, gradient_);
   motion_.head(size).setZero();
@@ -194,10 +198,10 @@ void ClothWorld::moveAsAWhole(MinimizerReport& report) {
   }
 }
 
-/// Where the solve starts: the lowest point of Φ's second-order model at rest along two ways, inertial motion
-/// and what gravity adds to it, or rest itself where Φ is lower. So Φ never ends above that at rest, and
-/// motion without new forces, free fall among it, is exact at any tolerance.
-/// @return Φ there; gradient_ is its gradient
+/// Chooses the initial guess: the minimum of Φ's quadratic model at x⁰ over two directions,
+/// inertial motion and the motion that gravity adds, or x⁰ itself if Φ is lower there. So Φ never
+/// ends above Φ(x⁰), and motion without new forces, such as free fall, is exact at any tolerance.
+/// @return Φ at the guess; gradient_ is its gradient
 double ClothWorld::chooseStart() {
   const int size = objective.size();
   const double at_rest = objective.allAwake() ? at_rest_ : objective.evaluate(start_, gradient_);
@@ -211,7 +215,8 @@ double ClothWorld::chooseStart() {
   return objective.evaluate(x_, gradient_);
 }
 
-/// Minimum of Φ's model on the plane of the two ways; on their sum where they are one line.
+/// Minimum of Φ's quadratic model in the plane of the two directions; along their sum if they are
+/// parallel.
 std::array<double, 2> ClothWorld::stepsAlongWays() {
   const double h = scene.solver.time_step, share = h / (1.0 + scene.air_damping * h);
   const int size = objective.size();
@@ -231,7 +236,8 @@ std::array<double, 2> ClothWorld::stepsAlongWays() {
     ways_[1].segment<3>(objective.proxyAt(probe)).setZero();
   }
   motion_.head(size) = ways_[0].head(size) + ways_[1].head(size);
-  // Where no node is held, gravity's way deforms nothing and the sum what inertia's does.
+  // If no node is held, gravity's direction deforms nothing, and the sum deforms like inertia's
+  // direction.
   const bool deforms = !objective.allFree();
   const ClothObjective::Curvature inertial = objective.curvatureOfWay(ways_[0]);
   const double a = inertial.sum(), b = objective.curvatureOfWay(ways_[1], deforms).sum(),

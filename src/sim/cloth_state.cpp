@@ -1,4 +1,4 @@
-// The part of ClothWorld that is saved and loaded.
+// Part of ClothWorld that saves and loads.
 #include <climits>
 #include <string>
 
@@ -31,7 +31,7 @@ void ClothWorld::serializeCloth(Archive& archive) {
     mesh.rebuild(leaves);
     takeMesh();
   }
-  // Hanging nodes are not always the mean of their masters to the last bit.
+  // Hanging nodes may differ from the mean of their masters in the last bits.
   archive("nodes", nodes_);
   archive("velocities", velocities_);
   if (archive.loads()) weight_.assign(mesh.nodes(), 0.0);

@@ -7,9 +7,10 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kSlipSpeed =
-    3e-4;  // friction grows in below this speed [m/s]: held cloth creeps at most so fast
-constexpr double kFineReach = 2.0;  // finest cells around the probe, beyond its radius [finest spacings]
+// Speed below which friction is smoothed [m/s]; held cloth creeps at most this fast.
+constexpr double kSlipSpeed = 3e-4;
+// Width of the finest cells around a probe, beyond its radius [finest spacings].
+constexpr double kFineReach = 2.0;
 
 Grid makeGrid(const Scene& scene) {
   const auto& [columns, rows] = scene.cloth.particles;
@@ -68,7 +69,7 @@ ClothWorld::ClothWorld(const Scene& s)
   let_out_nodes_.reserve(grid.particles());
   weight_.reserve(grid.particles());
   velocities_.reserve(grid.particles());
-  // Room alone: what no mesh gets to stays unwritten, and takes no memory.
+  // These vectors are only reserved: pages that no mesh needs are never written and take no memory.
   for (Vector* v : {&x_, &start_, &ways_[0], &ways_[1], &motion_, &gradient_})
     v->resize(objective.capacity());
   if (s.solver.cost == Cost::Joint) {
@@ -79,10 +80,10 @@ ClothWorld::ClothWorld(const Scene& s)
   minimizer_.reserve(unknowns);
   team.reserve(std::max(unknowns, NodeGather::capacity(mesh) + contacts.capacity()));
   gatherNodes();
-  weight_.assign(mesh.nodes(), 0.0);  // as in free fall
+  weight_.assign(mesh.nodes(), 0.0);  // zero as in free fall
   internal.setNormals(nodes_);
   reach_.assign(mesh.nodes(), 0.0);
-  findContacts(proxy_reach_);  // a cloth that starts in contact has energy there
+  findContacts(proxy_reach_);  // cloth that starts in contact has contact energy
   objective.begin(nodes_, velocities_, probe_steps_);
   objective.pack(nodes_, start_);
   objective.evaluate(start_, gradient_);
@@ -116,7 +117,7 @@ void ClothWorld::removeDevice(int k) {
   probe_steps_[k] = ProbeStep();
   probes[k] = ProbeReport();
   setGrasp(k, false);
-  forgetIdle();  // one that comes back at once, where this one stood, is another probe
+  forgetIdle();  // a probe that returns at once to the same place is a new one
 }
 
 void ClothWorld::setGrasp(int k, bool closed) {
@@ -124,7 +125,7 @@ void ClothWorld::setGrasp(int k, bool closed) {
   const auto let_go = [&](const HeldParticle& held) { return held.probe == k; };
   if (closed) return;
   held_.erase(std::remove_if(held_.begin(), held_.end(), let_go), held_.end());
-  touched_by_[k].clear();  // it may close again elsewhere
+  touched_by_[k].clear();  // the probe may close again elsewhere
 }
 
 void ClothWorld::setOptions(const SolverOptions& solver, const AdaptOptions& adapt, double air_damping) {
@@ -175,7 +176,8 @@ void ClothWorld::takeStep(StepReport& report) {
   noteIdle(report);
 }
 
-/// All sleeps, and the devices are where they were then: nothing would change.
+/// Tells whether a step would change nothing: all nodes sleep, and the inputs are those of the last
+/// solved step.
 bool ClothWorld::isIdle() const {
   if (!idle_ || contacts.obstaclesMove() || !devicesStay()) return false;
   for (std::size_t k = 0; k < probe_steps_.size(); ++k) {
@@ -187,7 +189,8 @@ bool ClothWorld::isIdle() const {
   return true;
 }
 
-/// Those that are there stand where they stood in the last step that was solved, and no other is.
+/// Tells whether the same probes are present as in the last solved step, with their devices in the
+/// same positions.
 bool ClothWorld::devicesStay() const {
   return std::equal(probe_steps_.begin(), probe_steps_.end(), idle_probes_.begin(), idle_probes_.end(),
                     [](const ProbeStep& now, const ProbeStep& then) {
@@ -204,19 +207,19 @@ StepReport ClothWorld::idle() {
   return report;
 }
 
-/// Whether the next steps may be left out if no input changes.
+/// Decides whether the next steps may be skipped if no input changes.
 void ClothWorld::noteIdle(const StepReport& report) {
   const bool proxies_rest = std::all_of(probes.begin(), probes.end(), [this](const ProbeReport& probe) {
     return !probe.present || probe.velocity.norm() < scene.solver.sleep_speed;
   });
   const bool changed = !devicesStay() || report.refined > 0 || report.coarsened > 0 || report.failed;
   quiet_ = objective.awake() == 0 && proxies_rest && !changed ? quiet_ + 1 : 0;
-  idle_ = quiet_ >= Rest::kSteps;  // the mesh has had time to want a change
+  idle_ = quiet_ >= Rest::kSteps;  // the mesh has had time to adapt
   idle_probes_ = probe_steps_;
   idle_residual_ = report.minimizer.residual;
 }
 
-/// Node values from the finest-grid state.
+/// Reads node values from the state of the finest grid.
 void ClothWorld::gatherNodes() {
   nodes_.resize(mesh.nodes());
   velocities_.resize(mesh.nodes());
@@ -228,7 +231,7 @@ void ClothWorld::gatherNodes() {
   mesh.interpolateGhosts(velocities_);
 }
 
-/// What follows the mesh, after a change of it.
+/// Updates everything that depends on the mesh, after a change.
 void ClothWorld::takeMesh() {
   internal.resize();
   objective.resize();
@@ -236,7 +239,7 @@ void ClothWorld::takeMesh() {
   internal.setNormals(nodes_);
 }
 
-/// Looks at the mesh as the last step left it.
+/// Plans mesh changes from the end of the last step. @return whether there are any
 bool ClothWorld::planMesh() {
   const double reach = kFineReach * std::max(grid.dx, grid.dy);
   fine_.clear();
@@ -278,8 +281,8 @@ void ClothWorld::adapt(StepReport& report) {
   created_ = measureMotion().total() - before + internal.madeByChange(nodes_);
 }
 
-/// Closed probes take hold of the cloth they touched at the end of the last step, once; what left the mesh is
-/// let go.
+/// Updates grasps. A closed probe that holds nothing grasps the cloth that it touched at the end of
+/// the last step. Particles that left the mesh are not held in this step.
 void ClothWorld::takeHold() {
   const auto free_node = [this](int particle) {
     return mesh.node[particle] >= 0 && mesh.node[particle] < mesh.free;
@@ -322,7 +325,8 @@ void ClothWorld::accept(StepReport& report) {
   rest_.update(
       mesh, velocities_, [this](int n) { return objective.isAwake(n); },
       [this](int n) { return let_out_nodes_[n] != 0; });
-  contacts.calm(velocities_);  // what is let out stands still at each step's end, and yet does not rest
+  contacts.calm(velocities_);  // ejected cloth is stopped after each step, but does not count as
+                               // resting
 
   Sums parts;
   const double spent =
@@ -340,7 +344,7 @@ void ClothWorld::accept(StepReport& report) {
   report.max_penetration = contacts.deepest();
 }
 
-/// What is left of gravity when each node has its acceleration of the last solve: zero in free fall.
+/// Measures gravity minus the acceleration of the last solve, along the normal: zero in free fall.
 void ClothWorld::measureWeight() {
   const Field& after = objective.nodes();
   weight_.resize(mesh.nodes());
@@ -370,7 +374,7 @@ void ClothWorld::acceptProbe(int k) {
   touched_by_[k].assign(touched_.begin(), std::unique(touched_.begin(), touched_.end()));
 }
 
-/// Back to the start of the step, at rest: the one state known to be good.
+/// Returns to the start of the step, at rest: the last state known to be good.
 void ClothWorld::restore() {
   velocities_.fill(0.0);
   weight_.assign(mesh.nodes(), 0.0);

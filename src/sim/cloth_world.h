@@ -1,4 +1,4 @@
-/// The parts of one simulation and how a step uses them.
+/// Parts of one simulation, and how a step uses them.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@
 
 namespace haptic_cloth {
 
-/// Cloth, obstacles and probe: state, scratch and the method. Simulation wraps it.
+/// Cloth, obstacles and probes: state, scratch memory and method. Simulation wraps this class.
 class ClothWorld {
  public:
   /// @pre scene is valid
@@ -31,15 +31,16 @@ class ClothWorld {
   void moveObstacle(int obstacle, const Pose& pose) { contacts.moveObstacle(obstacle, pose); }
   StepReport step();
 
-  /// All that the next step, or what is asked before it, reads from the steps before; the rest is scratch or
-  /// the scene's. To load: into a world of that scene that has made no step, which must not be used if this
-  /// throws.
+  /// Saves or loads everything that later steps and queries read; the rest is scratch or part of
+  /// the scene. @pre loading: a world of the same scene that has made no step. If loading throws,
+  /// the world must not be used.
   void serialize(Archive& archive);
-  /// From the next step on. @pre valid, and what must not change is the same
+  /// Changes options from the next step on. @pre valid, and options that must not change are the
+  /// same
   void setOptions(const SolverOptions& solver, const AdaptOptions& adapt, double air_damping);
   void setCoupling(int probe, double stiffness, double damping);
 
-  /// How the mesh follows the shape from the next step on. @pre the same levels
+  /// Changes the mesh options from the next step on. @pre the same levels
   void setAdaptOptions(const AdaptOptions& options) {
     adaptation_.setOptions(options);
     forgetIdle();
@@ -54,14 +55,17 @@ class ClothWorld {
   ContactSet contacts;
   Team team;
   ClothObjective objective;
-  CostReport cost;  ///< of the last solve
+  CostReport cost;  ///< costs of the last solve
   std::vector<ProbeReport> probes;
   Vec3 support_force = Vec3::Zero();
   long steps = 0;
 
   double time() const { return steps * scene.solver.time_step; }
   double mass() const;
-  double created() const { return created_; }  ///< energy that the last step's change of the mesh made [J]
+  double created() const {
+    return created_;
+  }  ///< energy created by the mesh change of the last
+     ///< step [J]
   EnergyReport energy() const;
   double maxSpeed() const;
   const Field& nodes() const { return nodes_; }
@@ -107,24 +111,27 @@ class ClothWorld {
 
   Adaptation adaptation_;
   LoadEstimate load_;
-  /// Gravity less acceleration of the nodes in the last step, across the surface, for load_ [m/s²].
+  /// Gravity minus acceleration of the nodes in the last step, along the surface normal, for load_
+  /// [m/s²].
   std::vector<double> weight_;
   Rest rest_;
-  Field forces_;                         ///< on the nodes at rest, for rest_ [N]
-  std::vector<char> let_out_nodes_;      ///< scratch of accept(): a node each
+  Field forces_;                         ///< negative forces on the nodes at rest, for rest_ [N]
+  std::vector<char> let_out_nodes_;      ///< scratch of accept(): one flag for each node
   int quiet_ = 0;                        ///< steps in a row in which all slept and no input changed
-  bool idle_ = false;                    ///< enough of them
-  std::vector<ProbeStep> idle_probes_;   ///< as they were then
-  double idle_residual_ = 0.0;           ///< of the last step that was solved
-  std::optional<ForceHistory> history_;  ///< of a fabric with hysteresis
-  std::optional<JointObjective> joint_;  ///< where the scene asks for that cost
+  bool idle_ = false;                    ///< quiet_ is large enough: steps are skipped
+  std::vector<ProbeStep> idle_probes_;   ///< probes in the last solved step
+  double idle_residual_ = 0.0;           ///< residual of the last solved step
+  std::optional<ForceHistory> history_;  ///< set for a fabric with hysteresis
+  std::optional<JointObjective> joint_;  ///< set for the joint cost
   Minimizer minimizer_;
-  /// What the cloth knows of a probe from step to step.
+  /// State of a probe that is kept between steps.
   struct ProbeMemory {
-    bool entered = false;  ///< it has been clear of the cloth once; before, it touches nothing
-    bool closed = false;   ///< it grasps what it touches
-    Quat before = Quat::Identity(), after = Quat::Identity();  ///< how it turns in the step in hand
-    double coupling = 0.0;                                     ///< energy at the end of the last step [J]
+    bool entered = false;  ///< has been clear of the cloth since it appeared; touches nothing
+                           ///< before
+    bool closed = false;   ///< holds the cloth that it touches
+    /// Orientation at the start and at the end of the current step.
+    Quat before = Quat::Identity(), after = Quat::Identity();
+    double coupling = 0.0;  ///< energy of the coupling at the end of the last step [J]
 
     void serialize(Archive& archive);
   };
@@ -135,22 +142,24 @@ class ClothWorld {
   std::vector<ProbeStep> probe_steps_;
   std::vector<ProbeMemory> memories_;
   std::vector<HeldParticle> held_;
-  std::vector<HeldNode> held_nodes_;          ///< the same by node, of the step in hand
-  std::vector<std::vector<int>> touched_by_;  ///< particles that pressed on a closed probe in the last step
+  std::vector<HeldNode> held_nodes_;          ///< held_ by node, for the current step
+  std::vector<std::vector<int>> touched_by_;  ///< particles that pressed on a closed probe in the
+                                              ///< last step
   std::vector<int> touched_;                  ///< scratch of acceptProbe()
-  std::vector<double> proxy_reach_;           ///< [m]
+  std::vector<double> proxy_reach_;           ///< largest expected displacement of the proxies [m]
   std::vector<ContactSet::Reach> touching_;
   FineRegions fine_;
   double initial_ = 0.0;        ///< energy at the start [J]
-  double supplied_ = 0.0;       ///< that and what devices and obstacles have worked since [J]
-  double created_ = 0.0;        ///< by the mesh change of the step in hand [J]
-  double let_out_ = 0.0;        ///< work of obstacles at the start of the next step, see ContactSet [J]
-  double at_rest_ = 0.0;        ///< Φ of the step in hand with all at rest [J]
-  double energy_before_ = 0.0;  ///< Φ's energies at the start of the step in hand, with its inputs [J]
+  double supplied_ = 0.0;       ///< initial_ plus the work of devices and obstacles [J]
+  double created_ = 0.0;        ///< by the mesh change of the current step [J]
+  double let_out_ = 0.0;        ///< ContactSet::letOutWork() of the last step [J]
+  double at_rest_ = 0.0;        ///< Φ(x⁰) of the current step [J]
+  double energy_before_ = 0.0;  ///< energies in Φ(x⁰), minus created_ if positive [J]
   Field nodes_, velocities_;
-  std::vector<double> reach_;  ///< how far a node is expected to move in the step in hand [m]
+  std::vector<double> reach_;  ///< expected displacement of each node in the current step [m]
   Vector x_, start_, motion_, gradient_, joint_x_;
-  std::array<Vector, 2> ways_;  ///< inertial motion, and what gravity adds to it
+  std::array<Vector, 2> ways_;  ///< directions of the initial guess: inertial motion, and the
+                                ///< motion that gravity adds
 };
 
 }  // namespace haptic_cloth

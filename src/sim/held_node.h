@@ -1,11 +1,11 @@
-/// What a closed probe holds.
+/// Node that a closed probe holds.
 #pragma once
 
 #include "haptic_cloth/types.h"
 
 namespace haptic_cloth {
 
-/// A node that moves with a probe's proxy.
+/// A free node that moves with the proxy of a probe.
 struct HeldNode {
   int node, probe;
   Vec3 offset;  ///< from the proxy [m]

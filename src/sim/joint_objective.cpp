@@ -28,7 +28,7 @@ void JointObjective::forPresent(const Visit& visit) const {
 
 void JointObjective::begin(const Vector& start, const Vector& positions, Vector& unknowns) {
   const double h = step_.timeStep();
-  nodes_ = step_.nodes();  // for those that do not move
+  nodes_ = step_.nodes();  // for nodes that do not move
   motion_.clear(mesh_.nodes());
   for (auto* list : {&residual_, &gradient_, &diagonal_, &stiffness_}) list->clear(mesh_.nodes());
   weight_.assign(mesh_.nodes(), 0.0);
@@ -76,7 +76,7 @@ void JointObjective::evaluateElements(const double* forces) {
   costs_.shear = costs[2];
 }
 
-/// Leaves h²/m times the residual force in residual_, that of the proxy in proxy_residual_; returns E^n.
+/// Writes h²/m times the residual force to residual_, and likewise for proxies. @return E^n
 double JointObjective::residualForces() {
   team_.forRange(mesh_.nodes(), [&](int begin, int end) {
     for (int n = begin; n < end; ++n) residual_.set(n, step_.motionGradient(n, nodes_[n]));
@@ -93,7 +93,8 @@ double JointObjective::residualForces() {
     }
     return sums;
   })[0];
-  forPresent([&](int k, int) {  // no mass: it answers over a step as h² times its coupling would
+  forPresent([&](int k, int) {  // A proxy has no mass; it answers over a step like the mass h²
+                                // times its coupling stiffness.
     const Vec3 force = step_.couplingGradient(k, proxies_[k]) + contacts_.proxyGradient(k) + hold_[k];
     proxy_residuals_[k] = proxy_weight_[k] * force;
     cost += 0.5 * force.dot(proxy_residuals_[k]);
@@ -103,7 +104,7 @@ double JointObjective::residualForces() {
   return cost;
 }
 
-/// Takes what acts on held nodes from `forces` into hold_.
+/// Moves the forces on held nodes from `forces` to hold_.
 void JointObjective::takeHeld(Field& forces) {
   std::fill(hold_.begin(), hold_.end(), Vec3::Zero());
   for (const HeldNode& held : step_.held()) {
@@ -112,7 +113,8 @@ void JointObjective::takeHeld(Field& forces) {
   }
 }
 
-/// By positions: what the residual's change along itself, in the slots, adds up to.
+/// Gradient by positions: the sum of the changes of force along the residual, which are in the
+/// slots.
 void JointObjective::gatherGradient(Vector& gradient) {
   team_.forRange(mesh_.nodes(), [&](int begin, int end) {
     for (int n = begin; n < end; ++n) gradient_.set(n, mesh_.mass[n] * step_.inertia() * residual_[n]);
@@ -134,7 +136,7 @@ Objective::Along JointObjective::along(const Vector& d) {
   return {changeOfForces(d.data() + step_.size()), contacts_.maxStep(motion_, proxy_motions_)};
 }
 
-/// Curvature along (motion_, proxy_motion_, d_forces), to Gauss and Newton.
+/// Quadratic form of the Gauss-Newton Hessian along (motion_, proxy_motions_, d_forces).
 double JointObjective::changeOfForces(const double* d_forces) {
   const Sums laws = team_.sum(elements_.size(), [&](int begin, int end) {
     Sums sums = Sums::Zero();
@@ -171,7 +173,7 @@ void JointObjective::fitPreconditioner() {
   by_force = by_force.cwiseInverse();
   if (step_.preconditioner() != Preconditioner::None) {
     contacts_.addDiagonal(stiffness_);
-  } else {  // forces keep theirs: they have a unit of their own
+  } else {  // forces keep their entries: they have a unit of their own
     diagonal_.fill(0.0);
     stiffness_.fill(0.0);
   }

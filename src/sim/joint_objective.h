@@ -1,4 +1,4 @@
-/// The cost of [M04], E = E^n + E^s + E^b + E^h, over positions, tensions, moments and shear forces.
+/// Cost of [M04], E = E^n + E^s + E^b + E^h, over positions, tensions, moments and shear forces.
 #pragma once
 
 #include <vector>
@@ -9,21 +9,21 @@
 
 namespace haptic_cloth {
 
-/// E^n = Σ h²/(2m) |residual of Newton's law|² [J] with the unknown forces in place of the laws', and the
-/// costs of JointEnergy. Contact, friction, air, probe and what else there is act as in ClothObjective, whose
-/// step this is. Nodes that a probe holds move with its proxy, which feels their forces and has their
-/// inertia. Where E = 0 the condensed cost's gradient vanishes too, and the other way round.
+/// E^n = Σ h²/(2m) |residual of Newton's law|² [J], with the unknown forces instead of those of the
+/// laws, plus the costs of JointEnergy. Contact, friction, air and probe act as in ClothObjective,
+/// which provides the step. Held nodes move with the proxy of their probe, which carries their
+/// forces and inertia. The gradient of the condensed cost vanishes where E = 0, and vice versa.
 class JointObjective : public Objective {
  public:
-  /// @param step the step to be solved: begin() it first
+  /// @param step the step to be solved, after its begin()
   JointObjective(ClothObjective& step, const ActiveMesh& mesh, const InternalEnergy& internal,
                  ContactSet& contacts, Team& team);
 
-  /// Largest size() can get.
+  /// Upper bound of size().
   int capacity() const { return step_.capacity() + elements_.capacity(); }
 
-  /// Unknowns from positions and proxy packed as ClothObjective's; forces as the laws have them where the
-  /// step starts.
+  /// Fills the unknowns: positions and proxies packed as in ClothObjective, forces by the laws at
+  /// the start of the step.
   void begin(const Vector& start, const Vector& positions, Vector& unknowns);
 
   int size() const override { return step_.size() + elements_.size(); }
@@ -32,10 +32,10 @@ class JointObjective : public Objective {
   void fitPreconditioner() override;
   void precondition(const Vector& gradient, Vector& z) override;
 
-  /// The condensed residual of a state with the same cost: tolerances mean the same for both.
+  /// Residual of the condensed cost with the same value: a tolerance means the same for both costs.
   double residual(const Vector& gradient) const override;
 
-  const CostReport& costs() const { return costs_; }  ///< at the last evaluated point
+  const CostReport& costs() const { return costs_; }  ///< values at the last evaluated point
 
  private:
   template <class Visit>
@@ -53,10 +53,11 @@ class JointObjective : public Objective {
   JointEnergy elements_;
   CostReport costs_;
   Field nodes_, motion_, residual_, gradient_, diagonal_, stiffness_;
-  std::vector<double> weight_;        ///< h²/m of the nodes, zero for those without a law of motion [m/N]
-  std::vector<double> proxy_weight_;  ///< of the probes, 1/(stiffness of coupling and held mass) [m/N]
+  std::vector<double> weight_;  ///< h²/m of the nodes, zero for those without a law of motion [m/N]
+  /// 1/(stiffness of the coupling + inertia of the held mass) for each probe [m/N].
+  std::vector<double> proxy_weight_;
   Proxies proxies_, proxy_motions_, proxy_residuals_;
-  Proxies hold_;  ///< what acts on the nodes a probe holds, or its change, acts on its proxy [N]
+  Proxies hold_;  ///< forces on held nodes, or their change, handed to the proxy [N]
   Vector inverse_diagonal_;
 };
 

@@ -7,11 +7,11 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kStandardGravity = 9.80665;  // where a scene has none [m/s²]
+constexpr double kStandardGravity = 9.80665;  // [m/s²], used if a scene has no gravity
 
-/// Secant of a law's middle line at a bend that cloth takes easily.
+/// Secant of the law's middle line at a curvature that cloth takes easily.
 double rigidity(const Loop& bending) {
-  constexpr double kCurvature = 50.0;  // a fold of 20 mm [1/m]
+  constexpr double kCurvature = 50.0;  // [1/m], a fold of radius 20 mm
   return 0.5 * (bending.upper()(kCurvature).force + bending.lower()(kCurvature).force) / kCurvature;
 }
 
@@ -28,7 +28,7 @@ LoadEstimate::LoadEstimate(const Fabric& fabric, const Grid& grid, const Vec3& g
 }
 
 double LoadEstimate::turnUnder(double load, double tension, double length) const {
-  constexpr double kSag = 2.5;  // of the thickness
+  constexpr double kSag = 2.5;  // in thicknesses
   const double stiffness = tension + 8.0 * rigidity_ / (length * length) + 0.5 * density_ * gravity_ * length;
   const double turn = load * length / stiffness, sag = turn * length / 8.0;
   return sag > kSag * range_ ? turn : 0.0;
@@ -65,7 +65,7 @@ double LoadEstimate::turn(const View& view, const Cell& cell, int parts) const {
   return turnUnder(load(view, cell, points(view, cell, parts)), tension, length);
 }
 
-/// Corners, middles of the sides and centre, by rows.
+/// Corners, middles of the sides and centre of a cell, row by row.
 LoadEstimate::Points LoadEstimate::points(const View& view, const Cell& cell, int parts) const {
   Points x;
   const int half = cell.span() / 2;
@@ -82,12 +82,13 @@ LoadEstimate::Points LoadEstimate::points(const View& view, const Cell& cell, in
   return x;
 }
 
-/// The load on what an obstacle does not carry [N/m²], at most the cloth's weight: what is larger
-/// is an impact, over before a cell bends. Where an obstacle is within reach and does not lie under
-/// the cell evenly, some of the cell will have to carry itself soon.
+/// Load on cloth that no obstacle carries [N/m²], at most the weight of the cloth: a larger load is
+/// an impact, over before a cell bends. If an obstacle is within reach and does not lie evenly
+/// under the cell, part of the cell will have to carry itself soon.
 double LoadEstimate::load(const View& view, const Cell& cell, const Points& points) const {
-  constexpr double kEven = 0.5, kTouches = 1.5;  // of the range
-  constexpr double kApart = 0.36;  // no place is farther from the nearest of the points, of the length
+  constexpr double kEven = 0.5, kTouches = 1.5;  // in ranges of contact
+  constexpr double kApart = 0.36;  // largest distance of a place in the cell to the nearest point,
+                                   // in cell lengths
   const auto corners = cell.corners(grid_);
   Vec3 velocity = Vec3::Zero();
   double weight = 0.0;
@@ -97,7 +98,7 @@ double LoadEstimate::load(const View& view, const Cell& cell, const Points& poin
     weight += 0.25 * view.weight[n];
   }
   const double length = cell.span() * std::max(grid_.dx, grid_.dy);
-  const double looks = 2.0 * cell.level;  // as many as it takes to the finest cells, twice
+  const double looks = 2.0 * cell.level;  // decisions needed to reach the finest cells, times two
   const double reach = range_ + looks * view.look_time * velocity.norm();
   bool carried = false;
   for (int k = 0; k < view.contacts.obstacles(); ++k) {

@@ -1,4 +1,4 @@
-/// Load that a straight cell hides: how far it would bend if it could.
+/// Load that a straight cell hides, and how far the cell would bend under it.
 #pragma once
 
 #include <array>
@@ -11,36 +11,39 @@
 
 namespace haptic_cloth {
 
-/// A leaf is straight along its threads, whatever acts on it. A particle that was merged away would
-/// feel the unbalanced load q [N/m²] at its place: weight less inertia and contact. With tension T
-/// and bending rigidity B the middle of a span of length L takes the curvature q / (T + 8B/L²)
-/// under it, so the cell would turn by
+/// Hidden turning angle of cells. A leaf is straight along its threads, whatever acts on it. A
+/// particle that was merged away would feel the unbalanced load q [N/m²]: weight minus inertia and
+/// contact. With tension T and bending rigidity B the middle of a span of length L takes the
+/// curvature q / (T + 8B/L²), so the cell would turn by
 ///
 ///     θ = q L / (T + 8B/L² + ½ ρ g L)
 ///
-/// which is compared like a turning angle that the mesh does show. The last term is the tension of
-/// a cell that hangs down: nothing turns further than that. For most fabrics only cells above 30 mm
-/// can bend so at all. A cell that would sag by no more than a few thicknesses lies as well as
-/// finer ones: it counts as stiff.
+/// This angle is compared with the same thresholds as a visible turning angle. The last term is the
+/// tension of a cell that hangs down: nothing turns further than that. For most fabrics only cells
+/// above 30 mm can bend so much. A cell that would sag by no more than a few thicknesses counts as
+/// stiff: finer cells would lie no better.
 class LoadEstimate {
  public:
   LoadEstimate(const Fabric& fabric, const Grid& grid, const Vec3& gravity);
 
-  /// What the next turn() looks at; all must live until then.
+  /// Inputs of begin() and turn(); all must outlive these calls.
   struct View {
     const ActiveMesh& mesh;
     const InternalEnergy& internal;
     const ContactSet& contacts;
-    const Field& nodes;                 ///< positions [m]
-    const Field& velocities;            ///< [m/s]
-    const std::vector<double>& weight;  ///< gravity less acceleration of the nodes, across the surface [m/s²]
-    double look_time;                   ///< from one look at the mesh to the next [s]
+    const Field& nodes;       ///< positions [m]
+    const Field& velocities;  ///< [m/s]
+    /// Gravity minus acceleration of the nodes, along the surface normal [m/s²].
+    const std::vector<double>& weight;
+    double look_time;  ///< time between two mesh decisions [s]
   };
 
-  /// @param least turns below this may count as zero [rad]
+  /// Measures tensions for later calls of turn(). @param least smaller angles may count as zero
+  /// [rad]
   void begin(const View& view, double least);
 
-  /// Turn of a leaf (parts 1), or of the parent of four leaves (parts 2) [rad]. @pre begin(), the same mesh
+  /// Turning angle of a leaf (parts 1) or of the parent of four leaves (parts 2) [rad]. @pre
+  /// begin() for the same mesh
   double turn(const View& view, const Cell& cell, int parts) const;
 
  private:
@@ -52,13 +55,14 @@ class LoadEstimate {
 
   Grid grid_;
   double density_;   ///< [kg/m²]
-  double gravity_;   ///< [m/s²]; the standard one where a scene has none
-  double rigidity_;  ///< of both directions [N·m]
+  double gravity_;   ///< [m/s²]; standard gravity if a scene has none
+  double rigidity_;  ///< sum of both directions [N·m]
   double range_;     ///< gap at which contact begins [m]
   double least_ = 0.0;
-  std::vector<double> tension_;  ///< of both directions at a node; empty where no cell is long enough [N/m]
-  std::vector<int> edges_;       ///< of a node in the direction in hand, scratch
-  std::vector<double> sums_;     ///< scratch [N/m]
+  /// Tension at each node, sum of both directions [N/m]; empty if no cell is long enough.
+  std::vector<double> tension_;
+  std::vector<int> edges_;    ///< edges at each node in the current direction, scratch
+  std::vector<double> sums_;  ///< scratch [N/m]
 };
 
 }  // namespace haptic_cloth

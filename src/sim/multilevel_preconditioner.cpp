@@ -7,14 +7,15 @@
 namespace haptic_cloth {
 namespace {
 
-// Hats of several levels move the same parts of the cloth: in full, their sum goes too far. Twice their
-// blocks needs the fewest iterations (decision 0006).
+// Hat functions of several levels move the same parts of the cloth, so the plain sum of their
+// corrections is too large. Doubling their blocks needs the fewest iterations (decision 0006).
 constexpr double kOverlap = 2.0;
 
-// About what a hat or a child takes one core, a node's own block, and the inverse of either [s].
+// Approximate times on one core [s]: for a hat or child, for a node's own block, for an inverse.
 constexpr double kHat = 4e-9, kOwn = 2e-9, kInverse = 2e-8;
 
-/// Adds half of each ghost's block to its masters', which leaves none to the ghosts.
+/// Adds half of the block of each hanging node to its masters, then clears the blocks of hanging
+/// nodes.
 void handOver(const ActiveMesh& mesh, Blocks& blocks) {
   mesh.handOverGhosts(blocks);
   std::fill(blocks.begin() + mesh.active(), blocks.begin() + mesh.nodes(), Block::Zero());
@@ -51,7 +52,8 @@ void MultilevelPreconditioner::fit(const InternalEnergy& internal, const Contact
 }
 
 void MultilevelPreconditioner::addElements(const InternalEnergy& internal) {
-  const int parts = mesh_.nodes() < kWorthParts ? 1 : kParts;  // by size alone: the bits depend on it
+  const int parts = mesh_.nodes() < kWorthParts ? 1 : kParts;  // depends on size alone, because the
+                                                               // bits of the result depend on it
   team_.forTasks(parts, [&](int part) {
     elements_[part].clear(mesh_.nodes());
     internal.addBlocks(part, parts, elements_[part]);
@@ -94,7 +96,7 @@ void MultilevelPreconditioner::addContacts(const ContactSet& contacts,
   }
 }
 
-/// What a proxy holds counts as its own.
+/// Inverts the nodes' blocks. Held nodes get zero; their stiffness is added to that of the proxy.
 void MultilevelPreconditioner::invertNodes(const std::vector<char>& awake,
                                            const std::vector<HeldNode>& held) {
   node_inverse_.resize(mesh_.free);
@@ -112,11 +114,11 @@ void MultilevelPreconditioner::invertNodes(const std::vector<char>& awake,
   }
 }
 
-/// The proxy's block with its nodes eliminated.
+/// Eliminates the touched nodes from the proxy's block and inverts it.
 void MultilevelPreconditioner::bind(Proxy& proxy) const {
   for (int k = proxy.springs; k < proxy.springs_end; ++k) {
     const Spring& spring = springs_[k];
-    // S - S D⁻¹ S, symmetric as S and D are.
+    // The Schur complement S - S D⁻¹ S is symmetric, like S and D.
     const Mat3 s = matrix(spring.stiffness);
     proxy.inverse += block(s - s * matrix(node_inverse_[spring.node]) * s);
   }
@@ -165,8 +167,8 @@ void MultilevelPreconditioner::apply(const Vector& gradient, Vector& z) {
   for (const Proxy& proxy : proxies_) applyProxy(proxy, gradient, z);
 }
 
-/// Of the gradient in values_, all hats' part of the direction, there too. The values that children gave to
-/// their parents have no more use: they are set anew on the way back.
+/// Replaces the gradient in values_ by the sum of the corrections of all hats. Values that children
+/// gave to their parents are no longer needed; they are overwritten on the way back.
 void MultilevelPreconditioner::applyHats() {
   corrections_.resize(hats_.hats().size());
   HatValue* const values = values_.data();
@@ -188,7 +190,7 @@ void MultilevelPreconditioner::applyHats() {
   }
 }
 
-/// Forward over the nodes it touches, the proxy, and back.
+/// Solves for a proxy and the nodes that it touches: forward over the nodes, the proxy, and back.
 void MultilevelPreconditioner::applyProxy(const Proxy& proxy, const Vector& gradient, Vector& z) const {
   Vec3 force = gradient.segment<3>(proxy.at);
   for (int k = proxy.springs; k < proxy.springs_end; ++k) {

@@ -1,4 +1,5 @@
-/// An approximate inverse of the condensed cost's Hessian, for the cost of a fraction of an evaluation.
+/// Approximate inverse of the Hessian of the condensed cost, for a fraction of the time of an
+/// evaluation.
 #pragma once
 
 #include <array>
@@ -14,40 +15,47 @@
 
 namespace haptic_cloth {
 
-/// A proxy among the unknowns.
+/// Unknowns of one proxy.
 struct ProxyUnknown {
   int probe;
-  int at;            ///< its first unknown
-  double stiffness;  ///< of its coupling [N/m]
+  int at;            ///< index of its first unknown
+  double stiffness;  ///< stiffness of its coupling [N/m]
 };
 
-/// The sum of two parts.
-/// Nodes: their own 3 x 3 blocks of the Hessian, inverted, with the proxies bound to the nodes they touch. A
-/// contact sample counts as springs between the solid and each of the sample's nodes, and elimination of the
-/// nodes inverts such a star of springs exactly.
-/// Hats of each coarser level: their own blocks, inverted, which is multilevel diagonal scaling [Zhang,
-/// Multilevel Schwarz methods, Numer. Math. 63 (1992)]. It moves wide parts of the cloth at once, as no
-/// node's block does. The elements' part of a hat's block is the mean over the hat (that of a membrane does
-/// not depend on a hat's width), inertia and contact are sums.
+/// Preconditioner with two additive parts.
+///
+/// Nodes: the 3 × 3 diagonal blocks of the Hessian, inverted, with each proxy coupled to the nodes
+/// that it touches. A contact sample counts as springs between the solid and each of its nodes;
+/// eliminating the nodes inverts such a star of springs exactly.
+///
+/// Hat functions of each coarser level: their diagonal blocks, inverted (multilevel diagonal
+/// scaling [Zhang, Multilevel Schwarz methods, Numer. Math. 63 (1992)]). They move wide parts of
+/// the cloth at once, which no block of a node does. In the block of a hat the stiffness of
+/// elements is the mean over the hat, because that of a membrane does not depend on the width of a
+/// hat; inertia and contact are sums.
 class MultilevelPreconditioner {
  public:
-  /// @param probes the scene has
+  /// @param probes number of probes in the scene
   MultilevelPreconditioner(const ActiveMesh& mesh, int probes, Team& team);
 
-  /// After a change of the mesh. Allocates nothing.
+  /// Must follow a change of the mesh. Allocates nothing.
   void resize();
 
-  /// From the last evaluation. @param inertia stiffness per mass [1/s²]  @param awake nodes, of which those
-  /// that are free and not held are solved for
+  /// Builds the blocks from the last evaluation.
+  /// @param inertia stiffness per mass [1/s²]
+  /// @param awake one flag for each node; only free nodes that are awake and not held are solved
+  /// for
   void fit(const InternalEnergy& internal, const ContactSet& contacts, double inertia,
            const std::vector<char>& awake, const std::vector<HeldNode>& held,
            const std::vector<ProxyUnknown>& proxies);
 
-  /// Unknowns as ClothObjective has them: all x of the free nodes, all y, all z, then the proxies.
+  /// Applies it to a gradient, with unknowns as in ClothObjective: all x of the free nodes, all y,
+  /// all z, then the proxies.
   void apply(const Vector& gradient, Vector& z);
 
  private:
-  // In single precision, as what is approximate needs no more; x, y, z and a zero are one instruction's load.
+  // Single precision is enough for an approximation; x, y, z and a zero are loaded by one
+  // instruction.
   using HatValue = Eigen::Vector4f;
   using HatBlock = Eigen::Matrix<float, 4, 3>;
 
@@ -59,7 +67,7 @@ class MultilevelPreconditioner {
   struct Proxy {
     int probe, at;
     int springs, springs_end;
-    Block inverse;  ///< [m/N], of the stiffness until it is bound
+    Block inverse;  ///< [m/N]; holds the stiffness [N/m] before bind()
   };
 
   void addElements(const InternalEnergy& internal);
@@ -77,12 +85,15 @@ class MultilevelPreconditioner {
   const ActiveMesh& mesh_;
   Team& team_;
   HatLevels hats_;
-  static constexpr int kParts = 4, kWorthParts = 1500;  ///< parts of the elements, if there are many nodes
-  std::array<BlockField, kParts> elements_;  ///< blocks of a part of the elements each, at the nodes [N/m]
-  Blocks between_, points_;                  ///< of elements; of inertia and contact; at all points [N/m]
-  BlockField node_inverse_;                  ///< of the free; zero for those that do not move [m/N]
-  std::vector<HatBlock> hat_inverse_;        ///< the same
-  Blocks touch_;                             ///< of one proxy's contacts, at the nodes [N/m]
+  /// Number of parts of the elements, used from kWorthParts nodes on.
+  static constexpr int kParts = 4, kWorthParts = 1500;
+  /// Blocks at the nodes from each part of the elements [N/m].
+  std::array<BlockField, kParts> elements_;
+  /// Blocks at all points [N/m]: of elements, and of inertia and contact.
+  Blocks between_, points_;
+  BlockField node_inverse_;            ///< free nodes; zero if they do not move [m/N]
+  std::vector<HatBlock> hat_inverse_;  ///< hats; zero if they do not move [m/N]
+  Blocks touch_;                       ///< blocks of one proxy's contacts at the nodes [N/m]
   std::vector<Spring> springs_;
   std::vector<Proxy> proxies_;
   std::vector<HatValue> values_, corrections_;  ///< at the points; of the hats

@@ -3,8 +3,8 @@
 namespace haptic_cloth {
 namespace HAPTIC_CLOTH_PATH {
 
-/// Writes nodes begin..end of a vector of the unknowns (all x of the `free` nodes, all y, all z) as points of
-/// x, y, z and a zero.
+/// Copies nodes begin..end from a vector of unknowns (all x of the `free` nodes, all y, all z) to
+/// points with x, y, z and a zero.
 void loadPoints(const double* __restrict__ gradient, int free, int begin, int end,
                 float* __restrict__ values) {
   for (int n = begin; n < end; ++n) {
@@ -13,8 +13,8 @@ void loadPoints(const double* __restrict__ gradient, int free, int begin, int en
   }
 }
 
-/// Writes the direction z of nodes begin..end: the hats' part, `values`, and what the nodes' own inverted
-/// blocks make of the gradient. A node whose block is zero does not move.
+/// Writes the direction z of nodes begin..end: the correction of the hats, `values`, plus the
+/// node's inverted block times the gradient. A node whose block is zero does not move.
 void addOwnBlocks(const BlockArrays& own, const double* gradient, const float* values, int free, int begin,
                   int end, double* __restrict__ z) {
   const double *const xxs = own.entry[0], *const yys = own.entry[1], *const zzs = own.entry[2],

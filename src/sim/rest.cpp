@@ -14,9 +14,10 @@ void Rest::setSpeed(double speed) {
   std::fill(particles_.begin(), particles_.end(), Particle());
 }
 
-/// Slow for long enough, and the force on it is what it fell asleep with.
+/// Tells whether a node was slow for long enough and the force on it is that when it fell asleep.
 bool Rest::isCalm(const ActiveMesh& mesh, int node, const Vec3& force, double tolerance) {
-  constexpr double kDisturbed = 3.0;  // change of force that wakes, over what a solve may leave anyway
+  constexpr double kDisturbed = 3.0;  // change of force that wakes, relative to what a solve may
+                                      // leave
   Particle& p = particles_[mesh.particle[node]];
   if (p.still < kSteps) return false;
   if (!p.known) p.force = force;
@@ -26,10 +27,9 @@ bool Rest::isCalm(const ActiveMesh& mesh, int node, const Vec3& force, double to
   return disturbed_[node] == 0;
 }
 
-/// All sleepers together may leave as much unbalanced as a solve may where no node is awake, and
-/// else a little less, so that those awake can make up for it. Where it is more, those that have
-/// more than half the tolerance to themselves wake; what the others leave is then less than half of
-/// it.
+/// Limits the unbalanced force on all sleeping nodes: to the tolerance if all nodes sleep,
+/// otherwise to a little less, so that the awake nodes can compensate. Beyond that limit, each node
+/// with more than half the tolerance of its own wakes; the others then leave less than half of it.
 void Rest::keepBalance(const ActiveMesh& mesh, const Field& residuals, double tolerance) {
   constexpr double kShare = 0.9, kOwn = 0.5;
   double square = 0.0, mass = 0.0;

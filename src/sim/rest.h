@@ -1,4 +1,4 @@
-/// Which particles have come to rest, and the force each was left with.
+/// Sleeping particles: which have come to rest, and the force on each when it fell asleep.
 #pragma once
 
 #include <vector>
@@ -7,29 +7,31 @@
 
 namespace haptic_cloth {
 
-/// A particle that has been slower than `speed` for kSteps steps sleeps, as far as the forces on
-/// sleepers are balanced: it stays where it is until the force on it differs from what it fell
-/// asleep with. Sleepers count in a step's residual like all others, so they never take up more of
-/// the tolerance than leaves room for those awake.
+/// Decides which particles sleep. A particle that has been slower than `speed` for kSteps steps may
+/// sleep: it keeps its position until the force on it differs from that when it fell asleep.
+/// Sleeping particles count in the residual of a step like all others, so together they may use up
+/// the tolerance only as far as it leaves room for the others.
 class Rest {
  public:
   static constexpr int kSteps = 50;
 
-  /// @param speed [m/s]; 0: none ever sleeps
+  /// @param speed particles slower than this may sleep [m/s]; 0: none ever sleeps
   Rest(const Grid& grid, double speed);
 
-  /// Another speed from now on; all are awake.
+  /// Changes the speed; all particles wake.
   void setSpeed(double speed);
 
   bool possible() const { return speed_ > 0.0; }
 
-  /// Before a step: none has been disturbed in it.
+  /// Starts a step, in which no node has been disturbed yet.
   void begin(const ActiveMesh& mesh) { disturbed_.assign(mesh.nodes(), 0); }
 
-  /// Which of the nodes that are not awake may stay so.
-  /// @param forces on the nodes when they stand still; compared with those they fell asleep with [N]
-  /// @param residuals what is unbalanced if they stop now; differs from `forces` only where they move [N]
-  /// @param tolerance of the solve [m/s²]  @param awake whether a node takes part in it
+  /// Decides which of the sleeping nodes may stay asleep.
+  /// @param forces on the nodes without velocity; compared with those when they fell asleep [N]
+  /// @param residuals unbalanced forces if the nodes stop now; differ from `forces` only for moving
+  /// nodes [N]
+  /// @param tolerance of the solve [m/s²]
+  /// @param awake whether a node takes part in the solve
   template <class Awake>
   void look(const ActiveMesh& mesh, const Field& forces, const Field& residuals, double tolerance,
             const Awake& awake) {
@@ -41,8 +43,9 @@ class Rest {
   }
   bool sleeps(int node) const { return sleeps_[node] != 0; }
 
-  /// After a step. @param awake whether a node took part in the solve  @param driven whether it is being
-  /// moved where it may not stay, however slowly
+  /// Updates the particles after a step.
+  /// @param awake whether a node took part in the solve
+  /// @param driven whether a node is being moved from where it may not stay, however slowly
   template <class Awake, class Driven>
   void update(const ActiveMesh& mesh, const Field& velocities, const Awake& awake, const Driven& driven) {
     for (int n = 0; n < mesh.free; ++n) {
@@ -56,22 +59,22 @@ class Rest {
 
   void serialize(Archive& archive);
 
-  /// Corners and inside of a cell that changes.
+  /// Wakes all particles of a cell that changes.
   void disturb(const Grid& grid, const Cell& cell);
 
  private:
   struct Particle {
-    int still = 0;       ///< steps in a row that it was slow
-    bool known = false;  ///< `force` is what it fell asleep with
+    int still = 0;       ///< successive steps in which it was slow
+    bool known = false;  ///< `force` is valid: the force when it fell asleep [N]
     Vec3 force = Vec3::Zero();
   };
   bool isCalm(const ActiveMesh& mesh, int node, const Vec3& force, double tolerance);
   void keepBalance(const ActiveMesh& mesh, const Field& residuals, double tolerance);
 
   double speed_;
-  std::vector<Particle> particles_;  ///< of the finest grid
-  std::vector<char> sleeps_;         ///< a node each
-  std::vector<char> disturbed_;      ///< a node each: its force woke it in the step in hand
+  std::vector<Particle> particles_;  ///< one for each particle of the finest grid
+  std::vector<char> sleeps_;         ///< one flag for each node
+  std::vector<char> disturbed_;      ///< one flag for each node: its force woke it in this step
 };
 
 }  // namespace haptic_cloth

@@ -98,7 +98,7 @@ void serializeSolver(Archive& archive, const SolverOptions& solver) {
 
 void serializeAdapt(Archive& archive, const AdaptOptions& adapt) {
   archive.same("adapt.strategy", nameOf(strategyNames(), adapt.strategy));
-  archive.same("adapt.start", nameOf(startNames(), adapt.start));  // the work done is counted from there
+  archive.same("adapt.start", nameOf(startNames(), adapt.start));  // work is counted from this mesh
   archive.same("adapt.levels", adapt.levels);
   archive.same("adapt.interval", adapt.interval);
   archive.same("adapt.refine_above", adapt.refine_above);

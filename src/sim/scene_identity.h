@@ -1,4 +1,4 @@
-/// What of a scene a state belongs to.
+/// Part of a scene that a saved state depends on.
 #pragma once
 
 #include "haptic_cloth/scene.h"
@@ -6,8 +6,9 @@
 
 namespace haptic_cloth {
 
-/// Saves it, or compares what was saved with this scene: everything a step depends on. Left out is what a run
-/// is told from outside: paths and grasps, when it stops, threads and the wall clock's budget.
+/// Saves this part, or compares it with a saved one: everything that a step depends on. Not
+/// included are inputs of a run: paths and grasps, stop conditions, threads and the wall clock
+/// budget.
 /// @throws InputError naming the first key that differs
 void serializeIdentity(Archive& archive, const Scene& scene);
 

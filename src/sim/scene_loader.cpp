@@ -11,9 +11,9 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kAlmostUnit = 1e-3;  ///< a quaternion this close to norm 1 is rounded, not wrong [-]
+constexpr double kAlmostUnit = 1e-3;  ///< a norm this close to 1 is rounded, not wrong [-]
 
-/// Quaternion x y z w, normalised.
+/// Reads a quaternion x y z w and normalises it.
 Quat readOrientation(const YamlValue& value) {
   const auto [x, y, z, w] = value.numbers<4>();
   const Quat orientation(w, x, y, z);
@@ -28,7 +28,8 @@ void readPose(const YamlMap& map, Pose& pose) {
   if (const auto orientation = map.find("orientation")) pose.orientation = readOrientation(*orientation);
 }
 
-/// "corner_01" is at the first particle along x and the last along y; "edge_x1" holds the last along x.
+/// Particles of a named pin: "corner_01" is the first particle along x and the last along y,
+/// "edge_x1" all particles that are last along x.
 ParticleRange namedPin(const YamlValue& value, int last_i, int last_j) {
   const std::vector<std::pair<std::string, ParticleRange>> names{
       {"corner_00", {0, 0, 0, 0}},           {"corner_10", {last_i, last_i, 0, 0}},
@@ -40,7 +41,7 @@ ParticleRange namedPin(const YamlValue& value, int last_i, int last_j) {
 
 ParticleRange readPin(const YamlValue& value, const std::array<int, 2>& particles) {
   if (!value.isMap()) {
-    // Counts below 1 are refused later; here they must only not overflow.
+    // Counts below 1 are refused later; here they must not overflow.
     return namedPin(value, std::max(particles[0], 1) - 1, std::max(particles[1], 1) - 1);
   }
   const YamlMap map(value, {"particles"});
@@ -72,7 +73,7 @@ void readCloth(const YamlMap& root, const std::string& base_directory, ClothOpti
   }
 }
 
-/// Keys that belong to one shape, all required.
+/// Keys of one shape; all are required.
 std::vector<std::string> shapeKeys(Shape shape) {
   switch (shape) {
     case Shape::Box:
@@ -143,8 +144,8 @@ void readProbe(const YamlValue& value, ProbeOptions& probe) {
   for (const YamlValue& times : grasp->list()) probe.grasp.push_back(times.numbers<2>());
 }
 
-/// One as `probe`, or several by name as `probes`, where `probe` is what they have in common. A
-/// radius that the scene does not give suits its cloth.
+/// Reads one probe from `probe`, or several by name from `probes` with `probe` as their common
+/// part. The default radius is never smaller than the cloth allows.
 void readProbes(const YamlMap& root, const ClothOptions& cloth, std::vector<ProbeOptions>& probes) {
   probes.front().radius = std::max(probes.front().radius, smallestProbeRadius(cloth));
   const auto one = root.find("probe"), several = root.find("probes");

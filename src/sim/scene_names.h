@@ -1,4 +1,4 @@
-/// The words by which scene files choose: one table for those who read them and those who write them.
+/// Names of choices in scene files, in one table for reading and writing.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace haptic_cloth {
 template <class Choice>
 using Names = std::vector<std::pair<std::string, Choice>>;
 
-/// The keys at the top of a scene.
+/// Top-level keys of a scene.
 inline std::vector<std::string> sceneKeys() {
   return {"cloth", "gravity", "air_damping", "obstacles", "probe", "probes", "solver", "adapt", "stop"};
 }
@@ -45,7 +45,7 @@ inline Names<Shape> shapeNames() {
           {"plane", Shape::Plane}};
 }
 
-/// @pre the value is among them
+/// Name of a value. @pre the table contains it
 template <class Choice>
 std::string nameOf(const Names<Choice>& names, Choice value) {
   for (const auto& [name, own] : names) {

@@ -16,15 +16,17 @@ namespace {
 constexpr int kMostLevels = 8;
 constexpr int kMostThreads = 1024;
 constexpr double kMostParticles = 1 << 24;  ///< so that every index and offset fits an int
-constexpr double kMost =
-    1e6;  ///< of positions [m] and gravity [m/s²]: beyond, millimetres are lost to rounding
-constexpr double kSmallest = 1e-12, kLargest = 1e12;  ///< of the rest: products and quotients stay finite
-constexpr double kMostContacts = 1 << 26;  ///< particles times solids: each of these has its places reserved
+/// Largest position [m] and gravity [m/s²]; beyond it, millimetres are lost to rounding.
+constexpr double kMost = 1e6;
+/// Limits of other values: products and quotients stay finite.
+constexpr double kSmallest = 1e-12, kLargest = 1e12;
+/// Largest number of particles times solids: memory is reserved for each pair.
+constexpr double kMostContacts = 1 << 26;
 constexpr std::size_t kMostProbes = 64, kMostObstacles = 1024, kMostPins = 4096;
-constexpr double kFinestProbe = 0.02;    ///< smallest probe radius over the finest spacing [-]
-constexpr double kUnitTolerance = 1e-6;  ///< of a quaternion's norm [-]
+constexpr double kFinestProbe = 0.02;    ///< smallest radius of a probe / finest spacing [-]
+constexpr double kUnitTolerance = 1e-6;  ///< error allowed in a quaternion's norm [-]
 
-/// A count that is far too large: six digits say so.
+/// Prints a count that is far too large with six digits.
 std::string rounded(double count) {
   std::ostringstream text;
   text.imbue(std::locale::classic());
@@ -42,7 +44,7 @@ std::string toText(const T& value) {
   return text.str();
 }
 
-/// Rules with names, each of which throws when it is broken.
+/// Named rules; each throws if it is broken.
 class Check {
  public:
   explicit Check(const Locate& locate) : locate_(locate) {}
@@ -159,7 +161,7 @@ void checkObstacle(const Check& check, const std::string& key, const Obstacle& o
   checkPath(check, key + ".path", obstacle.path);
 }
 
-/// Topics and files carry these names.
+/// Checks names, which topics and files carry.
 template <class Named>
 void checkNames(const Check& check, const std::string& prefix, const std::vector<Named>& items,
                 bool required) {
@@ -176,7 +178,7 @@ void checkNames(const Check& check, const std::string& prefix, const std::vector
   }
 }
 
-/// @param prefix the probe's key
+/// @param prefix key of the probe
 void checkProbe(const Check& check, const std::string& prefix, const ProbeOptions& probe,
                 const ClothOptions& cloth) {
   check.length(prefix + ".radius", probe.radius);
