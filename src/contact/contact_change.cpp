@@ -1,12 +1,12 @@
-// The part of ContactSet that tells how contact forces change along a direction.
+// Part of ContactSet that computes the change of contact forces along a direction.
 #include "contact/contact_set.h"
 
 namespace haptic_cloth {
 
 void ContactSet::linearise(int begin, int end, const Field& nodes, const Field& d,
                            const std::vector<Vec3>& d_proxies) {
-  // Solids have flat faces, round edges and corners: their normal's change is a central difference, taken
-  // over far less than any of them is round.
+  // The change of the normal is a central difference: solids have flat faces, round edges and
+  // corners. The difference is taken over a length far below any radius.
   constexpr double kNudge = 1e-7;  // [m]
   const double epsilon = options_.slip_speed * options_.time_step;
   for (int k = begin; k < end; ++k) {

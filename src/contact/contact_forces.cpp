@@ -1,4 +1,4 @@
-// The part of ContactSet that evaluates the samples.
+// Part of ContactSet that evaluates the samples.
 #include <algorithm>
 
 #include "contact/contact_set.h"
@@ -39,7 +39,7 @@ SampleContext ContactSet::context(const Group& group) const {
           options_.slip_speed * options_.time_step};
 }
 
-/// Calls visit(group, first pack, last pack) for the parts of samples begin..end.
+/// Calls visit(group, first pack, last pack) for each group's part of samples begin..end.
 template <class Visit>
 void ContactSet::forGroups(int begin, int end, const Visit& visit) const {
   for (const Group& group : groups_) {
@@ -81,7 +81,8 @@ double ContactSet::curvature(int begin, int end, const Field& d, const std::vect
 }
 
 double ContactSet::maxStep(const Field& d, const std::vector<Vec3>& d_proxies) const {
-  constexpr double kShareOfGap = 0.9;  // the distance is convex: its tangent bounds it along the step
+  constexpr double kShareOfGap = 0.9;  // the distance is convex, so its tangent bounds it along the
+                                       // step
   double step = 1e300;
   forGroups(0, size(), [&](const Group& group, int first, int last) {
     if (!isProbe(group.solid)) return;
@@ -107,7 +108,7 @@ Vec3 ContactSet::normal(int sample) const {
   return {pack.normal[0][l], pack.normal[1][l], pack.normal[2][l]};
 }
 
-/// Of H⁺ by the sample's position [N/m].
+/// Block of H⁺ by the position of a sample [N/m].
 Block ContactSet::blockOf(int sample) const {
   const SamplePack& pack = packs_[sample / kPack];
   const double across = pack.normal_stiffness[sample % kPack], along = pack.tangent_stiffness[sample % kPack];
@@ -138,7 +139,7 @@ void ContactSet::addSprings(int probe, Blocks& blocks) const {
   }
 }
 
-/// Over a probe's samples.
+/// Sums a value over the samples of a probe.
 template <class Value>
 Vec3 ContactSet::sumOf(int probe, const Value& value) const {
   Vec3 sum = Vec3::Zero();
@@ -233,7 +234,8 @@ bool ContactSet::probeTouched(int probe) const {
   return false;
 }
 
-/// No solid may pass through the cloth within a step: one that is sent farther lags behind.
+/// Limits the motion of obstacles: none may pass through the cloth within a step. An obstacle that
+/// is sent farther lags behind.
 void ContactSet::advance() {
   constexpr double kShareOfWidth = 0.25;
   for (int k = 0; k < obstacles_; ++k) {

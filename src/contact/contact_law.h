@@ -5,14 +5,14 @@
 
 namespace haptic_cloth {
 
-/// Normal contact: pressure p(u) = p₀ u²/(1-u) with u = (range - gap)/range, zero from gap = range on, rising
-/// without bound towards gap = 0 but continued linearly from u = kSwitch on: never infinite. Soft at first
-/// touch, hard when pressed: a light drape keeps the solve well conditioned, a hard push does not get
-/// through.
+/// Pressure law p(u) = p₀ u²/(1-u), u = (range - gap)/range. It is zero from gap = range on and
+/// grows towards gap = 0. From u = kSwitch on it continues linearly, so it is never infinite. It is
+/// soft at first touch and stiff under load: a light drape keeps the solve well conditioned, a hard
+/// push does not pass through.
 class ContactLaw {
  public:
   struct Point {
-    double energy;     ///< per area [J/m²]
+    double energy;     ///< energy per area [J/m²]
     double pressure;   ///< [Pa]
     double stiffness;  ///< -dp/dgap [Pa/m]
   };
@@ -22,7 +22,7 @@ class ContactLaw {
 
   double range() const { return range_; }
 
-  /// Gap at which the pressure is as large as it gets before it goes on linearly [m].
+  /// Gap below which the pressure is linear [m].
   double firmGap() const { return (1.0 - kSwitch) * range_; }
 
   Point operator()(double gap) const {
@@ -37,19 +37,19 @@ class ContactLaw {
             kPressure * (pressure + past * slope), kPressure / range_ * slope};
   }
 
-  static constexpr double kPressure = 1e4;  ///< p₀ [Pa]: about that of a finger tip pressing with 1 N
-  static constexpr double kSwitch = 0.98;   ///< share of the range from which on the pressure is linear
+  static constexpr double kPressure = 1e4;  ///< about the pressure of a finger tip at 1 N
+  static constexpr double kSwitch = 0.98;   ///< u from which the pressure is linear
 
  private:
   double range_;
 };
 
-/// Coulomb friction on a sliding distance y over one step, smoothed below y = ε [Li et al. 2020, IPC]:
-/// potential f0 with f0' = 2y/ε - y²/ε² for y < ε, else 1.
+/// Coulomb friction for a slip y in one step, smoothed below y = ε [Li et al. 2020, IPC]: potential
+/// f0 with f0' = 2y/ε - y²/ε² for y < ε, else 1.
 struct SmoothSlip {
   double potential;  ///< f0 [m]
   double ratio;      ///< f0'/y [1/m], finite at y = 0
-  double slope;      ///< (f0'/y)'/y [1/m³], finite where the slip is not zero
+  double slope;      ///< (f0'/y)'/y [1/m³], set to 0 at y = 0
 };
 
 inline SmoothSlip smoothSlip(double y, double epsilon) {

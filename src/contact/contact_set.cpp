@@ -9,9 +9,10 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr int kChunk = 512;            // of places that are made room for at a time
-constexpr double kCut = 0.5;           ///< of the range: so deep a sharp edge may cut into an obstacle's cell
-constexpr double kProbeSpacing = 3.0;  ///< samples in a probe's half width, at least
+constexpr int kChunk = 512;            // growth of the arrays of points [points]
+constexpr double kCut = 0.5;           ///< depth in ranges that a sharp edge may cut into a cell
+constexpr double kProbeSpacing = 3.0;  ///< smallest number of samples across half the width of a
+                                       ///< probe
 
 }  // namespace
 
@@ -43,9 +44,9 @@ ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
   for (Field& normals : sample_normals_) normals.reserve(capacity);
 }
 
-/// Places for samples. Where no finest cell has more than one of a solid, coarse cells under one that is
-/// uneven have most: two wide, five and one of a node in four finest cells. Else what scenes were seen to
-/// need: where one needs more, a step allocates.
+/// Number of samples to reserve. If a finest cell has at most one sample of a solid, cells two
+/// finest cells wide under an uneven solid need most: five samples and one node in four finest
+/// cells. Otherwise the number comes from experience with scenes; a step that needs more allocates.
 int ContactSet::sampleCapacity() const {
   const int particles = grid_.particles(), solids = static_cast<int>(solids_.size());
   const double spacing = std::max(grid_.dx, grid_.dy);
@@ -56,7 +57,7 @@ int ContactSet::sampleCapacity() const {
 }
 
 void ContactSet::serialize(Archive& archive) {
-  for (int k = 0; k < obstacles_; ++k) {  // probes are placed anew in each step
+  for (int k = 0; k < obstacles_; ++k) {  // probes are placed in each step
     archive("now[" + std::to_string(k) + "]", solids_[k]);
     archive("before[" + std::to_string(k) + "]", before_[k]);
   }
@@ -87,13 +88,15 @@ void ContactSet::collect(const ActiveMesh& mesh, const Field& nodes, const std::
     sampleProbe(mesh, nodes, reach, probe);
     endGroup();
   }
-  for (Field* field : {&gradient_, &change_}) field->resize(size());  // each look writes all of it
+  for (Field* field : {&gradient_, &change_})
+    field->resize(size());  // each evaluation writes all
+                            // of it
   buildRows(mesh.nodes());
 }
 
 void ContactSet::beginGroup(int solid) { groups_.push_back({solid, size() / kPack, 0}); }
 
-/// Fills the last pack up with samples that do nothing.
+/// Completes a group; fills its last pack with samples that have no effect.
 void ContactSet::endGroup() {
   Group& group = groups_.back();
   siftPoints(group.solid);
@@ -105,7 +108,7 @@ void ContactSet::endGroup() {
 
 namespace {
 
-/// The line of a cell's points at v along weft: cells are bilinear, so it is straight, however bent they are.
+/// Line of points of a cell at one v along weft. It is straight, since cells are bilinear.
 struct Row {
   Row(const Patch& patch, double v, const Field& x)
       : from((1 - v) * x[patch.nodes[0]] + v * x[patch.nodes[2]]),
@@ -114,7 +117,8 @@ struct Row {
   Vec3 from, way;
 };
 
-/// Samples first..last of `count` evenly spread over a row that lie within `reach` of a point.
+/// Range first..last of `count` points, evenly spread over a row, that lie within `reach` of a
+/// point.
 struct Window {
   Window(int count, const Row& row, const Vec3& point, double reach) {
     const Vec3 &from = row.from, &way = row.way;
@@ -156,7 +160,8 @@ void ContactSet::sampleObstacles(const ActiveMesh& mesh, const Field& nodes,
   }
 }
 
-/// How far the nodes are from a solid, and which patches may come within `range` of it [m].
+/// Measures the distance of the nodes from a solid, and which patches may come within `range` of it
+/// [m].
 void ContactSet::measure(int solid, double range, const ActiveMesh& mesh, const Field& nodes,
                          const std::vector<double>& reach) {
   node_gaps_.resize(padded(nodes.size()));
@@ -169,10 +174,10 @@ void ContactSet::measure(int solid, double range, const ActiveMesh& mesh, const 
                          node_gaps_.data(), node_normals_.arrays(), patch_margins_.data());
 }
 
-/// How many parts of a cell's side are to be sampled: 1 where an obstacle presses as evenly as the corners
-/// say, with one normal and gaps that differ by less than what the pressure hardly notices; else as many as
-/// there are finest cells, but none smaller than a share of the range, over which the pressure hardly
-/// changes, and more where a sharp edge would cut into these by more than that share.
+/// Number of parts of a cell's side to be sampled. It is 1 if the obstacle presses evenly: one
+/// normal at the corners, and gaps whose difference hardly changes the pressure. Otherwise it is
+/// the number of finest cells, but no part is smaller than a share of the range. It is larger if a
+/// sharp edge would cut deeper into these parts than that share.
 int ContactSet::partsOf(const Patch& patch) const {
   constexpr double kSameNormal = 1e-3, kShareOfRange = 0.1, kMostParts = 4.0;
   const int first = patch.nodes[0];
@@ -190,8 +195,8 @@ int ContactSet::partsOf(const Patch& patch) const {
   return finest * static_cast<int>(std::clamp(std::ceil(chord(turn) / smallest), 1.0, kMostParts));
 }
 
-/// Samples a cell at parts x parts points but its corners; each stands for the area around it within the
-/// cell.
+/// Samples a cell at (parts + 1) × (parts + 1) points without its corners; each stands for the area
+/// around it within the cell.
 void ContactSet::sampleCell(const Patch& patch, int parts, const Field& nodes, double margin) {
   for (int j = 0; j <= parts; ++j) {
     const double v = static_cast<double>(j) / parts;
@@ -246,17 +251,17 @@ SurfacePoint ContactSet::nodePoint(int node, double area) {
   return {{node, node, node, node}, {1.0, 0.0, 0.0, 0.0}, area};
 }
 
-/// @param u, v along warp and weft, 0..1
+/// @param u, v coordinates along warp and weft, 0..1
 SurfacePoint ContactSet::surfacePoint(const Patch& patch, double u, double v, double area) {
   return {patch.nodes, {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v}, area};
 }
 
-/// What begins the step inside an obstacle was put there: it counts as pressed, no more, and the less the
-/// deeper it is. Pushed as hard as it may be, a cloth that begins in the middle of a ball is blown up like a
-/// balloon, and thrown when it is out. A probe came from outside, so its samples are inside only by what the
-/// load asks for, and must not give way to it step by step.
+/// Offset of the gap for a sample that begins the step inside a solid. In an obstacle it was put
+/// there; it counts as pressed, and less so the deeper it is. With the largest pressure a cloth
+/// that begins in the middle of a ball would be blown up like a balloon and thrown out. A probe
+/// came from outside, so its samples are inside only under load and must not yield step by step.
 double ContactSet::raise(int solid, double gap) const {
-  constexpr double kGentle = 0.2;  // least share of the range that counts as pressed: p0/20, 500 Pa
+  constexpr double kGentle = 0.2;  // smallest u that counts: p0/20, 500 Pa
   if (isProbe(solid)) return std::max(0.0, -law_.range() - gap);
   if (!(gap < 0.0)) return 0.0;
   const double firm = law_.range() - law_.firmGap();
@@ -264,7 +269,7 @@ double ContactSet::raise(int solid, double gap) const {
   return law_.range() - pressed - gap;
 }
 
-/// @param margin farther away from its solid it does not count [m]
+/// Adds a candidate for a sample. @param margin largest gap at which it counts [m]
 void ContactSet::addPoint(const SurfacePoint& point, const Vec3& place, double margin) {
   const int index = static_cast<int>(points_.size());
   if (index >= places_.size()) places_.resize(index + kChunk);
@@ -273,8 +278,8 @@ void ContactSet::addPoint(const SurfacePoint& point, const Vec3& place, double m
   points_.push_back(point);
 }
 
-/// Makes samples of those points that are near, as they start the step: first those that touch, so that packs
-/// of the others need not be looked at.
+/// Turns the candidates that are near at the start of the step into samples. Touching samples come
+/// first, so that packs of the others can be skipped.
 void ContactSet::siftPoints(int solid) {
   const Solid &now = solids_[solid], &then = before_[solid];
   const bool still = now.position() == then.position() && now.rotation() == then.rotation();
@@ -299,14 +304,15 @@ void ContactSet::siftPoints(int solid) {
   points_.clear();
 }
 
-/// What moving solids press on only at the end of the step does not rub yet.
-/// @param now, then from the solid at the end of the step and at its start
+/// Starts a sample. If a moving solid touches it only at the end of the step, it has no friction
+/// yet.
+/// @param now, then distance from the solid at the end and at the start of the step
 ContactSample ContactSet::started(const SurfacePoint& point, int index, const Vec3& place,
                                   const Distance& now, const Distance& then, bool still) const {
   const Solid &solid = solids_[index], &before = before_[index];
   ContactSample sample{point, index};
   sample.raised = raise(index, then.value);
-  // Cloth that is let out does not rub: friction would hold it inside.
+  // Ejected cloth has no friction, which would hold it inside.
   const double friction = !isProbe(index) && sample.raised > 0.0 ? 0.0 : solid.friction();
   sample.friction_force = friction * point.area * law_(then.value + sample.raised).pressure;
   Vec3 carried = place;

@@ -1,4 +1,4 @@
-/// Signed distances of the solids for a register of points; the formulas are those of shape.cpp.
+/// Signed distances from solids, in SIMD lanes; the formulas are those of shape.cpp.
 #pragma once
 
 #include "contact/solid_lanes.h"
@@ -27,7 +27,7 @@ static HAPTIC_CLOTH_INLINE DistanceLanes boxDistance(const Lanes3& p, const doub
   const Lanes3 out{larger(q.x, zero), larger(q.y, zero), larger(q.z, zero)};
   const Lanes d = squareRoot(dot(out, out)), depth = larger(q.x, larger(q.y, q.z));
   const Lanes inverse = ifPositive(d, 1.0 / d, zero);
-  // Inside, the way out is through the nearest side, the first of several.
+  // Inside, the normal points through the nearest side, the first of several.
   const Lanes by_x = ifLess(q.x, depth, zero, one), by_y = ifLess(q.y, depth, zero, one - by_x);
   return {ifPositive(d, d, depth),
           {sign.x * ifPositive(d, out.x * inverse, by_x), sign.y * ifPositive(d, out.y * inverse, by_y),
@@ -40,7 +40,7 @@ static HAPTIC_CLOTH_INLINE DistanceLanes cylinderDistance(const Lanes3& p, doubl
   const Lanes r = squareRoot(p.x * p.x + p.y * p.y), inverse_r = ifPositive(r, 1.0 / r, zero);
   const Lanes rx = ifPositive(r, p.x * inverse_r, one), ry = p.y * inverse_r;
   const Lanes up = ifLess(p.z, zero, -one, one), side = r - radius, cap = up * p.z - half_length;
-  const Lanes edge = smaller(side, cap);  // where positive, the nearest point is on the edge of a cap
+  const Lanes edge = smaller(side, cap);  // if positive, the nearest point is on the edge of a cap
   const Lanes d = squareRoot(side * side + cap * cap), inverse = ifPositive(edge, 1.0 / d, zero);
   const Lanes by_side = ifLess(cap, side, one, zero);
   const Lanes along = ifPositive(edge, side * inverse, by_side),

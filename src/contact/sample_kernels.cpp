@@ -18,7 +18,7 @@ HAPTIC_CLOTH_INLINE Lanes3 at(const SamplePack& pack, int l, const ConstArrays& 
   return sum;
 }
 
-/// Motion of the samples against their solid.
+/// Motion of the samples relative to their solid.
 HAPTIC_CLOTH_INLINE Lanes3 against(const SamplePack& pack, int l, const ConstArrays& d,
                                    const double* d_origin) {
   const Lanes3 moved = at(pack, l, d);
@@ -39,7 +39,7 @@ struct PressureLanes {
   Lanes energy, pressure, stiffness;
 };
 
-/// ContactLaw.
+/// ContactLaw in lanes.
 HAPTIC_CLOTH_INLINE PressureLanes press(double range, const Lanes& gap) {
   const Lanes u = 1.0 - gap / range, limit = all(ContactLaw::kSwitch), none{};
   const Lanes v = smaller(larger(u, none), limit), past = larger(u - limit, none);
@@ -50,7 +50,7 @@ HAPTIC_CLOTH_INLINE PressureLanes press(double range, const Lanes& gap) {
           ContactLaw::kPressure * (pressure + past * slope), ContactLaw::kPressure / range * slope};
 }
 
-/// @return energy stored, and potential of friction
+/// Evaluates one vector of samples; adds their stored energy and their friction potential.
 HAPTIC_CLOTH_INLINE void evaluateOne(SamplePack& pack, int l, const SampleContext& context,
                                      const Lanes3& position, const Lanes3& moved, const MutableArrays& slots,
                                      int slot, Lanes& energy, Lanes& loss) {
@@ -59,7 +59,7 @@ HAPTIC_CLOTH_INLINE void evaluateOne(SamplePack& pack, int l, const SampleContex
   const PressureLanes law = press(context.range, d.value + load(pack.raised + l));
   const Lanes pressing = area * law.pressure;
   energy += area * law.energy;
-  // Friction, smoothed below `slip`: potential f₀, f₀'/y [Li et al. 2020].
+  // Friction, smoothed below `slip`: potential f₀ and ratio f₀'/y [Li et al. 2020].
   const Lanes3 start_normal = load3(pack.start_normal, l);
   const Lanes3 slip = moved - dot(start_normal, moved) * start_normal;
   const Lanes y = squareRoot(dot(slip, slip)), limit = load(pack.friction + l), t = y / context.slip;
@@ -106,7 +106,7 @@ double sampleCurvature(const SamplePack* packs, int begin, int end, const ConstA
     const SamplePack& pack = packs[p];
     for (int l = 0; l < kPack; l += kLanes) {
       const Lanes across = load(pack.normal_stiffness + l), along = load(pack.tangent_stiffness + l);
-      if (allLess(larger(across, along), all(1e-300))) continue;  // nothing touches
+      if (allLess(larger(across, along), all(1e-300))) continue;  // no contact
       const Lanes3 moved = against(pack, l, d, d_origin);
       const Lanes normal = dot(load3(pack.normal, l), moved), start = dot(load3(pack.start_normal, l), moved);
       const Lanes square = larger(dot(moved, moved) - start * start, Lanes{});
@@ -141,8 +141,8 @@ void solidDistances(const SolidLanes& solid, int count, const ConstArrays& x, do
   }
 }
 
-/// Solids are convex, so the distance lies above its tangent at each corner, and a patch lies between its
-/// corners.
+/// Margins of patches. Solids are convex, so the distance lies above its tangent at each corner; a
+/// patch lies between its corners.
 void patchMargins(const PatchCorners* corners, int count, double range, const ConstArrays& x,
                   const double* reach, const double* gaps, const ConstArrays& normals, double* margins) {
   for (int p = 0; p < count; ++p) {

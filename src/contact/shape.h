@@ -1,4 +1,5 @@
-/// Signed distance of the solids the cloth can touch. All are convex, so each distance is a convex function.
+/// Signed distance from the solids that the cloth can touch. All are convex, so each distance is a
+/// convex function.
 #pragma once
 
 #include "haptic_cloth/scene.h"
@@ -8,7 +9,7 @@ namespace haptic_cloth {
 
 struct Distance {
   double value;  ///< negative inside [m]
-  Vec3 normal;   ///< unit gradient: the way out
+  Vec3 normal;   ///< unit gradient, pointing outwards
 };
 
 struct SolidLanes;
@@ -33,13 +34,13 @@ class Solid {
     archive("rotation", rotation_);
   }
 
-  /// Of its narrowest part, half the way through [m]; infinite for a plane.
+  /// Half of the smallest width [m]; infinite for a plane.
   double halfWidth() const;
 
-  /// Farthest its surface reaches from its centre [m]; zero for a plane.
+  /// Largest distance of its surface from its centre [m]; zero for a plane.
   double extent() const;
 
-  /// For loops over lanes.
+  /// Description for the kernels.
   SolidLanes lanes() const;
 
  private:

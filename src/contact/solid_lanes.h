@@ -1,4 +1,4 @@
-/// A solid as the kernels take it.
+/// Solid in the format of the kernels.
 #pragma once
 
 #include "haptic_cloth/scene.h"
