@@ -97,7 +97,7 @@ void ActiveMesh::findGhosts() {
       const std::array<int, 4> c = cell.corners(grid);
       for (const auto& [a, b] : {std::pair(c[0], c[1]), {c[2], c[3]}, {c[0], c[2]}, {c[1], c[3]}}) {
         const int middle =
-            (a + b) / 2;  // exact: both lie on one grid line, an even number of particles apart
+            (a + b) / 2;  // exact: a and b lie on one grid line, an even number of particles apart
         if (role_[middle] != kGhost) continue;
         ghosts.push_back({node[middle], node[a], node[b]});
       }
@@ -114,7 +114,8 @@ void ActiveMesh::lumpMass() {
   std::fill(mass.begin() + active(), mass.end(), 0.0);
 }
 
-/// Every cell gives half of its width to each of its sides; sides of equal cells on both sides are one edge.
+/// Builds the edges. Every cell gives half of its width to each side; a side shared by cells of one
+/// level is one edge.
 void ActiveMesh::buildEdges() {
   for (auto& widths : side_width_) std::fill(widths.begin(), widths.end(), 0.0F);
   const auto forSides = [&](const Cell& cell, const auto& visit) {
@@ -143,7 +144,8 @@ int ActiveMesh::sideSlot(int level, int i, int j) const {
   return level_offset_[level] + (j >> level) * columns + (i >> level);
 }
 
-/// Edges in the order of their first nodes, so that neighbours in a row follow one another.
+/// Numbers the edges of one direction by their first nodes, so that neighbours in a row follow one
+/// another.
 void ActiveMesh::numberEdges(int direction) {
   const double along = direction == kWarp ? grid.dx : grid.dy,
                across = direction == kWarp ? grid.dy : grid.dx;
@@ -176,7 +178,7 @@ void ActiveMesh::addTriple(const LeafMesh& leaves, int centre, int direction) {
   if (position == 0 || position == last) return;
   const double along = warp ? grid.dx : grid.dy, across = warp ? grid.dy : grid.dx;
 
-  // Each side of the centre has one or two cells; the coarser gives the arm, both together the width.
+  // Each side of the centre has one or two cells. The coarser gives the arm, both give the width.
   int arm[2] = {0, 0};
   double width[2] = {0.0, 0.0};
   for (const int side : {0, 1}) {
@@ -194,7 +196,7 @@ void ActiveMesh::addTriple(const LeafMesh& leaves, int centre, int direction) {
   const bool left_rigid = held(centre) && held(l), right_rigid = held(centre) && held(r);
   if (left_rigid && right_rigid) return;
 
-  // A rigid arm has no length of its own to bend: only the free half cell does.
+  // A rigid arm has no length that can bend, so only the other half counts.
   const double l1 = arm[0] * along, l2 = arm[1] * along;
   const double bent = 0.5 * ((left_rigid ? 0.0 : l1) + (right_rigid ? 0.0 : l2));
   triples.push_back(

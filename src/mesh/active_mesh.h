@@ -1,4 +1,4 @@
-/// What takes part in the solve: nodes, ghosts and elements of the leaf cells, numbered compactly.
+/// Active mesh: nodes, hanging nodes and elements of the leaf cells, numbered compactly.
 #pragma once
 
 #include <array>
@@ -10,45 +10,48 @@
 
 namespace haptic_cloth {
 
-/// Stretch element between two neighbours on a thread. Every leaf gives half of its width to each of its
-/// sides.
+/// Stretch element between two neighbours on a thread. Every leaf gives half of its width to each
+/// of its sides.
 struct Edge {
   int a, b;       ///< nodes
   int direction;  ///< kWarp or kWeft
-  double length;  ///< at rest [m]
+  double length;  ///< rest length [m]
   double width;   ///< [m]
 };
 
-/// Bending element of three nodes in a row on a thread. Curvature is
-/// κ = n · (left (x_l - x_c) + right (x_r - x_c)), n the surface normal at c.
+/// Bending element of three nodes in a row on a thread. Its curvature is κ = n · (left (x_l - x_c)
+/// + right (x_r - x_c)) with the surface normal n at c.
 struct Triple {
-  int l, c, r;         ///< nodes
-  int direction;       ///< kWarp or kWeft
-  double left, right;  ///< coefficients 2/(l1+l2)/l1 and 2/(l1+l2)/l2 [1/m²]
-  double area;         ///< width times (l1+l2)/2 [m²]
+  int l, c, r;    ///< nodes
+  int direction;  ///< kWarp or kWeft
+  /// Coefficients 2/(l1+l2)/l1 and 2/(l1+l2)/l2 [1/m²]; a rigid arm counts as 0 in l1+l2.
+  double left, right;
+  /// Width times (l1+l2)/2 [m²].
+  double area;
 };
 
-/// A leaf cell: shear element and patch of surface.
+/// Leaf cell: shear element and patch of the surface.
 struct Patch {
   std::array<int, 4> nodes;  ///< (i,j), (i+s,j), (i,j+s), (i+s,j+s)
   Cell cell;
-  double area;               ///< at rest [m²]
+  double area;               ///< rest area [m²]
   std::array<int, 4> sides;  ///< edges below and above (warp), left and right (weft)
 };
 
-/// Values at a leaf's corners.
+/// Values at the corners of a leaf.
 inline std::array<Vec3, 4> corners(const Patch& patch, const Field& x) {
   const auto& n = patch.nodes;
   return {x[n[0]], x[n[1]], x[n[2]], x[n[3]]};
 }
 
-/// A hanging corner: the mean of two masters, which may be ghosts of a coarser side.
+/// Hanging node: the mean of two masters, which may hang on a coarser side.
 struct Ghost {
   int node, a, b;
 };
 
-/// Lists over nodes in the order free, pinned, ghost. Rebuilt as a whole after a change of the leaves;
-/// vectors keep the capacity of the finest mesh, so that nothing is allocated in a run.
+/// Lists of nodes (in the order free, pinned, hanging) and elements. They are rebuilt completely
+/// after a change of the leaves. Vectors keep the capacity of the finest mesh, so that a run
+/// allocates nothing.
 class ActiveMesh {
  public:
   /// @param areal_density [kg/m²]
@@ -60,18 +63,20 @@ class ActiveMesh {
   int active() const { return free + pinned; }
 
   Grid grid;
-  int free = 0;                 ///< nodes 0 .. free-1 are the unknowns
-  int pinned = 0;               ///< nodes free .. free+pinned-1 are held
-  std::vector<int> particle;    ///< finest-grid index of a node
-  std::vector<int> node;        ///< node of a finest-grid particle, -1: not in the mesh
-  std::vector<double> mass;     ///< of a node, ghosts' handed to their masters [kg]
-  std::vector<Ghost> ghosts;    ///< coarse sides first: masters come before their ghosts
+  int free = 0;                 ///< nodes 0 .. free-1, the unknowns
+  int pinned = 0;               ///< nodes free .. free+pinned-1, which stay
+  std::vector<int> particle;    ///< finest-grid index of each node
+  std::vector<int> node;        ///< node of each finest-grid particle, -1: none
+  std::vector<double> mass;     ///< mass of each node [kg]; hanging nodes have none
+  std::vector<Ghost> ghosts;    ///< hanging nodes, coarse sides first: masters before their
+                                ///< dependents
   std::vector<Edge> edges;      ///< warp first, each direction in the order of its nodes a
   std::vector<Triple> triples;  ///< warp first, each direction in the order of its centres
   std::vector<Patch> patches;
-  std::vector<PatchCorners> patch_corners;  ///< of a pack of patches each; past the last, node 0
+  std::vector<PatchCorners> patch_corners;  ///< patch corners in packs; unused lanes refer to node
+                                            ///< 0
 
-  /// Replaces each ghost's entry by the mean of its masters'.
+  /// Sets each hanging node to the mean of its masters.
   void interpolateGhosts(Field& values) const {
     for (int c = 0; c < 3; ++c) {
       auto& v = values.coordinate(c);
@@ -79,7 +84,7 @@ class ActiveMesh {
     }
   }
 
-  /// Transpose of interpolateGhosts: adds share times each ghost's entry to both masters.
+  /// Transpose of interpolateGhosts(): adds share times each hanging node's entry to both masters.
   template <class Values>
   void handOverGhosts(Values& values, double share = 0.5) const {
     for (auto g = ghosts.rbegin(); g != ghosts.rend(); ++g) {
@@ -104,11 +109,12 @@ class ActiveMesh {
 
   double areal_density_;
   std::vector<Cell> cells_;
-  std::vector<char> role_;  ///< of a particle: not in the mesh, corner, ghost
-  /// By direction; slots of all levels; halves of finest spacings, so a float holds them.
+  std::vector<char> role_;  ///< role of each particle: inactive, corner, hanging
+  /// Widths and edges of the sides of all levels, by direction. Widths are in finest spacings; they
+  /// are multiples of ½, which a float represents exactly.
   std::array<std::vector<float>, 2> side_width_;
   std::array<std::vector<int>, 2> side_edge_;
-  std::vector<int> level_offset_;  ///< first side slot of a level
+  std::vector<int> level_offset_;  ///< first side slot of each level
 };
 
 }  // namespace haptic_cloth

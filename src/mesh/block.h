@@ -1,4 +1,4 @@
-/// Symmetric 3 x 3 matrices at nodes: what preconditioners are made of.
+/// Symmetric 3 × 3 matrices at nodes, used by the preconditioners.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,7 +21,7 @@ inline Block square(const Vec3& a) {
   return block;
 }
 
-/// value times the unit matrix
+/// value times the identity matrix
 inline Block isotropic(double value) {
   Block block;
   block << value, value, value, 0.0, 0.0, 0.0;
@@ -44,7 +44,7 @@ inline Vec3 product(const Block& m, const Vec3& v) {
           m[4] * v.x() + m[3] * v.y() + m[2] * v.z()};
 }
 
-/// Zero where the matrix is not positive definite.
+/// Inverse; zero if the matrix is not positive definite.
 inline Block inverse(const Block& m) {
   Block cofactors;
   cofactors << m[1] * m[2] - m[3] * m[3], m[0] * m[2] - m[4] * m[4], m[0] * m[1] - m[5] * m[5],
@@ -54,7 +54,7 @@ inline Block inverse(const Block& m) {
   return definite ? Block(cofactors / determinant) : Block(Block::Zero());
 }
 
-/// Blocks at nodes, one array an entry.
+/// Blocks at nodes, one array for each entry.
 class BlockField {
  public:
   void reserve(int capacity) {
@@ -63,7 +63,7 @@ class BlockField {
   void resize(int size) {
     for (auto& list : entries_) list.resize(padded(size));
   }
-  /// To `size` zeros.
+  /// Sets the size; all entries are zero.
   void clear(int size) {
     for (auto& list : entries_) list.assign(padded(size), 0.0);
   }

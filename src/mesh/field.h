@@ -1,4 +1,4 @@
-/// Vectors at nodes, one array a coordinate, as kernels take them.
+/// Vectors at nodes, one array for each coordinate, as the kernels need them.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace haptic_cloth {
 
-/// Arrays are padded to whole packs; what lies past size() has no meaning but is finite.
+/// Arrays are padded to whole packs; entries from size() on have no meaning but are finite.
 class Field {
  public:
   Field() = default;
@@ -29,7 +29,7 @@ class Field {
     size_ = size;
     for (auto& c : coordinates_) c.resize(padded(size), 0.0);
   }
-  /// To `size` zeros.
+  /// Sets the size; all entries are zero.
   void clear(int size) {
     size_ = size;
     for (auto& c : coordinates_) c.assign(padded(size), 0.0);
@@ -55,7 +55,7 @@ class Field {
   AlignedDoubles& coordinate(int c) { return coordinates_[c]; }
   const AlignedDoubles& coordinate(int c) const { return coordinates_[c]; }
 
-  /// The arrays for kernels.
+  /// Arrays for the kernels.
   MutableArrays arrays() { return {coordinates_[0].data(), coordinates_[1].data(), coordinates_[2].data()}; }
   ConstArrays arrays() const {
     return {coordinates_[0].data(), coordinates_[1].data(), coordinates_[2].data()};

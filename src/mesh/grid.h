@@ -1,11 +1,12 @@
-/// The finest grid of particles and the index arithmetic of its nested levels.
+/// Finest grid of particles and index arithmetic of its nested levels.
 #pragma once
 
 #include <array>
 
 namespace haptic_cloth {
 
-/// I x J particles at the crossings of warp (i, x) and weft (j, y). Level l has spacing 2^l finest cells.
+/// Grid of I × J particles at the crossings of warp (i, x) and weft (j, y). Level l has a spacing
+/// of 2^l finest cells.
 struct Grid {
   int columns;  ///< I
   int rows;     ///< J
@@ -21,7 +22,7 @@ struct Grid {
   int row(int particle) const { return particle / columns; }
 };
 
-/// A square of 2^level x 2^level finest cells with its lower left corner at particle (i, j).
+/// Square of 2^level × 2^level finest cells with its lower left corner at particle (i, j).
 struct Cell {
   int i, j, level;
 

@@ -5,7 +5,7 @@
 namespace haptic_cloth {
 namespace {
 
-/// As many as leave a few hats along the longer side.
+/// Number of levels that leaves a few hats along the longer side.
 int levelsOf(const Grid& grid) {
   constexpr int kFewest = 4;
   int levels = 0;
@@ -16,7 +16,7 @@ int levelsOf(const Grid& grid) {
 }  // namespace
 
 HatLevels::HatLevels(const ActiveMesh& mesh) : levels_(levelsOf(mesh.grid)) {
-  const auto last = [&](int particles, std::size_t level) {  // on the level's lattice
+  const auto last = [&](int particles, std::size_t level) {  // last point on the lattice of a level
     return (particles - 1 + (1 << level) - 1) >> level;
   };
   columns_ = (last(mesh.grid.columns, levels_.size()) << levels_.size()) + 1;
@@ -25,7 +25,7 @@ HatLevels::HatLevels(const ActiveMesh& mesh) : levels_(levelsOf(mesh.grid)) {
   for (std::size_t level = 1; level <= levels_.size(); ++level) {
     const std::size_t columns = last(mesh.grid.columns, level) + 1, rows = last(mesh.grid.rows, level) + 1;
     hats += columns * rows;
-    points += columns + rows + 1;  // past the ends
+    points += columns + rows + 1;  // points beyond the ends
   }
   for (auto* list : {&place_, &remaining_, &hat_of_}) list->reserve(points);
   children_.reserve(points);
@@ -62,7 +62,8 @@ int HatLevels::pointAt(int i, int j) {
   return number;
 }
 
-/// Of the lattice with that span between points; keeps those that remain on the next one.
+/// Adds the points between those of the next lattice as children, and keeps the others for the next
+/// level.
 void HatLevels::addChildren(Level& level, int span) {
   const int count = static_cast<int>(remaining_.size());
   const auto add = [&](bool four) {

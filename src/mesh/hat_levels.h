@@ -1,5 +1,4 @@
-/// Coarser and coarser hat functions over the nodes of the mesh: what a multilevel preconditioner needs to
-/// know of it.
+/// Hierarchy of hat functions over the nodes of the mesh, for the multilevel preconditioner.
 #pragma once
 
 #include <algorithm>
@@ -10,23 +9,26 @@
 
 namespace haptic_cloth {
 
-/// Level l = 0, 1, ... is a lattice of 2^l finest spacings. Points on it that are not on the next one are
-/// children: their values are the means of the two or four points next to them there, their parents. A hat is
-/// one at a point with children and falls linearly to zero at the points around it; where the mesh is no
-/// finer than the lattice there are none. Points may lie past the cloth's end; they are numbered after the
-/// nodes, and last comes nowhere().
-/// Going from children to parents and back is most of what a preconditioner takes: children of two and of
-/// four parents stand apart, and every hat has places for as many as there can be.
+/// Lattices of points; level l = 0, 1, ... has a spacing of 2^l finest cells. A point that is not
+/// on the next lattice is a child; its value is the mean of the two or four nearest points there,
+/// its parents. Each point with children carries a hat function, which is one there and falls
+/// linearly to zero at the points around it. Where the mesh is no finer than the lattice there are
+/// no children. Points may lie beyond the end of the cloth. Points are numbered after the nodes;
+/// nowhere() comes directly after the nodes.
+///
+/// Most of the preconditioner's time goes into steps from children to parents and back. Therefore
+/// children with two parents are stored apart from those with four, and each hat has room for the
+/// largest number of children.
 class HatLevels {
  public:
   struct Child {
     int point;
-    std::array<int, 4> parents;  ///< points; where it has two, these are the first and the last
+    std::array<int, 4> parents;  ///< points; two parents are the first and the last
   };
   struct Hat {
     int point;
-    std::array<int, 4> of_two, of_four;  ///< points: its children that have two parents, and four
-    double shares;                       ///< sum of those in which they are its
+    std::array<int, 4> of_two, of_four;  ///< its children with two parents, and with four
+    double shares;                       ///< sum of its weights in the means of its children
   };
 
   /// Ranges of children() and hats(); children before `fours` have two parents, the others four.
@@ -36,7 +38,7 @@ class HatLevels {
 
   explicit HatLevels(const ActiveMesh& mesh);
 
-  /// After a change of the mesh. Allocates nothing.
+  /// Must follow a change of the mesh. Allocates nothing.
   void rebuild(const ActiveMesh& mesh);
 
   int points() const { return static_cast<int>(place_.size()); }
@@ -46,12 +48,16 @@ class HatLevels {
   const std::vector<Level>& levels() const { return levels_; }  ///< finest first
   const std::vector<Child>& children() const { return children_; }
   const std::vector<Hat>& hats() const { return hats_; }
-  const std::vector<int>& tops() const { return remaining_; }  ///< points that are no children
+  const std::vector<int>& tops() const {
+    return remaining_;
+  }  ///< points that are no children of
+     ///< any level
 
-  /// Stands in hats for children that there are not. @pre for the loops below: its value is zero
+  /// Placeholder for missing children in hats. @pre for the loops below: its value is zero
   int nowhere() const { return nowhere_; }
 
-  /// Adds to the value at a hat's point those of its children, in the shares in which they are its.
+  /// Adds the values of a hat's children to the value at its point, with the weights of their
+  /// means.
   template <class Value>
   void gatherChildren(const Hat& hat, Value* values) const {
     const auto& two = hat.of_two;
@@ -61,7 +67,8 @@ class HatLevels {
     values[hat.point] += 0.5f * (twos + 0.5f * fours);
   }
 
-  /// Sets the values of children begin..end, counted in their level, by those of their parents.
+  /// Sets the values of children begin..end, counted within their level, to the means of their
+  /// parents.
   template <class Value>
   void interpolate(const Level& level, int begin, int end, Value* values) const {
     const Child* child = children_.data() + level.children + begin;
@@ -81,15 +88,15 @@ class HatLevels {
   void addChildren(Level& level, int span);
   void addHats(Level& level);
 
-  int columns_ = 0;             ///< of the finest lattice, to whole coarsest spacings
-  std::vector<int> number_;     ///< of the points of the finest lattice, -1: none
-  std::vector<int> place_;      ///< of a point in the finest lattice
-  std::vector<int> remaining_;  ///< points of the level in hand
+  int columns_ = 0;             ///< of the finest lattice, up to a whole coarsest spacing
+  std::vector<int> number_;     ///< point at each place of the finest lattice, -1: none
+  std::vector<int> place_;      ///< place of each point in the finest lattice
+  std::vector<int> remaining_;  ///< points of the current level
   std::vector<Level> levels_;
   std::vector<Child> children_;
   std::vector<Hat> hats_;
   int nowhere_ = 0;
-  std::vector<int> hat_of_;  ///< of a point, on the level in hand; else -1
+  std::vector<int> hat_of_;  ///< hat of each point on the current level, otherwise -1
 };
 
 }  // namespace haptic_cloth

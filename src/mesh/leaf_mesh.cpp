@@ -49,7 +49,8 @@ void LeafMesh::fill(const Cell& cell) {
 void LeafMesh::split(const Cell& cell, std::vector<Cell>& done) {
   if (cell.level == 0 || !isLeaf(cell)) return;
   const int s = cell.span();
-  // The eight neighbours, each seen at one finest cell beside this one: a coarser one covers that whole side.
+  // The eight neighbours, each found at one finest cell beside this leaf. A coarser one covers that
+  // whole side.
   for (const int j : {cell.j - 1, cell.j, cell.j + s}) {
     for (const int i : {cell.i - 1, cell.i, cell.i + s}) {
       if (i < 0 || j < 0 || i > grid_.columns - 2 || j > grid_.rows - 2) continue;
@@ -98,7 +99,8 @@ void LeafMesh::serialize(Archive& archive) {
   if (archive.loads()) archive.check(takeOver(levels), "levels", "must make a balanced mesh");
 }
 
-/// Splits from the coarsest mesh on, which keeps all rules. @return whether that led to these levels
+/// Splits from the coarsest mesh, which keeps all rules. @return whether the result has these
+/// levels
 bool LeafMesh::takeOver(const std::vector<std::uint8_t>& levels) {
   std::fill(level_.begin(), level_.end(), static_cast<std::uint8_t>(grid_.levels));
   std::vector<Cell> done;

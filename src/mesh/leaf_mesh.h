@@ -1,4 +1,4 @@
-/// The leaf cells: a balanced quadtree over the finest grid.
+/// Leaf cells: a balanced quadtree over the finest grid.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,12 @@
 
 namespace haptic_cloth {
 
-/// Leaves differ by at most one level from every neighbour, corner neighbours included, and every pinned
-/// particle is a corner of all leaves it touches. Both hold after each call.
+/// Balanced quadtree. Neighbouring leaves, also over corners, differ by at most one level, and
+/// every pinned particle is a corner of all leaves that it touches. Both rules hold after each
+/// call.
 class LeafMesh {
  public:
-  /// @param start_level level of all leaves at first (finer where pins ask for it), 0..grid.levels
+  /// @param start_level initial level of all leaves, 0..grid.levels; leaves at pins may be finer
   LeafMesh(const Grid& grid, const std::vector<ParticleRange>& pins, int start_level);
 
   const Grid& grid() const { return grid_; }
@@ -26,17 +27,17 @@ class LeafMesh {
     return {i >> level << level, j >> level << level, level};
   }
 
-  /// Splits a leaf in four, and coarser neighbours first where balance asks for it. Appends what was split to
-  /// `done`, in that order; does nothing if `cell` is no leaf or already finest.
+  /// Splits a leaf into four, after coarser neighbours if balance requires it. Appends all split
+  /// cells to `done`, in order. Does nothing if `cell` is not a leaf or is already finest.
   void split(const Cell& cell, std::vector<Cell>& done);
 
-  /// True where `parent`'s four children are leaves and may be replaced by it.
+  /// Tells whether the four children of `parent` are leaves and may be replaced by it.
   bool canMerge(const Cell& parent) const;
 
   /// Replaces four leaves by their parent. @pre canMerge(parent)
   void merge(const Cell& parent) { fill(parent); }
 
-  /// All leaves, rows of their lower left corners from bottom to top.
+  /// Lists all leaves by rows of their lower left corners, from bottom to top.
   void leaves(std::vector<Cell>& leaves) const;
 
   void serialize(Archive& archive);
@@ -48,8 +49,8 @@ class LeafMesh {
   bool takeOver(const std::vector<std::uint8_t>& levels);
 
   Grid grid_;
-  std::vector<char> pinned_;         ///< a particle each
-  std::vector<std::uint8_t> level_;  ///< level of the covering leaf, a finest cell each
+  std::vector<char> pinned_;         ///< one flag for each particle
+  std::vector<std::uint8_t> level_;  ///< level of the leaf that covers each finest cell
 };
 
 }  // namespace haptic_cloth

@@ -52,7 +52,7 @@ void MeshChange::followNodes(const ActiveMesh& mesh, const Field& x) {
   }
 }
 
-/// Edges from one node follow one another, one for each level.
+/// Finds an edge. Edges from one node follow one another, one for each level.
 int MeshChange::find(const Edge& edge) const {
   const int a = node_was_[edge.a], b = node_was_[edge.b], end = static_cast<int>(edges_.before.size());
   if (a == kNew || b == kNew || first_edge_[edge.direction][a] == kNew) return kNew;

@@ -1,4 +1,4 @@
-/// Which elements outlast a change of the mesh.
+/// Elements that survive a change of the mesh.
 #pragma once
 
 #include <array>
@@ -9,16 +9,17 @@
 
 namespace haptic_cloth {
 
-constexpr int kNew = -1;  ///< in place of the index before a change: there was none
+constexpr int kNew = -1;  ///< index before a change, for an element that is new
 
-/// The elements of one kind on both sides of a change.
+/// Elements of one kind before and after a change.
 template <class Element>
 struct Followed {
-  std::vector<Element> before;  ///< by the nodes of then
-  std::vector<char> stays;      ///< of an element before: it is still there
-  std::vector<int> was;         ///< of an element of now: its index before, kNew: it was not there
+  std::vector<Element> before;  ///< with node numbers from before the change
+  std::vector<char> stays;      ///< for each element before: it survives
+  /// For each element after: its index before, or kNew.
+  std::vector<int> was;
 
-  /// Of an element of now. Without a look at the change all are new.
+  /// Tells whether an element is new. All are new if no change was compared.
   bool isNew(int now) const { return now >= static_cast<int>(was.size()) || was[now] == kNew; }
 
   void reserve(std::size_t capacity) {
@@ -31,31 +32,31 @@ struct Followed {
     stays.assign(elements.size(), 0);
     was.clear();
   }
-  /// @param found index before of the next element of now
+  /// @param found index before of the next element after the change
   void add(int found) {
     was.push_back(found);
     if (found != kNew) stays[found] = 1;
   }
 };
 
-/// An element outlasts a change if it acts on the same particles, which have not moved, with the same
-/// weights. All others are new. Most changes touch a few cells, and what is far from these need not be looked
-/// at again.
+/// Compares elements before and after a change. An element survives if it acts on the same
+/// particles, which have not moved, with the same weights; all others are new. Most changes touch a
+/// few cells, and elements far from these need no update.
 class MeshChange {
  public:
-  /// With room for the finest mesh.
+  /// Reserves memory for the finest mesh.
   explicit MeshChange(const ActiveMesh& mesh);
 
-  /// Writes the elements down. @param x positions of the nodes [m]
+  /// Records the elements. @param x positions of the nodes [m]
   void begin(const ActiveMesh& mesh, const Field& x);
 
-  /// Compares with the mesh as it is now.
+  /// Compares the recorded elements with those of the changed mesh.
   void end(const ActiveMesh& mesh, const Field& x);
 
   const Followed<Edge>& edges() const { return edges_; }
   const Followed<Triple>& triples() const { return triples_; }
   const Followed<Patch>& patches() const { return patches_; }
-  const Field& positions() const { return positions_; }  ///< of the nodes before [m]
+  const Field& positions() const { return positions_; }  ///< positions of the nodes before [m]
 
  private:
   void followNodes(const ActiveMesh& mesh, const Field& x);
@@ -67,11 +68,13 @@ class MeshChange {
   Followed<Triple> triples_;
   Followed<Patch> patches_;
   Field positions_;
-  std::vector<int> particle_;  ///< of a node of then
-  std::vector<int> number_;    ///< node of then of a particle, where particle_ says the same
-  std::array<std::vector<int>, 2> first_edge_, triple_at_;  ///< by direction and node of then
-  std::vector<int> patch_at_;                               ///< by its lower left node of then
-  std::vector<int> node_was_;                               ///< of a node of now; kNew also if it moved
+  std::vector<int> particle_;  ///< particle of each node before
+  std::vector<int> number_;    ///< node before of each particle; valid if particle_ agrees
+  /// Indices by direction and node before.
+  std::array<std::vector<int>, 2> first_edge_, triple_at_;
+  std::vector<int> patch_at_;  ///< index by the lower left node before
+  /// Node before of each node after; kNew also if it moved.
+  std::vector<int> node_was_;
 };
 
 }  // namespace haptic_cloth

@@ -7,8 +7,8 @@
 namespace haptic_cloth {
 namespace {
 
-// What a node is to an element. Nodes in a row of equal cells have one element of each role, and those follow
-// one another too.
+// Roles of a node in an element. Nodes in a row of equal cells have one element of each role, and
+// these follow one another too.
 constexpr int kEdgeRoles = 0, kTripleRoles = 4, kPatchRoles = 10, kTwistRoles = 14;
 
 template <class Element>
@@ -51,7 +51,7 @@ void NodeGather::rebuild(const ActiveMesh& mesh) {
   }
 }
 
-/// Calls put(node, entry) role by role, in each in the order of the slots.
+/// Calls put(node, entry) role by role, each in the order of the slots.
 template <class Put>
 void NodeGather::forEntries(const ActiveMesh& mesh, const Put& put) const {
   const int edge_ends[] = {0, edges_.warp, edges_.warp + edges_.weft},
@@ -88,7 +88,7 @@ void NodeGather::forEntries(const ActiveMesh& mesh, const Put& put) const {
   }
 }
 
-/// Counts, then fills, as compressed rows.
+/// Lists the entries of each node as compressed rows: counts, then fills.
 void NodeGather::listEntries(const ActiveMesh& mesh) {
   rows_.assign(mesh.nodes() + 2, 0);
   forEntries(mesh, [&](int n, const Entry&) { ++rows_[n + 2]; });
@@ -97,7 +97,8 @@ void NodeGather::listEntries(const ActiveMesh& mesh) {
   forEntries(mesh, [&](int n, const Entry& entry) { entries_[rows_[n + 1]++] = entry; });
 }
 
-/// Columns of a pack of nodes: role by role, and again where a node has several of one.
+/// Adds the columns of a pack of nodes, role by role; a role that a node has several times takes
+/// more columns.
 void NodeGather::addGroup(int first_node, int nodes) {
   std::array<int, kPack> next;
   for (int l = 0; l < nodes; ++l) next[l] = rows_[first_node + l];
@@ -116,7 +117,7 @@ void NodeGather::addGroup(int first_node, int nodes) {
   }
 }
 
-/// @param nodes lanes with a node; the others may take anything
+/// Adds one column. @param nodes lanes that have a node; the others may have any value
 void NodeGather::addColumn(const std::array<const Entry*, kPack>& entries, int nodes) {
   const auto present = std::find_if(entries.begin(), entries.end(), [](const Entry* e) { return e; });
   const int first = (*present)->slot - static_cast<int>(present - entries.begin());

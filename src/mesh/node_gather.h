@@ -1,6 +1,6 @@
-/// How what the elements do reaches the nodes: each element leaves vectors in slots of its own, each node
-/// sums up the slots it is concerned with, in a fixed order. So no thread waits for another, and the bits
-/// never depend on how many there are.
+/// Gathering of element results at the nodes: each element writes vectors to slots of its own, each
+/// node sums its slots in a fixed order. So no thread waits for another, and the bits do not depend
+/// on the number of threads.
 #pragma once
 
 #include <array>
@@ -11,18 +11,19 @@
 
 namespace haptic_cloth {
 
-/// Numbers of the elements of one kind, warp first, each direction padded to whole packs.
+/// Numbering of the elements of one kind: warp first, each direction padded to whole packs.
 struct PackedRange {
-  int warp = 0, weft = 0;  ///< elements
+  int warp = 0, weft = 0;  ///< number of elements
 
   int warpEnd() const { return padded(warp); }
   int size() const { return padded(warp) + padded(weft); }
-  /// Place of an element. @param element its index in the mesh's list, which has warp first
+  /// Padded position of an element. @param element index in the list of the mesh, which has warp
+  /// first
   int place(int element) const { return element < warp ? element : element - warp + padded(warp); }
 };
 
-/// One slot for each node of a pack. Where these follow one another and all nodes take them alike, two
-/// numbers say it all; else `detail` tells which and by how much.
+/// One slot for each node of a pack. If the slots are consecutive and all nodes have the same
+/// coefficient, two numbers describe them; otherwise `detail` does.
 struct GatherColumn {
   int first;
   int detail;  ///< -1: none
@@ -35,17 +36,17 @@ struct alignas(32) GatherDetail {
 
 class NodeGather {
  public:
-  /// Which kinds of elements do anything; the others get no entries.
+  /// Kinds of elements that have an effect; the others get no entries.
   struct Kinds {
     bool bending, shear, twist;
   };
 
   NodeGather(const ActiveMesh& mesh, const Kinds& kinds);
 
-  /// After a change of the mesh.
+  /// Must follow a change of the mesh.
   void rebuild(const ActiveMesh& mesh);
 
-  /// Slots: edges, triples, patches' rising sides, their falling sides, their twists.
+  /// Slots in order: edges, triples, rising sides of patches, their falling sides, their twists.
   const PackedRange& edges() const { return edges_; }
   const PackedRange& triples() const { return triples_; }
   const PackedRange& patches() const { return patches_; }
@@ -53,9 +54,9 @@ class NodeGather {
   int firstPatch() const { return edges_.size() + triples_.size(); }
   int firstTwist() const { return firstPatch() + 2 * patches_.size(); }
   int slots() const { return firstPatch() + 3 * patches_.size(); }
-  static int capacity(const ActiveMesh& mesh);  ///< most slots a mesh can need
+  static int capacity(const ActiveMesh& mesh);  ///< largest number of slots of any mesh
 
-  /// Adds to nodes begin..end what their slots hold. @pre begin is a multiple of kPack
+  /// Adds the sums of their slots to nodes begin..end. @pre begin is a multiple of kPack
   void add(int begin, int end, const Field& slots, Field& nodes) const;
 
  private:
@@ -73,7 +74,7 @@ class NodeGather {
   Kinds kinds_;
   PackedRange edges_, triples_, patches_;
   std::vector<int> rows_;       ///< entries of node n: rows_[n] .. rows_[n + 1]
-  std::vector<Entry> entries_;  ///< by role for each node
+  std::vector<Entry> entries_;  ///< sorted by role for each node
   std::vector<int> groups_;     ///< columns of pack g of the nodes: groups_[g] .. groups_[g + 1]
   std::vector<GatherColumn> columns_;
   std::vector<GatherDetail> details_;

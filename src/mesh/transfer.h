@@ -1,4 +1,5 @@
-/// Hands positions and velocities over when the mesh changes; mass and momentum are kept to round-off.
+/// Transfer of positions and velocities when the mesh changes; keeps mass and momentum to
+/// round-off.
 #pragma once
 
 #include <vector>
@@ -8,8 +9,8 @@
 
 namespace haptic_cloth {
 
-/// State on the finest grid, indexed by particle; valid at the nodes of the mesh (ghosts hold their masters'
-/// mean).
+/// State on the finest grid, indexed by particle. It is valid at the nodes of the mesh; hanging
+/// nodes have the mean of their masters.
 struct ParticleState {
   std::vector<Vec3> position;  ///< [m]
   std::vector<Vec3> velocity;  ///< [m/s]
@@ -20,20 +21,20 @@ struct ParticleState {
   }
 };
 
-/// Values of all particles a cell covers, bilinear in its corners.
+/// Interpolates the values of all particles that a cell covers from its corners, bilinearly.
 void interpolateCell(const Grid& grid, const Cell& cell, std::vector<Vec3>& values);
 
-/// Gives the new particles of split cells their cell's interpolation ([M04] 3.3). Momentum is kept because
-/// the lumped masses are the transpose of that interpolation.
-/// @param cells in the order they were split, see LeafMesh::split
+/// Gives the new particles of split cells the interpolated values of their cell ([M04] 3.3). This
+/// keeps momentum, because mass lumping is the transpose of that interpolation.
+/// @param cells in the order of the splits, see LeafMesh::split()
 void transferAfterSplit(const Grid& grid, const std::vector<Cell>& cells, ParticleState& state);
 
-/// Hands the momentum of particles that a merge made inactive, or ghosts, to those that stay.
+/// Hands over the momentum of particles that were removed or now hang, after a merge.
 class MergeTransfer {
  public:
   explicit MergeTransfer(const Grid& grid);
 
-  /// Call before the merge. @param mesh with the masses before
+  /// Records the momentum. Called before the merge. @param mesh still with the masses before
   void capture(const ActiveMesh& mesh, const ParticleState& state);
 
   /// Call after `mesh` was rebuilt on `leaves`.
@@ -44,7 +45,7 @@ class MergeTransfer {
 
   std::vector<int> active_;     ///< particles that were active before
   std::vector<Vec3> before_;    ///< their momentum [kg·m/s]
-  std::vector<Vec3> momentum_;  ///< of a node after [kg·m/s]
+  std::vector<Vec3> momentum_;  ///< momentum of each node after [kg·m/s]
   std::vector<char> changed_;   ///< nodes that received momentum
 };
 

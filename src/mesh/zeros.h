@@ -1,4 +1,4 @@
-/// Memory that is taken as it is written.
+/// Array whose memory is only taken when it is written.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace haptic_cloth {
 
-/// A fixed number of values, all zero at first. Of a large array, what has never been written takes no
-/// memory.
+/// Fixed number of values, all zero at first. Pages of a large array that were never written take
+/// no memory.
 template <class T>
 class Zeros {
   static_assert(std::is_trivially_copyable_v<T>, "zero bytes must be a value");
