@@ -5,7 +5,7 @@ namespace haptic_cloth {
 namespace HAPTIC_CLOTH_PATH {
 namespace {
 
-/// Symmetric 3 x 3 matrices, in the order of BlockArrays.
+/// Symmetric 3 × 3 matrices, entries in the order of BlockArrays.
 struct BlockLanes {
   Lanes entry[6];
 };
@@ -18,7 +18,7 @@ HAPTIC_CLOTH_INLINE BlockLanes operator*(const Lanes& s, const BlockLanes& m) {
   return {{s * e[0], s * e[1], s * e[2], s * e[3], s * e[4], s * e[5]}};
 }
 
-/// Adds to the blocks of nodes, of which some may be the same.
+/// Adds to the blocks of nodes, some of which may be equal.
 HAPTIC_CLOTH_INLINE void add(const BlockArrays& blocks, const PackIndices& nodes, int lane,
                              const BlockLanes& value) {
   if (inRow(nodes, lane)) {

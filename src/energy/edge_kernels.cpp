@@ -25,7 +25,7 @@ double evaluateEdges(EdgePack* packs, int begin, int end, const LawView& law, co
     for (int l = 0; l < kPack; l += kLanes) {
       const Lanes3 side = span(pack, l, x);
       const Lanes now = squareRoot(dot(side, side));
-      const Lanes inverse = ifPositive(now, 1.0 / now, Lanes{});  // degenerate: no direction, no force
+      const Lanes inverse = ifPositive(now, 1.0 / now, Lanes{});  // no direction, no force
       const Lanes3 axis = inverse * side;
       const Lanes inverse_length = load(pack.inverse_length + l), area = load(pack.area + l);
       const LawLanes tension = evaluate(law, strain(pack, l, now), steps ? steps + p : nullptr, l);

@@ -25,7 +25,7 @@ void ForceHistory::clearBending() {
   }
 }
 
-/// Lower left, lower right, upper left, upper right.
+/// Children of a cell: lower left, lower right, upper left, upper right.
 std::array<Cell, 4> ForceHistory::children(const Cell& parent) const {
   const int half = parent.span() / 2, level = parent.level - 1;
   return {Cell{parent.i, parent.j, level}, Cell{parent.i + half, parent.j, level},
@@ -34,8 +34,8 @@ std::array<Cell, 4> ForceHistory::children(const Cell& parent) const {
 
 void ForceHistory::merge(const Cell& parent) {
   const auto c = children(parent);
-  // A coarse side takes over the strip of its own fine sides and half of the strip of the thread in the
-  // middle.
+  // A coarse side takes over the strips of its two fine sides, and half of the strip of the middle
+  // thread.
   Sides merged{};
   for (const int column : {0, 1}) {
     const Sides &low = sides(c[column]), &high = sides(c[2 + column]);
@@ -55,8 +55,8 @@ void ForceHistory::merge(const Cell& parent) {
   mergeBending(parent);
 }
 
-/// The coarse triple at a corner takes about half of what the triple in the middle of the side held, in the
-/// quarter of its surroundings that this cell is.
+/// Merges moments. A coarse triple at a corner takes about half of the moment in the middle of the
+/// side, in the quarter of its surroundings that this cell covers.
 void ForceHistory::mergeBending(const Cell& parent) {
   constexpr double kShare = 0.25 * 0.5;
   const auto p = parent.corners(grid_);

@@ -1,4 +1,4 @@
-// The part of InternalEnergy that deals with changes of the mesh.
+// Part of InternalEnergy that handles changes of the mesh.
 #include "energy/internal_energy.h"
 
 namespace haptic_cloth {
@@ -91,7 +91,7 @@ void InternalEnergy::remember(const Field& x, ForceHistory& history) const {
     history.moment(particle, triple.direction) = bend_[triple.direction].force(tripleStep(t).play, bent);
     history.curvature(particle, triple.direction) = bent;
   }
-  // A hanging node has no triple of its own, but a merge beside it may ask for what it held.
+  // A hanging node has no triple, but a merge beside it may need its moment.
   for (const Ghost& ghost : mesh_.ghosts) {
     const int at = mesh_.particle[ghost.node], a = mesh_.particle[ghost.a], b = mesh_.particle[ghost.b];
     for (const int d : {kWarp, kWeft}) {
@@ -104,7 +104,7 @@ void InternalEnergy::remember(const Field& x, ForceHistory& history) const {
   }
 }
 
-/// An edge takes the mean tension of the one or two cells it is a side of.
+/// Sets the memory of new edges. An edge takes the mean tension of the one or two cells beside it.
 void InternalEnergy::recallEdges(const Field& x, ForceHistory& history) {
   if (!edge_steps_.packs()) return;
   edge_loads_.assign(edge_count_, 0.0);

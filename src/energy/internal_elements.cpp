@@ -1,4 +1,4 @@
-// The part of InternalEnergy that deals with one element at a time.
+// Part of InternalEnergy that handles single elements.
 #include <algorithm>
 #include <cmath>
 

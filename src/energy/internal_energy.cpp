@@ -109,7 +109,7 @@ void InternalEnergy::packPatches() {
   for (int k = 0; k < patch_count_; ++k) patch_packs_[k / kPack].area[k % kPack] = mesh_.patches[k].area;
 }
 
-/// Normals of the nodes are means of those of their cells, weighted by area.
+/// Sets the normals. A node's normal is the mean of those of its cells, weighted by area.
 void InternalEnergy::setNormals(const Field& positions) {
   const int patches = static_cast<int>(mesh_.patches.size());
   patch_normals_.resize(patches);

@@ -1,4 +1,4 @@
-/// Elastic energy of the cloth over the active lists: stretch, bend and shear.
+/// Internal energy of the cloth: stretch, bending, shear and twist of all elements.
 #pragma once
 
 #include <utility>
@@ -16,9 +16,10 @@
 
 namespace haptic_cloth {
 
-/// Elements are numbered in one range: edges, triples, patches. Kernels run over them in packs
-/// (packs.h); each leaves its force in slots of its own, which the nodes then gather in a fixed order
-/// (node_gather.h), so any split of the work over threads gives the same bits.
+/// Energy of all elements. They are numbered in one range: edges, triples, patches. Kernels run
+/// over them in packs (packs.h); each element writes its force to slots of its own, which the nodes
+/// gather in a fixed order (node_gather.h). So any division of the work over threads gives the same
+/// bits.
 class InternalEnergy {
  public:
   struct Energy {
@@ -27,47 +28,50 @@ class InternalEnergy {
 
   InternalEnergy(const Fabric& fabric, const ActiveMesh& mesh);
 
-  /// Adjusts to a rebuilt mesh; laws with memory wait for recall().
+  /// Adapts to a rebuilt mesh. Elements with memory have none that is valid until endChange() and
+  /// recall().
   void resize();
 
-  /// True where a law has hysteresis; else the three calls below do nothing.
+  /// Tells whether a law has hysteresis; otherwise commit() has no effect, and a mesh change needs
+  /// neither remember() nor recall().
   bool hasMemory() const { return hasMemory(stretch_) || hasMemory(bend_) || shear_.hasMemory(); }
 
-  /// Makes the end of an accepted step part of the fabric's history: part begin..end of 0..size().
+  /// Commits the end of an accepted step to the memory of elements begin..end of 0..size().
   void commit(int begin, int end, const Field& x);
 
-  /// Before a change of the mesh, and after it with resize() and setNormals(): what outlasts it keeps its
-  /// memory, all else waits for recall().
+  /// Enclose a change of the mesh, with resize() and setNormals() before endChange(). Surviving
+  /// elements keep their memory; all others wait for recall().
   void beginChange(const Field& x);
   void endChange(const Field& x);
 
-  /// Energy of the elements that came with the change less that of those that went [J]. Without the change's
-  /// effect on surface normals.
+  /// Energy of the new elements minus that of the removed ones [J], without the effect of the
+  /// change on surface normals.
   double madeByChange(const Field& x) const;
 
-  /// Writes forces down before a change of the mesh, and reads them after it into what is new.
+  /// Record forces before a change of the mesh, and give them to the new elements after it.
   void remember(const Field& x, ForceHistory& history) const;
   void recall(const Field& x, ForceHistory& history);
 
-  /// The elements' memory, and the last step's normals, with which the mesh is looked at. @pre on loading:
-  /// resize() and setNormals()
+  /// Saves or loads the memory of the elements and the normals of the last step, which mesh
+  /// decisions use. @pre loading: resize() and setNormals()
   void serialize(Archive& archive);
 
-  /// Energy the elements could give back. Without memory the same as evaluate()'s sum.
+  /// Energy that the elements could give back. Without memory it equals the sum of evaluate().
   Energy stored(const Field& x) const;
 
-  /// Takes the surface normals for a step; triples bend about them until the next call.
+  /// Sets the surface normals, which are held until the next call.
   void setNormals(const Field& positions);
 
-  /// Number of elements; laws that are zero everywhere count none.
+  /// Number of elements; laws that are zero everywhere have none.
   int elements() const { return edge_count_ + triple_count_ + patch_count_; }
 
-  /// Length of the range that evaluate() and curvature() share out, in steps of kPack: elements in packs.
+  /// Number of padded places: length of the range that evaluate() and curvature() divide in
+  /// multiples of kPack.
   int size() const { return gather_.firstPatch() + gather_.patches().size(); }
 
   enum class Kind { Edge, Triple, Patch };
 
-  /// What element k of the range is, and its index among its kind.
+  /// Kind of an element, and its index within its kind.
   std::pair<Kind, int> kind(int element) const {
     if (element < edge_count_) return {Kind::Edge, element};
     element -= edge_count_;
@@ -75,42 +79,44 @@ class InternalEnergy {
     return {Kind::Patch, element - triple_count_};
   }
 
-  /// Of one element of the range: strain [-], curvature [1/m] or shear angle [rad] at x, its law within the
-  /// step, and the area [m²] it stands for.
+  /// Properties of one element: strain [-], curvature [1/m] or shear angle [rad] at x, its law
+  /// within the step, and its area [m²].
   double deformation(int element, const Field& x) const;
   Curve::Point law(int element, double deformation) const;
   double area(int element) const;
 
-  /// The step's surface normals at a node and of a patch; twist() [N·m] is zero where there is no such term.
+  /// Surface normals of the step at a node and of a patch. twist() [N·m] is zero if there is no
+  /// such term.
   Vec3 normal(int node) const { return node_normals_[node]; }
   Vec3 patchNormal(int patch) const { return patch_normals_[patch]; }
   double twist() const { return twist_rigidity_; }
 
-  /// Adds the packs of the range that act on a node which is awake.
+  /// Adds the packs that act on an awake node to `runs`.
   void appendAwake(const std::vector<char>& awake, Runs& runs) const;
 
-  /// Energy of part begin..end of the range at `x`; leaves forces and stiffness behind.
+  /// Evaluates part begin..end of the range at `x`, and stores forces and stiffness. @return its
+  /// energy
   Energy evaluate(int begin, int end, const Field& x);
 
-  /// d · H⁺ d of that part at the last evaluation.
+  /// Quadratic form d · H⁺ d of that part at the last evaluation.
   double curvature(int begin, int end, const Field& d) const;
 
   /// Adds the energy gradient [N] at nodes begin..end. @pre begin is a multiple of kPack
   void addGradient(int begin, int end, Field& gradient) const { gather_.add(begin, end, slots_, gradient); }
   const NodeGather& gather() const { return gather_; }
 
-  /// Adds blocks of H⁺ [N/m] at all nodes, from the last evaluation: those of part `part` of `parts` of the
-  /// elements.
+  /// Adds blocks of H⁺ [N/m] at all nodes, from the last evaluation, for part `part` of `parts`
+  /// equal parts of the elements.
   void addBlocks(int part, int parts, BlockField& blocks) const;
 
-  /// For display, at positions `x`: largest |ε| of the edges, and values of one element.
+  /// Values for display at positions `x`: largest |ε| of the edges, and values of one element.
   double maxStrain(const Field& x) const;
   double tension(int edge, const Field& x) const;           ///< [N/m]
-  double curvature(int triple, const Field& x) const;       ///< of one triple [1/m]
+  double curvature(int triple, const Field& x) const;       ///< curvature of one triple [1/m]
   double bendingDensity(int triple, const Field& x) const;  ///< ψ_b of one triple [J/m²]
 
  private:
-  /// Memory of the elements of one kind, by their place in the packs; none where their law has none.
+  /// Memory of the elements of one kind, by their place in the packs; empty if their law has none.
   class Steps {
    public:
     void reserve(int places) { packs_.reserve(places / kPack + 2); }
@@ -127,14 +133,15 @@ class InternalEnergy {
     std::vector<StepPack> packs_;
   };
 
-  /// What MeshChange does not know of the elements before a change.
+  /// State before a change of the mesh that MeshChange does not record.
   struct Before {
     PackedRange edge_places, triple_places;
     Steps edges, triples, patches;
     Field normals, patch_normals;
   };
 
-  /// Parts of begin..end that are edges of both directions, triples of both, patches, as packs.
+  /// Parts of begin..end that belong to edges and triples of both directions and to patches, in
+  /// packs.
   struct Parts {
     std::array<std::pair<int, int>, 2> edges, triples;
     std::pair<int, int> patches;
@@ -155,7 +162,7 @@ class InternalEnergy {
     return laws[kWarp].hasMemory() || laws[kWeft].hasMemory();
   }
 
-  /// What a patch twists about, zero where there is no such term.
+  /// Axis of twist of a patch; zero if there is no such term.
   Vec3 twistAxis(const Field& patch_normals, int patch) const {
     return twist_rigidity_ > 0.0 ? patch_normals[patch] : Vec3(Vec3::Zero());
   }
@@ -175,18 +182,19 @@ class InternalEnergy {
   std::array<LawTable, 2> stretch_tables_, bend_tables_;
   LawTable shear_table_;
   double twist_rigidity_;  ///< [N·m]
-  bool bends_, shears_;    ///< shears_: patches do something, be it twist alone
+  /// shears_: patches have an effect, possibly twist alone.
+  bool bends_, shears_;
   NodeGather gather_;
   int edge_count_ = 0, triple_count_ = 0, patch_count_ = 0;
   Field node_normals_;
   Field patch_normals_;
-  Field slots_;          ///< see NodeGather; [N], of triples [N·m²]
+  Field slots_;  ///< see NodeGather; [N], for triples [N·m²]
   std::vector<EdgePack> edge_packs_;
   std::vector<TriplePack> triple_packs_;
   std::vector<PatchPack> patch_packs_;
   std::vector<double> edge_loads_;                 ///< scratch of recallEdges() [N]
-  Steps edge_steps_, triple_steps_, patch_steps_;  ///< without packs where no law has memory
-  MeshChange change_;                              ///< the last one
+  Steps edge_steps_, triple_steps_, patch_steps_;  ///< empty if no law has memory
+  MeshChange change_;                              ///< last change of the mesh
   Before before_;
 };
 

@@ -1,4 +1,4 @@
-// The part of InternalEnergy that deals with hysteresis.
+// Part of InternalEnergy that handles hysteresis.
 #include <algorithm>
 #include <cmath>
 
@@ -34,11 +34,11 @@ void InternalEnergy::forgetAll() {
 
 namespace {
 
-/// Commits the elements of a pack that left their path. An element at rest stands at the end of its path and
-/// leaves it by a rounding error, which changes nothing.
-/// @param areas areas of the elements, zero where there is no element
+/// Commits the elements of a pack that left their path. An element at rest stands at the end of its
+/// path and may leave it by a rounding error, which is ignored.
+/// @param areas areas of the elements, zero if there is no element
 void commitPack(const Loop& law, const double* deformations, const double* areas, StepPack& pack) {
-  constexpr double kRounding = 1e-12;  // of the path's length
+  constexpr double kRounding = 1e-12;  // relative to the length of the path
   for (int l = 0; l < kPack; ++l) {
     const double s = deformations[l], slack = kRounding * (pack.high[l] - pack.low[l]);
     const bool left = s > pack.high[l] + slack || s < pack.low[l] - slack;

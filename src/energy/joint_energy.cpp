@@ -19,7 +19,9 @@ JointEnergy::JointEnergy(const InternalEnergy& laws, const ActiveMesh& mesh) : l
 }
 
 void JointEnergy::begin(const Field& x, double* forces) {
-  constexpr double kLeast = 1e-3;  // of the slope a law has when deformed: a toe may start with none
+  // Lower bound of a law's slope, relative to that at large deformation; a toe may start without
+  // slope.
+  constexpr double kLeast = 1e-3;
   elements_.resize(size());
   slots_.clear(laws_.gather().slots());
   for (int k = 0; k < size(); ++k) {
@@ -27,7 +29,8 @@ void JointEnergy::begin(const Field& x, double* forces) {
     const double floor = kLeast * laws_.law(k, 1e9).slope;
     const double slope = std::max(law.slope, floor);
     elements_[k].area = laws_.area(k);
-    elements_[k].scale = elements_[k].area / (slope > 0.0 ? slope : 1.0);  // no law: a force of zero
+    elements_[k].scale = elements_[k].area / (slope > 0.0 ? slope : 1.0);  // no law: the force
+                                                                           // stays zero
     forces[k] = law.force;
   }
 }
@@ -45,7 +48,7 @@ JointEnergy::Slope JointEnergy::slopeAt(int element, const Field& x) const {
   return {slope.rising, slope.falling};
 }
 
-/// Of slopeAt(x) along d; triples bend about normals that are held within a step.
+/// Change of slopeAt(x) along d; triples bend about normals that are held within a step.
 JointEnergy::Slope JointEnergy::slopeChange(int element, const Field& x, const Field& d) const {
   const auto [kind, k] = laws_.kind(element);
   if (kind == Kind::Edge) {
@@ -60,7 +63,7 @@ JointEnergy::Slope JointEnergy::slopeChange(int element, const Field& x, const F
   return {change.rising, change.falling};
 }
 
-/// ds along d.
+/// Derivative of the deformation along d.
 double JointEnergy::rate(int element, const Field& d) const {
   const auto [kind, k] = laws_.kind(element);
   const Slope& slope = elements_[element].slope;
@@ -73,7 +76,8 @@ double JointEnergy::rate(int element, const Field& d) const {
   return slope[0].dot(d[n[3]] - d[n[0]]) + slope[1].dot(d[n[1]] - d[n[2]]);
 }
 
-/// Puts an element's vectors into its slots, and the force of the twist that `twisted` means, linear in it.
+/// Writes an element's vectors to its slots, and the twist force for the vectors `twisted`, in
+/// which it is linear.
 void JointEnergy::put(int element, const Slope& value, const Field& twisted) {
   const auto [kind, k] = laws_.kind(element);
   const NodeGather& gather = laws_.gather();

@@ -1,4 +1,4 @@
-/// A force law for a register of elements.
+/// Force law in SIMD lanes.
 #pragma once
 
 #include "energy/law_table.h"
@@ -12,7 +12,7 @@ struct LawLanes {
   Lanes potential, force, slope;  ///< as Curve::Point
 };
 
-/// Whole numbers. @pre they fit
+/// Truncates to integers. @pre they fit into an int
 static HAPTIC_CLOTH_INLINE void truncate(const Lanes& v, int* whole) {
 #if HAPTIC_CLOTH_LANES == 8 && defined(__AVX512F__)
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(whole), _mm512_cvttpd_epi32(__m512d(v)));
@@ -23,13 +23,13 @@ static HAPTIC_CLOTH_INLINE void truncate(const Lanes& v, int* whole) {
 #endif
 }
 
-/// The coefficients of one interval for each lane.
+/// Coefficients of one interval for each lane.
 static HAPTIC_CLOTH_INLINE void fetch(const LawInterval* intervals, const Lanes& which, Lanes& p, Lanes& q,
                                       Lanes& r) {
   int interval[kLanes];
   truncate(which, interval);
 #if HAPTIC_CLOTH_LANES >= 4 && defined(__AVX__)
-  // An interval is one load; four of them are a matrix to be transposed.
+  // An interval is one load; four loads form a matrix that is transposed.
   __m256d parts[3][kLanes / 4];
   for (int l = 0; l < kLanes; l += 4) {
     const __m256d a = _mm256_load_pd(&intervals[interval[l]].p),
@@ -61,7 +61,8 @@ static HAPTIC_CLOTH_INLINE void fetch(const LawInterval* intervals, const Lanes&
 #endif
 }
 
-/// @param steps memory of these elements' pack, not read where the law has none  @param lane the first one's
+/// Evaluates a law for the elements from `lane` on.
+/// @param steps memory of their pack, not read if the law has none
 static HAPTIC_CLOTH_INLINE LawLanes evaluate(const LawView& law, const Lanes& s, const StepPack* steps,
                                              int lane) {
   using Kind = LawView::Kind;
@@ -69,7 +70,7 @@ static HAPTIC_CLOTH_INLINE LawLanes evaluate(const LawView& law, const Lanes& s,
     const LawInterval& only = law.intervals[0];
     return {only.p + s * (only.q + 0.5 * only.r * s), only.q + only.r * s, all(only.r)};
   }
-  if (law.kind == Kind::TwoLines) {  // both without force at zero
+  if (law.kind == Kind::TwoLines) {  // both lines pass through zero
     const Lanes slope = ifLess(s, Lanes{}, all(law.intervals[0].r), all(law.intervals[1].r));
     const Lanes force = slope * s;
     return {0.5 * force * s, force, slope};

@@ -16,9 +16,12 @@ LawTable::LawTable(const Loop& law) : kind_(law.hasMemory() ? LawView::Kind::Loo
   append(law.lower());
 }
 
-/// Most laws without memory are one or two lines, which need no table. @return whether this one is
+/// Replaces the table by one or two lines, if the law consists of these. Most laws without memory
+/// do.
+/// @return whether this one does
 bool LawTable::joinLines(const Curve& curve) {
-  constexpr double kRounding = 1e-12;  // of the slope, far above what differences of forces lose
+  constexpr double kRounding = 1e-12;  // relative to the largest forces; far above the errors of
+                                       // their differences
   const std::vector<Curve::Interval>& all = curve.intervals();
   if (all.size() == 1 && all.front().begin == 0.0 && all.front().force == 0.0) {
     append(curve);

@@ -1,4 +1,4 @@
-/// A force law as the kernels take it: polynomials on equal intervals.
+/// Force law in the format of the kernels: polynomials on equal intervals.
 #pragma once
 
 #include <vector>
@@ -12,20 +12,21 @@ struct alignas(32) LawInterval {  // one load of four doubles
   double p, q, r;
 };
 
-/// A LawTable without its owner.
+/// View of a LawTable.
 struct LawView {
-  /// A line, two lines that meet at zero (as cloth that does not resist compression), many, or a loop.
+  /// One line, two lines that meet at zero (cloth that does not resist compression), a table, or a
+  /// loop.
   enum class Kind { Line, TwoLines, Table, Loop } kind;
-  double begin, inverse_step, last;  ///< last: of a curve's intervals
-  const LawInterval* intervals;      ///< of the upper branch, the path and the lower branch
+  double begin, inverse_step, last;  ///< last: index of the last interval of a curve
+  const LawInterval* intervals;      ///< upper branch, then path and lower branch for a loop
 };
 
-/// Loop's curves, those of the upper branch, the path and the lower branch one after the other.
+/// Curves of a Loop: upper branch, path and lower branch, one after the other.
 class LawTable {
  public:
   explicit LawTable(const Loop& law);
 
-  /// @pre the table outlives it
+  /// View of the table. @pre the table outlives it
   LawView view() const { return {kind_, begin_, inverse_step_, last_, intervals_.data()}; }
 
  private:

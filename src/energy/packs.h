@@ -1,6 +1,6 @@
-/// Elements in packs, as the kernels take them. Lanes past the last element have no width and act on node 0
-/// with nothing. What an evaluation leaves behind steers the solve (step lengths and preconditioner), for
-/// which single precision does.
+/// Elements in packs, the format of the kernels. Unused lanes have no area and refer to node 0.
+/// Results of an evaluation control the solve (step sizes and preconditioner) and are kept in
+/// single precision.
 #pragma once
 
 #include "haptic_cloth/loop.h"
@@ -8,7 +8,7 @@
 
 namespace haptic_cloth {
 
-/// Memory of the elements of a pack, Loop::Step by Loop::Step.
+/// Memory of the elements of a pack: one Loop::Step for each lane.
 struct StepPack {
   double play[kPack], low[kPack], high[kPack], on_lower[kPack], on_upper[kPack];
 
@@ -26,7 +26,7 @@ struct StepPack {
 
 struct alignas(64) EdgePack {
   double inverse_length[kPack], area[kPack];  ///< [1/m], [m²]
-  // Left by the last evaluation:
+  // Results of the last evaluation:
   float axis_x[kPack], axis_y[kPack], axis_z[kPack];
   float along[kPack], across[kPack];  ///< stiffness along the axis and across it [N/m]
   PackIndices a, b;                   ///< nodes
@@ -34,13 +34,13 @@ struct alignas(64) EdgePack {
 
 struct alignas(64) TriplePack {
   double left[kPack], right[kPack], area[kPack];  ///< [1/m²], [m²]
-  float stiffness[kPack];                         ///< left by the last evaluation [N·m³]
+  float stiffness[kPack];                         ///< result of the last evaluation [N·m³]
   PackIndices l, c, r;                            ///< nodes
 };
 
 struct alignas(64) PatchPack {
   double area[kPack];  ///< [m²]
-  // Left by the last evaluation:
+  // Results of the last evaluation:
   float rising_x[kPack], rising_y[kPack], rising_z[kPack];
   float falling_x[kPack], falling_y[kPack], falling_z[kPack];
   float stiffness[kPack];  ///< [N·m]
@@ -48,16 +48,15 @@ struct alignas(64) PatchPack {
 };
 
 // Kernels over packs begin..end:
-//   evaluate…     energy [J]; forces go to slots first, first + 1, ..., kPack a pack. `steps` is the memory
-//   of
-//                 the packs, null where the law has none. A shear's falling side lies `stride` slots after
-//                 its rising side.
-//   edgeStrains,  deformation at x, as evaluate… has it: [-], [1/m], [rad]; kPack values a pack. Where there
-//   …Curvatures,  is no element they say nothing.
+//   evaluate…     energy [J]. Forces go to slots first, first + 1, ..., kPack for each pack. `steps`
+//                 is the memory of the packs, null if the law has none. The falling side of a shear
+//                 lies `stride` slots after its rising side.
+//   edgeStrains,  deformation at x as in evaluate…: [-], [1/m], [rad]; kPack values for each pack.
+//   …Curvatures,  Values of unused lanes have no meaning.
 //   shearAngles
-//   patchNormals  normals of `count` packs of cells, as long as twice their area; kPack a pack. normalise
-//                 makes `count` vectors unit vectors, but for those of no length.
-//   …Curvature    d · H⁺ d at the last evaluation.
-//   add…Blocks    adds what the packs have of H⁺ at each of their nodes [N/m], from the last evaluation.
+//   patchNormals  normals of `count` packs of cells, with twice the area as length; kPack for each
+//                 pack. normalise scales `count` vectors to length 1, except those of length zero.
+//   …Curvature    quadratic form d · H⁺ d at the last evaluation.
+//   add…Blocks    adds the packs' part of H⁺ at their nodes [N/m], from the last evaluation.
 
 }  // namespace haptic_cloth

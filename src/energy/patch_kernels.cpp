@@ -9,9 +9,11 @@ namespace haptic_cloth {
 namespace HAPTIC_CLOTH_PATH {
 namespace {
 
-/// Angle of tangent t. For |t| <= ½, as far as cloth mostly shears, t + t³ P(t²), P fitted to
-/// (atan t - t)/t³ in the Chebyshev sense: wrong by less than 8e-17 t³; beyond, lane by lane.
-/// @param sine of the angle times some factor  @param square of its cosine, times that factor's
+/// Angle for the tangent t. For |t| <= ½, which covers most shear of cloth, it is t + t³ P(t²),
+/// with P fitted to (atan t - t)/t³ in the Chebyshev sense: the error is below 8e-17 t³. Beyond,
+/// each lane calls atan2.
+/// @param sine sine of the angle times some factor
+/// @param square_cosine square of its cosine times the square of that factor
 HAPTIC_CLOTH_INLINE Lanes angleOf(const Lanes& t, const Lanes& sine, const Lanes& square_cosine) {
   constexpr double kFit[] = {-0.33333333333333326, 0.199999999999916,    -0.14285714284106285,
                              0.11111110990139533,  -0.09090904370311348, 0.07692198451257941,
@@ -30,10 +32,10 @@ HAPTIC_CLOTH_INLINE Lanes angleOf(const Lanes& t, const Lanes& sine, const Lanes
   return angle;
 }
 
-/// How a cell is sheared. With D = u·v and the area S = |u x v|, tan γ = D/S, dγ/du = (v - D/u² u)/S,
+/// Shear of a cell. With D = u·v and the area S = |u × v|: tan γ = D/S, dγ/du = (v - D/u² u)/S,
 /// dγ/dv = (u - D/v² v)/S.
 struct ShearLanes {
-  Lanes3 u, v;                        ///< twice its mean sides
+  Lanes3 u, v;                        ///< twice the mean sides
   Lanes uu, vv, both, product, size;  ///< u², v², u² v², D, S
   Lanes inverse;                      ///< 1/(S u² v²), zero for a cell without extent
   Lanes angle;
@@ -57,7 +59,7 @@ HAPTIC_CLOTH_INLINE ShearLanes shearOf(const PatchPack& pack, int l, const Const
   return shear;
 }
 
-/// n · (x₁₁ - x₁₀ - x₀₁ + x₀₀), or its change along x.
+/// Height of the saddle n · (x₁₁ - x₁₀ - x₀₁ + x₀₀), or its change along x.
 HAPTIC_CLOTH_INLINE Lanes saddleHeight(const PatchPack& pack, int l, const ConstArrays& x,
                                        const Lanes3& normal) {
   return dot(normal, (gather(x, pack.corners.at[3], l) - gather(x, pack.corners.at[1], l)) -

@@ -1,5 +1,5 @@
-/// Shear of one cell: E = A ψ(γ), sin γ = û · v̂ with u, v the mean sides along warp and weft. An angle, so
-/// that it adds nothing to stretch.
+/// Shear of one cell: E = A ψ(γ), sin γ = û · v̂, with the mean sides u, v along warp and weft. γ
+/// is an angle, so stretching along the threads does no work on it.
 #pragma once
 
 #include <algorithm>
@@ -12,24 +12,26 @@
 
 namespace haptic_cloth {
 
-constexpr double kLeastCosine = 1e-3;  // of γ: the slope of a cell folded flat stays bounded
+constexpr double kLeastCosine = 1e-3;  // of γ; bounds the slope of a cell that is folded flat
 
 struct ShearResult {
-  double energy;         ///< [J]
-  double force;          ///< A S(γ): dE/dγ [N·m]
-  double stiffness;      ///< A S'(γ) [N·m]
-  Vec3 rising, falling;  ///< dγ/dx of corner 11 (minus that of 00) and of corner 10 (minus that of 01) [1/m]
+  double energy;     ///< [J]
+  double force;      ///< A S(γ): dE/dγ [N·m]
+  double stiffness;  ///< A S'(γ) [N·m]
+  /// dγ/dx of corner 11 (corner 00: the negative) and of corner 10 (corner 01: the negative) [1/m].
+  Vec3 rising, falling;
 };
 
-/// The angle γ [rad] alone. @param x corners 00, 10, 01, 11
+/// Shear angle γ [rad]. @param x corners 00, 10, 01, 11
 inline double shearAngle(const std::array<Vec3, 4>& x) {
   const Vec3 u = x[3] - x[0] + x[1] - x[2], v = x[3] - x[0] - x[1] + x[2];
   const double scale = u.norm() * v.norm();
   return scale > 0.0 ? std::asin(std::clamp(u.dot(v) / scale, -1.0, 1.0)) : 0.0;
 }
 
-/// @param x corners 00, 10, 01, 11  @param area [m²]  @param shear law: angle [rad] → Curve::Point of force
-/// [N/m]
+/// @param x corners 00, 10, 01, 11
+/// @param area [m²]
+/// @param shear law: angle [rad] → Curve::Point of force [N/m]
 template <class Law>
 inline ShearResult evaluateShear(const std::array<Vec3, 4>& x, double area, const Law& shear) {
   const Vec3 rising = x[3] - x[0], falling = x[1] - x[2];
@@ -45,9 +47,10 @@ inline ShearResult evaluateShear(const std::array<Vec3, 4>& x, double area, cons
   return {area * law.potential, area * law.force, area * law.slope, du + dv, du - dv};
 }
 
-/// How the angle changes with the corners.
+/// Derivative of the angle by the corners.
 struct ShearSlope {
-  Vec3 rising, falling;  ///< dγ/dx of corner 11 (minus that of 00) and of corner 10 (minus that of 01) [1/m]
+  /// dγ/dx of corner 11 (corner 00: the negative) and of corner 10 (corner 01: the negative) [1/m].
+  Vec3 rising, falling;
 };
 
 /// @param x corners 00, 10, 01, 11
@@ -57,7 +60,8 @@ inline ShearSlope shearSlope(const std::array<Vec3, 4>& x) {
   return {result.rising, result.falling};
 }
 
-/// Change of the slope at corners x when they move by d, to first order. @param x, d corners 00, 10, 01, 11
+/// Change of the slope at corners x for a motion d, to first order.
+/// @param x, d corners 00, 10, 01, 11
 inline ShearSlope shearSlopeChange(const std::array<Vec3, 4>& x, const std::array<Vec3, 4>& d) {
   const auto sides = [](const std::array<Vec3, 4>& c) {
     const Vec3 rising = c[3] - c[0], falling = c[1] - c[2];

@@ -1,4 +1,4 @@
-/// What the kernels of a patch's twist share.
+/// Helpers shared by the kernels of twist.
 #pragma once
 
 #include "energy/packs.h"
@@ -7,7 +7,7 @@
 namespace haptic_cloth {
 namespace HAPTIC_CLOTH_PATH {
 
-/// Second derivative of the twist energy by the saddle's height; zero for lanes without a patch [N/m].
+/// Second derivative of the twist energy by the height of the saddle [N/m]; zero for unused lanes.
 static HAPTIC_CLOTH_INLINE Lanes twistStiffness(const PatchPack& pack, int lane, double rigidity) {
   const Lanes area = load(pack.area + lane);
   return ifPositive(area, 2.0 * rigidity / area, Lanes{});
