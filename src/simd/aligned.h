@@ -1,4 +1,4 @@
-/// Memory that kernels write whole registers to: one that crosses cache lines costs twice.
+/// Memory aligned to cache lines: a register that crosses two lines takes twice as long to write.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ struct CacheLineAllocator {
 
   CacheLineAllocator() = default;
   template <class U>
-  CacheLineAllocator(const CacheLineAllocator<U>&) {}  // what allocators must convert from
+  CacheLineAllocator(const CacheLineAllocator<U>&) {}  // conversion that allocators must have
 
   T* allocate(std::size_t count) { return static_cast<T*>(::operator new(count * sizeof(T), kLine)); }
   void deallocate(T* values, std::size_t) { ::operator delete(values, kLine); }
@@ -29,7 +29,7 @@ bool operator!=(const CacheLineAllocator<T>&, const CacheLineAllocator<U>&) {
   return false;
 }
 
-/// Numbers that begin at a cache line.
+/// Array that begins at a cache line.
 using AlignedDoubles = std::vector<double, CacheLineAllocator<double>>;
 
 }  // namespace haptic_cloth

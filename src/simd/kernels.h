@@ -1,4 +1,4 @@
-/// The table of kernels: loops over packs that exist once for each instruction set.
+/// Table of kernels: loops over packs, compiled once for each instruction set.
 #pragma once
 
 #include "simd/pack.h"
@@ -19,9 +19,9 @@ struct SolidLanes;
 struct StepPack;
 struct TriplePack;
 
-/// KERNEL(result, name, arguments) for each. What they do stands where their data is declared:
-/// energy/packs.h, contact/sample_packs.h, mesh/node_gather.h (NodeGather::add) and sim/motion.h; what the
-/// preconditioner's do, in sim/precondition_kernels.cpp.
+/// Calls KERNEL(result, name, arguments) for each kernel. The kernels are described beside their
+/// data: energy/packs.h, contact/sample_packs.h, mesh/node_gather.h (NodeGather::add) and
+/// sim/motion.h; those of the preconditioner in sim/precondition_kernels.cpp.
 #define HAPTIC_CLOTH_KERNELS(KERNEL)                                                                         \
   KERNEL(double, evaluateEdges,                                                                              \
          (EdgePack * packs, int begin, int end, const LawView& law, const StepPack* steps,                   \
@@ -92,8 +92,8 @@ struct Kernels {
 #undef HAPTIC_CLOTH_MEMBER
 };
 
-/// Those of the instruction set in use (path.h), chosen at the first call.
-/// @throws InputError where HAPTIC_CLOTH_SIMD names a set that there is none of, or that this machine lacks
+/// Kernels of the instruction set in use (path.h), chosen at the first call.
+/// @throws InputError if HAPTIC_CLOTH_SIMD names a set that is unknown or that this machine lacks
 const Kernels& kernels();
 
 }  // namespace haptic_cloth

@@ -1,10 +1,10 @@
-/// As many doubles at a time as a register of the instruction set holds. Only kernels include this header:
-/// their sources are compiled once for each instruction set, each time in a namespace of its own
-/// (HAPTIC_CLOTH_PATH) and with that set's width (HAPTIC_CLOTH_LANES). Wider vectors would be taken apart by
-/// the compiler, through memory.
+/// Vectors of as many doubles as a register of the instruction set holds. Only kernels include this
+/// header. Their sources are compiled once for each instruction set, each time in a separate
+/// namespace (HAPTIC_CLOTH_PATH) and with the width of that set (HAPTIC_CLOTH_LANES). The compiler
+/// would split wider vectors, through memory.
 ///
-/// Everything a kernel calls must be inlined: a function that the linker may take from another kernel's
-/// object file might hold instructions that the machine does not have.
+/// Everything that a kernel calls must be inlined. The linker might take a function from another
+/// kernel's object file, with instructions that the machine does not have.
 #pragma once
 
 #include <cmath>
@@ -37,7 +37,8 @@ static HAPTIC_CLOTH_INLINE void store(double* p, const Lanes& v) { std::memcpy(p
 
 static HAPTIC_CLOTH_INLINE Lanes all(double value) { return Lanes{} + value; }
 
-// Square roots, and single precision in memory: what steers the solve needs no more.
+// Square roots; loads and stores in single precision, which is enough for values that control the
+// solve.
 #if HAPTIC_CLOTH_LANES == 8 && defined(__AVX512F__)
 static HAPTIC_CLOTH_INLINE Lanes squareRoot(const Lanes& v) { return Lanes(_mm512_sqrt_pd(__m512d(v))); }
 static HAPTIC_CLOTH_INLINE Lanes load(const float* p) { return Lanes(_mm512_cvtps_pd(_mm256_loadu_ps(p))); }
@@ -74,7 +75,7 @@ static HAPTIC_CLOTH_INLINE void store(float* p, const Lanes& v) {
 }
 #endif
 
-/// x in the lanes where a < b, y in the others, those with a NaN among them.
+/// Selects x in the lanes where a < b, and y in the others, also if a or b is NaN.
 static HAPTIC_CLOTH_INLINE Lanes ifLess(const Lanes& a, const Lanes& b, const Lanes& x, const Lanes& y) {
   return a < b ? x : y;
 }
@@ -85,7 +86,7 @@ static HAPTIC_CLOTH_INLINE Lanes ifPositive(const Lanes& a, const Lanes& x, cons
 static HAPTIC_CLOTH_INLINE Lanes larger(const Lanes& a, const Lanes& b) { return a > b ? a : b; }
 static HAPTIC_CLOTH_INLINE Lanes smaller(const Lanes& a, const Lanes& b) { return a < b ? a : b; }
 
-/// Whether a < b in all lanes; false where one has a NaN.
+/// Tells whether a < b in all lanes; false if a lane has a NaN.
 static HAPTIC_CLOTH_INLINE bool allLess(const Lanes& a, const Lanes& b) {
 #if HAPTIC_CLOTH_LANES == 8 && defined(__AVX512F__)
   return _mm512_cmp_pd_mask(__m512d(a), __m512d(b), _CMP_LT_OQ) == 0xff;
@@ -117,7 +118,8 @@ static HAPTIC_CLOTH_INLINE double total(const Lanes& v) {
   return sum[0];
 }
 
-/// Natural logarithm, to about one unit in the last place [fdlibm, e_log.c]. @pre normal and positive
+/// Natural logarithm, to about one unit in the last place [fdlibm, e_log.c]. @pre normal and
+/// positive
 static HAPTIC_CLOTH_INLINE Lanes logarithm(const Lanes& x) {
   constexpr double kLn2High = 6.93147180369123816490e-01, kLn2Low = 1.90821492927058770002e-10;
   constexpr double kFit[] = {6.666666666666735130e-01, 3.999999999940941908e-01, 2.857142874366239149e-01,
@@ -135,7 +137,7 @@ static HAPTIC_CLOTH_INLINE Lanes logarithm(const Lanes& x) {
   return k * kLn2High - ((square - (s * (square + z * fit) + k * kLn2Low)) - f);
 }
 
-/// A point or vector a lane.
+/// One point or vector for each lane.
 struct Lanes3 {
   Lanes x, y, z;
 };
@@ -162,14 +164,14 @@ static HAPTIC_CLOTH_INLINE void store(const MutableArrays& arrays, int first, co
   store(arrays.z + first, v.z);
 }
 
-/// Whether a register's worth of indices from `lane` on follow one another.
+/// Tells whether kLanes indices from `lane` on are consecutive.
 static HAPTIC_CLOTH_INLINE bool inRow(const PackIndices& at, int lane) {
   constexpr unsigned kRow = (1u << (kLanes - 1)) - 1;
   return ((at.rows >> lane) & kRow) == kRow;
 }
 
 #if HAPTIC_CLOTH_LANES == 8 && defined(__AVX512F__)
-/// Four of `values`: as one where they follow one another.
+/// Loads four values, in one load if they are consecutive.
 static HAPTIC_CLOTH_INLINE __m256d four(const double* values, const int* index, bool row) {
   if (row) return _mm256_loadu_pd(values + index[0]);
   return _mm256_set_pd(values[index[3]], values[index[2]], values[index[1]], values[index[0]]);
@@ -194,7 +196,7 @@ static HAPTIC_CLOTH_INLINE Lanes pick(const double* values, const PackIndices& a
 }
 #endif
 
-/// Values at a register's worth of indices from `lane` on.
+/// Values at kLanes indices from `lane` on.
 static HAPTIC_CLOTH_INLINE Lanes gather(const double* values, const PackIndices& at, int lane) {
   return inRow(at, lane) ? load(values + at.index[lane]) : pick(values, at, lane);
 }

@@ -1,10 +1,10 @@
-/// The layout of data for SIMD loops. It is the same on every machine; how many lanes of a pack are worked on
-/// at a time is the business of the kernels (lanes.h).
+/// Data layout for SIMD loops. It is the same on every machine; the kernels (lanes.h) decide how
+/// many lanes of a pack they process at a time.
 #pragma once
 
 namespace haptic_cloth {
 
-/// Elements in a pack.
+/// Number of elements in a pack.
 constexpr int kPack = 8;
 
 /// Smallest multiple of kPack that holds n.
@@ -22,11 +22,11 @@ struct MutableArrays {
 /// Indices of one pack.
 struct PackIndices {
   int index[kPack];
-  unsigned rows;  ///< bit l is set where index[l + 1] follows index[l]
+  unsigned rows;  ///< bit l is set if index[l + 1] == index[l] + 1
 
   void set(int lane, int value) { index[lane] = value; }
 
-  /// Call after the last set().
+  /// Must follow the last set().
   void finish() {
     rows = 0;
     for (int l = 0; l + 1 < kPack; ++l) rows |= (index[l + 1] == index[l] + 1 ? 1u : 0u) << l;
@@ -39,7 +39,7 @@ struct PatchCorners {
   PackIndices at[4];
 };
 
-/// One array for each entry of symmetric 3 x 3 matrices: xx, yy, zz, yz, xz, xy.
+/// One array for each entry of symmetric 3 × 3 matrices: xx, yy, zz, yz, xz, xy.
 struct BlockArrays {
   double* entry[6];
 };

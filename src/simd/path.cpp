@@ -1,4 +1,4 @@
-// The choice among the kernels' instruction sets.
+// Choice of the kernels' instruction set.
 #include "simd/path.h"
 
 #include <cstdlib>

@@ -1,4 +1,4 @@
-/// The choice among the instruction sets that kernels were compiled for.
+/// Choice among the instruction sets that the kernels were compiled for.
 #pragma once
 
 #include <string>
@@ -12,15 +12,15 @@ struct Kernels;
 struct SimdPath {
   std::string name;
   const Kernels* kernels;
-  bool available;  ///< this machine has the instructions
+  bool available;  ///< this machine has its instructions
 };
 
-/// All that this build has, best first.
+/// All paths of this build, best first.
 std::vector<SimdPath> simdPaths();
 
-/// The first available path, or the one that is named.
+/// First available path, or the one that is named.
 /// @param wanted value of HAPTIC_CLOTH_SIMD; null or empty: not set
-/// @throws InputError where no path has this name, or this machine lacks its instructions
+/// @throws InputError if no path has this name or this machine lacks its instructions
 const SimdPath& choosePath(const std::vector<SimdPath>& paths, const char* wanted);
 
 }  // namespace haptic_cloth

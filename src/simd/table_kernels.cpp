@@ -1,4 +1,4 @@
-// The table of one instruction set.
+// Table of the kernels of one instruction set.
 #include "simd/kernels.h"
 
 namespace haptic_cloth {
