@@ -6,9 +6,9 @@
 namespace haptic_cloth {
 namespace {
 
-// Contacts and folds change the Hessian while they form, so the preconditioner is fitted anew after this many
-// iterations, then after twice as many in all and so on: a long solve of a stiff but steady problem must keep
-// its conjugate directions.
+// Iterations before the preconditioner is fitted again; each later interval ends at twice as many
+// iterations as the last. Contacts and folds change the Hessian while they form, but a long solve
+// of a stiff, steady problem must keep its conjugate directions.
 constexpr int kFirstRenewal = 15;
 
 }  // namespace
@@ -90,7 +90,8 @@ MinimizerReport Minimizer::minimize(Objective& objective, Vector& x, double valu
   return report;
 }
 
-/// d ← -P g + β d with β = max(0, g·P(g - g_previous) / g_previous·P g_previous).
+/// Computes d ← -P g + β d with β = max(0, g·P(g - g_previous) / g_previous·P g_previous),
+/// Polak-Ribière+.
 void Minimizer::direction(Objective& objective, Team& team, bool restart, MinimizerReport& report) {
   objective.precondition(gradient_, preconditioned_);
   const Sums dots = team.sum(
@@ -128,10 +129,10 @@ void Minimizer::direction(Objective& objective, Team& team, bool restart, Minimi
   }
 }
 
-/// Newton step along d, then Armijo backtracking. Where Φ changes less than it is rounded, the slope decides
-/// [Hager & Zhang 2005, approximate Wolfe]. Curvatures are second differences of positions, rounded by ε
-/// x/l²: so far more of Φ's digits are noise than its sum's rounding would say. On success the iterate, its
-/// value and gradient are the new ones.
+/// Takes the Newton step along d, then backtracks (Armijo). If Φ changes less than its rounding
+/// error, the slope decides [Hager & Zhang 2005, approximate Wolfe]. kRounding is far above that of
+/// a sum: curvatures are second differences of positions with an error of ε x/l². On success the
+/// iterate, its value and its gradient are the new ones. @return whether a step was accepted
 bool Minimizer::lineSearch(Objective& objective, Team& team, Vector& x, double& value,
                            MinimizerReport& report) {
   constexpr double kSufficient = 1e-4, kRounding = 1e-10;
@@ -158,11 +159,11 @@ bool Minimizer::lineSearch(Objective& objective, Team& team, Vector& x, double& 
       value = trial_value;
       return true;
     }
-    // Minimum of the parabola through the value, the slope and the trial; at most half, at least a tenth.
+    // Minimum of the parabola through value, slope and trial, limited to 0.1 … 0.5 of the step.
     const double parabola = -0.5 * slope_ * step * step / (change - slope_ * step);
     step = std::isfinite(parabola) ? std::clamp(parabola, 0.1 * step, 0.5 * step) : 0.1 * step;
   }
-  value = objective.evaluate(x, gradient_);  // the objective's point is the iterate again
+  value = objective.evaluate(x, gradient_);  // the objective's point must be the iterate again
   ++report.evaluations;
   return false;
 }

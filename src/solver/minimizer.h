@@ -1,4 +1,5 @@
-/// Preconditioned Polak-Ribiere+ conjugate gradient for smooth potentials. Knows nothing of cloth.
+/// Preconditioned conjugate gradient method (Polak-Ribière+) for smooth potentials, independent of
+/// cloth.
 #pragma once
 
 #include <chrono>
@@ -10,24 +11,25 @@
 
 namespace haptic_cloth {
 
-/// Φ never rises from one iterate to the next, but for its rounding, so the result is never worse than the
-/// start, however early a limit ends the solve.
+/// Minimizer of an Objective. Apart from rounding, Φ never rises from one iterate to the next, so
+/// the result is never worse than the initial guess, however early a limit ends the solve.
 class Minimizer {
  public:
   explicit Minimizer(const MinimizerOptions& options) : options_(options) {}
 
   void setOptions(const MinimizerOptions& options) { options_ = options; }
 
-  /// Allocates scratch for problems of up to `size` unknowns; what they do not use stays unwritten.
+  /// Reserves scratch memory for up to `size` unknowns; pages that a problem does not use are never
+  /// written.
   void reserve(int size);
 
-  /// The time budget runs from here on, over all solves until the next call.
+  /// Starts the time budget, which holds for all solves until the next call.
   void startBudget() { budget_start_ = Clock::now(); }
 
   /// Improves x in place. @pre x.size() is the reserved size
   MinimizerReport minimize(Objective& objective, Vector& x, Team& team);
 
-  /// The same where the objective was last evaluated at x, with this value and gradient.
+  /// Same, if the objective was last evaluated at x, with this value and gradient.
   MinimizerReport minimize(Objective& objective, Vector& x, double value, const Vector& gradient, Team& team);
 
  private:
@@ -39,7 +41,7 @@ class Minimizer {
   MinimizerOptions options_;
   Vector gradient_, previous_, preconditioned_, direction_, trial_, trial_gradient_;
   double descent_ = 0.0;  ///< g · P g of the last iterate
-  int size_ = 0;          ///< unknowns of the problem at hand
+  int size_ = 0;          ///< number of unknowns of the current problem
   double slope_ = 0.0;    ///< g · d
   Clock::time_point budget_start_ = Clock::now();
 };
