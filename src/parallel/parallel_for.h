@@ -1,4 +1,4 @@
-/// Loops shared out over threads, with results that do not depend on how many. The one place with OpenMP.
+/// Loops over threads, with results that do not depend on their number. Only this file uses OpenMP.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,18 +18,21 @@
 
 namespace haptic_cloth {
 
-/// Sums formed in one pass over a list.
+/// Sums that are formed in one pass over a list.
 using Sums = Eigen::Array<double, 6, 1>;
 
-/// Decides whether a region is worth opening while other programs use the cores. Threads that share a core
-/// take turns, and one that the system has taken off its core makes the others wait. So a region in which the
-/// caller lost much time is followed by runs without one: the more regions in a row lost time, the longer.
+/// Decides whether a parallel region pays while other programs use the cores. Threads that share a
+/// core take turns, and a thread that was taken off its core makes the others wait. After a region
+/// in which the caller lost much time, the next runs use one thread; their number doubles with each
+/// such region in a row.
 class Backoff {
  public:
-  /// Whether the next run is to do without other threads. Counts it.
+  /// Tells whether the next run is to use one thread, and counts it.
   bool alone() { return left_ > 0 && left_-- > 0; }
 
-  /// @param lost seconds in which the caller waited or had no core  @param all seconds that the region took
+  /// Records a region.
+  /// @param lost time in which the caller waited or had no core [s]
+  /// @param all time that the region took [s]
   void note(double lost, double all) {
     const bool crowded = lost > kMostLost * all;
     length_ = crowded ? std::min(2 * length_, kLongest) : kShortest;
@@ -37,26 +40,28 @@ class Backoff {
   }
 
  private:
-  static constexpr double kMostLost = 0.25;  ///< of a region: two threads then gain little or lose
-  static constexpr int kShortest = 4, kLongest = 512;  ///< runs
+  /// Largest lost share of a region; beyond it two threads gain little or lose.
+  static constexpr double kMostLost = 0.25;
+  static constexpr int kShortest = 4, kLongest = 512;  ///< number of runs with one thread
   int length_ = kShortest, left_ = 0;
 };
 
-/// Runs loops over index ranges. Work is cut into blocks of fixed size, whatever the number of
-/// threads; sums are formed per block and added in block order. So the bits never change with the threads.
+/// Runs loops over index ranges. Work is divided into blocks of fixed size for any number of
+/// threads; sums are formed for each block and added in block order. So the number of threads never
+/// changes the bits.
 ///
-/// The threads meet once, in run(): one parallel region, in which the caller goes on alone and the others
-/// wait for its loops, spinning, since the next one is microseconds away. Each thread has a part of a loop's
-/// blocks and then helps the others with theirs: a thread that the system has taken off its core holds up no
-/// more than the block it was at.
+/// The threads meet once, in run(). It opens one parallel region, in which the caller continues and
+/// the others wait for its loops; they spin, because the next loop is microseconds away. Each
+/// thread first takes blocks of its own part of a loop and then helps the others. A thread that was
+/// taken off its core delays only the block that it was working on.
 class Team {
  public:
   static constexpr int kBlock = 256;
 
-  // About what an item takes one core [s]: for the decision whether a loop is worth sharing.
+  // Approximate times of one item on one core [s], to decide whether a loop is worth sharing.
   static constexpr double kElement = 5e-9, kNode = 8e-9, kEntry = 4e-10;
 
-  /// As many threads as OpenMP gives: one a core, or what OMP_NUM_THREADS says.
+  /// Number of threads that OpenMP gives: one for each core, or OMP_NUM_THREADS.
   static int available() {
 #ifdef _OPENMP
     return std::max(1, omp_get_max_threads());
@@ -65,21 +70,22 @@ class Team {
 #endif
   }
 
-  /// @param threads at most; 0: all that are available
+  /// @param threads largest number of threads; 0: all that are available
   explicit Team(int threads) : threads_(threads > 0 ? threads : available()), loop_(new Loop(threads_)) {}
 
   int threads() const { return threads_; }
 
-  /// Makes room for sums over up to `count` items.
+  /// Reserves memory for sums over up to `count` items.
   void reserve(int count) { partial_.reserve((count + kBlock - 1) / kBlock); }
 
-  /// Calls body(), whose loops are shared out. @param particles at work: few are not worth many threads
+  /// Calls body(), whose loops run on several threads.
+  /// @param particles number of particles in the work; few use fewer threads
   template <class Body>
   void run([[maybe_unused]] int particles, const Body& body) {
 #ifdef _OPENMP
     const int wanted = kShareAll ? threads_ : std::min(threads_, 1 + particles / kParticlesPerThread);
     if (wanted > 1 && !loop_->open && (kShareAll || !backoff_.alone())) {
-      std::exception_ptr failure;  // none may leave the region
+      std::exception_ptr failure;  // no exception may leave the region
       const auto start = Clock::now();
       const double worked = coreSeconds();
       auto end = start;
@@ -112,7 +118,7 @@ class Team {
     body();
   }
 
-  /// work(begin, end) for consecutive parts of [0, count). @param item time of one [s]
+  /// Calls work(begin, end) for consecutive parts of [0, count). @param item time for one item [s]
   template <class Work>
   void forRange(int count, const Work& work, double item = kElement) {
     const int blocks = (count + kBlock - 1) / kBlock;
@@ -123,8 +129,8 @@ class Team {
     shareBlocks(blocks, [&](int block) { work(block * kBlock, std::min(count, (block + 1) * kBlock)); });
   }
 
-  /// Several sums at once: work(begin, end) returns those of its part of [0, count). @param item time of one
-  /// [s]
+  /// Forms several sums at once: work(begin, end) returns those of its part of [0, count).
+  /// @param item time for one item [s]
   template <class Work>
   Sums sum(int count, const Work& work, double item = kElement) {
     const int blocks = (count + kBlock - 1) / kBlock;
@@ -142,7 +148,7 @@ class Team {
     return total;
   }
 
-  /// work(k) for tasks 0 .. count-1, each worth sharing.
+  /// Calls work(k) for tasks 0 .. count-1, each long enough to be shared.
   template <class Work>
   void forTasks(int count, const Work& work) {
     if (isShared(count, 1.0)) return shareBlocks(count, work);
@@ -153,22 +159,24 @@ class Team {
   using Clock = std::chrono::steady_clock;
   static double seconds(Clock::duration time) { return std::chrono::duration<double>(time).count(); }
 
-  /// Time for which this thread has had a core [s].
+  /// Time that this thread has spent on a core [s].
   static double coreSeconds() {
     timespec time{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
     return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
   }
 
-  static constexpr double kWorthSharing = 4e-6;    ///< some times what it takes threads to meet [s]
-  static constexpr int kParticlesPerThread = 300;  ///< with fewer, threads mostly wait for each other
+  /// Shortest loop worth sharing: several times the time that threads need to meet [s].
+  static constexpr double kWorthSharing = 4e-6;
+  /// With fewer particles, threads mostly wait for each other.
+  static constexpr int kParticlesPerThread = 300;
 #ifdef HAPTIC_CLOTH_SHARE_ALL
-  static constexpr bool kShareAll = true;  ///< for the thread sanitizer: it sees only what is shared out
+  static constexpr bool kShareAll = true;  ///< for the thread sanitizer, which sees only shared loops
 #else
   static constexpr bool kShareAll = false;
 #endif
 
-  /// @param seconds it takes one thread, about
+  /// @param seconds approximate time on one thread
   bool isShared(int blocks, double seconds) const {
     return loop_->open && blocks > 1 && (seconds >= kWorthSharing || kShareAll);
   }
@@ -179,20 +187,21 @@ class Team {
         blocks, [](const void* context, int block) { (*static_cast<const Work*>(context))(block); }, &work);
   }
 
-  /// The loop in hand. A thread's part of it is one word, so that taking a block is one atomic operation: the
-  /// number of the loop, the next unit and the end, a unit being some blocks.
+  /// Current loop. The part of each thread is one word, so that taking a unit is one atomic
+  /// operation: the number of the loop, the next unit and the end. A unit is one or more blocks.
   class Loop {
    public:
     using Call = void (*)(const void* context, int block);
 
     explicit Loop(int threads) : parts_(new Part[threads]) {}
 
-    std::atomic<int> members{1};      ///< threads in the region
-    bool open = false;                ///< there is a region
-    std::atomic<bool> closed{false};  ///< the region is to end
-    double waited = 0.0;              ///< by the caller for others, longer than for their last unit [s]
+    std::atomic<int> members{1};      ///< number of threads in the region
+    bool open = false;                ///< a region is open
+    std::atomic<bool> closed{false};  ///< the region shall end
+    /// Time that the caller waited for others beyond their last unit [s].
+    double waited = 0.0;
 
-    /// Shares out blocks 0 .. blocks-1, and returns when all are done.
+    /// Runs blocks 0 .. blocks-1 on all threads. Returns when all are done.
     void share(int blocks, Call call, const void* context) {
       const int unit = 1 + blocks / kMostUnits, units = (blocks + unit - 1) / unit;
       call_.store(call, std::memory_order_relaxed);
@@ -216,7 +225,7 @@ class Team {
       waited += seconds(Clock::now() - start);
     }
 
-    /// What the other threads do until the region is closed.
+    /// Work of the other threads until the region is closed.
     void serve(int thread) {
       unsigned seen = announced_.load(std::memory_order_acquire) - 1;
       for (int spin = 0; !closed.load(std::memory_order_acquire); ++spin) {
@@ -243,7 +252,7 @@ class Team {
              static_cast<unsigned long long>(end);
     }
 
-    /// Works on units until none is left, first on this thread's own.
+    /// Works on units until none is left, first on those of this thread.
     void help(int thread) {
       const int count = members.load(std::memory_order_relaxed);
       int finished = 0;
@@ -251,7 +260,8 @@ class Team {
         std::atomic<unsigned long long>& part = parts_[(thread + k) % count].word;
         unsigned long long seen = part.load(std::memory_order_acquire);
         while ((seen >> 16 & 0xffff) < (seen & 0xffff)) {
-          // Of this loop, if the word is still the same when the unit is taken: then it cannot have ended.
+          // These belong to this loop if the word is unchanged when the unit is taken: then the
+          // loop cannot have ended.
           const Call call = call_.load(std::memory_order_relaxed);
           const void* const context = context_.load(std::memory_order_relaxed);
           const int unit = unit_.load(std::memory_order_relaxed),
@@ -267,7 +277,7 @@ class Team {
       }
     }
 
-    /// Waits a moment; where it takes longer, lets others have the core.
+    /// Waits a moment; after a long wait, yields the core.
     static void pause(int spin) {
       if (spin > kPatience) {
         std::this_thread::yield();
@@ -279,12 +289,12 @@ class Team {
     }
 
     unsigned number_ = 0;
-    std::unique_ptr<Part[]> parts_;  ///< a thread each
+    std::unique_ptr<Part[]> parts_;  ///< one for each thread
     std::atomic<Call> call_{nullptr};
     std::atomic<const void*> context_{nullptr};
     std::atomic<int> unit_{1}, blocks_{0};
-    alignas(64) std::atomic<int> unfinished_{0};      ///< units
-    alignas(64) std::atomic<unsigned> announced_{0};  ///< number of the loop in hand
+    alignas(64) std::atomic<int> unfinished_{0};      ///< number of units
+    alignas(64) std::atomic<unsigned> announced_{0};  ///< number of the current loop
   };
 
   int threads_;

@@ -1,4 +1,4 @@
-/// Parts of an index range that are to be worked on, shared out as if they lay side by side.
+/// Selected parts of an index range, divided over threads as if they were contiguous.
 #pragma once
 
 #include <algorithm>
@@ -25,10 +25,10 @@ class Runs {
     size_ += end - begin;
   }
 
-  /// Indices in all runs.
+  /// Number of indices in all runs.
   int size() const { return size_; }
 
-  /// Calls work(begin, end) for the runs' parts that make up from..to of 0..size().
+  /// Calls work(begin, end) for the parts of the runs that make up from..to of 0..size().
   template <class Work>
   void forPart(int from, int to, const Work& work) const {
     auto run = std::upper_bound(runs_.begin(), runs_.end(), from,
