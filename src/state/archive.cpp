@@ -13,16 +13,16 @@ namespace haptic_cloth {
 namespace {
 
 constexpr std::uint32_t kByteOrder = 0x01020304;
-constexpr std::uint32_t kVersion = 2;  // of the envelope and of what is in it
+constexpr std::uint32_t kVersion = 2;  // version of the envelope and of the entries
 
-/// After kStateMagic, before the entries.
+/// Header between kStateMagic and the entries.
 struct Envelope {
   std::uint32_t byte_order, version;
   std::uint64_t size, checksum;  ///< of the entries
 };
 static_assert(sizeof(Envelope) == 24, "no padding: files are read on other machines");
 
-/// FNV-1a, 64 bit: no change of one byte goes unseen.
+/// Computes FNV-1a, 64 bit, which detects every change of one byte.
 std::uint64_t checksum(const std::string& bytes) {
   std::uint64_t hash = 14695981039346656037ull;
   for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
@@ -87,7 +87,7 @@ std::size_t Archive::sizeOf(Type type) {
 }
 
 bool Archive::isTurn(const Eigen::Quaterniond& turn) {
-  constexpr double kNorm = 1e-3;  // as in scenes
+  constexpr double kNorm = 1e-3;  // same tolerance as in scenes
   return std::abs(turn.norm() - 1.0) <= kNorm;
 }
 
@@ -100,7 +100,7 @@ void Archive::write(const std::string& name, Type type, const void* data, std::s
   entries_.append(static_cast<const char*>(data), count * sizeOf(type));
 }
 
-/// The next entry, which must have this name; lengths are compared in a way that cannot overflow.
+/// Reads the next entry, which must have this name. Lengths are compared so that nothing overflows.
 Archive::Header Archive::read(const std::string& name) {
   const auto take = [&](std::size_t size) {
     if (entries_.size() - at_ < size) fail(name, "", "is missing");

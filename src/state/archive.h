@@ -1,5 +1,5 @@
-/// Named entries of a state, written and read by the same code: each class names its members once, and what
-/// is saved cannot drift from what is loaded.
+/// Named entries of a state, saved and loaded by the same code: each class names its members once,
+/// so that saving and loading cannot diverge.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -12,33 +12,34 @@
 
 namespace haptic_cloth {
 
-/// Entries follow one another in the order they are named in. Each has its name, type and length, and its
-/// bytes as they are in memory: what is loaded equals what was saved to the last bit. Loading checks names,
-/// types, lengths and that every double is finite; who serializes checks the rest.
+/// Entries in the order in which they are named. Each has its name, type, length and its bytes as
+/// in memory, so a loaded value equals the saved one bit for bit. Loading checks names, types,
+/// lengths and that every double is finite; classes check the rest.
 class Archive {
  public:
-  /// To save.
+  /// Archive for saving.
   Archive() = default;
 
-  /// To load what sealed() gave. @param origin names the source in messages
-  /// @throws InputError where it is not whole, or of another version or kind of machine
+  /// Archive for loading the result of sealed().
+  /// @param origin name of the source in messages
+  /// @throws InputError if it is incomplete, or of another version or byte order
   Archive(const std::string& sealed, std::string origin);
 
-  /// Checks what a sealed state begins with, before the rest of it is read.
+  /// Checks the header of a sealed state before the rest is read.
   /// @param start its first headerSize() bytes, or all of it if it is shorter
-  /// @param size of the whole [bytes]
-  /// @throws InputError as the constructor does, for all but the checksum and the entries
+  /// @param size size of the whole state [bytes]
+  /// @throws InputError as the constructor, except for the checksum and the entries
   static void checkHeader(const std::string& start, std::uint64_t size, const std::string& origin);
   static std::size_t headerSize();
 
   bool loads() const { return loads_; }
 
-  /// All entries with what tells whether they are whole. @pre this one saves
+  /// All entries with a header that shows whether they are complete. @pre this archive saves
   std::string sealed() const;
 
-  /// An entry: a number, an Eigen object of doubles, or a vector of such, which has the length of that
-  /// loaded; or the entries of an object with serialize(Archive&), or of each of a vector of those.
-  /// @throws InputError where what is loaded does not fit
+  /// Saves or loads an entry: a number, an Eigen object of doubles, or a vector of these whose
+  /// length must match. Also an object with serialize(Archive&), or a vector of such objects.
+  /// @throws InputError if the loaded entry does not fit
   template <class T>
   void operator()(const std::string& name, T& value) {
     if constexpr (std::is_same_v<T, bool>) {
@@ -58,7 +59,7 @@ class Archive {
     if constexpr (std::is_same_v<T, Eigen::Quaterniond>) check(isTurn(value), name, "must have norm 1");
   }
 
-  /// The same for integers from low to high, one or a vector of them.
+  /// Saves or loads integers that must lie between low and high: one, or a vector of them.
   template <class T>
   void within(const std::string& name, T& value, long low, long high) {
     (*this)(name, value);
@@ -71,10 +72,11 @@ class Archive {
     check(inside, name, "must be from " + std::to_string(low) + " to " + std::to_string(high));
   }
 
-  /// One member of all elements, as one entry.
+  /// Saves or loads one member of all elements, as one entry.
   template <class T, class Member>
   void each(const std::string& name, std::vector<T>& elements, Member T::*member) {
-    using Kept = std::conditional_t<std::is_same_v<Member, bool>, char, Member>;  // no bits of vector<bool>
+    // vector<bool> has no addressable elements.
+    using Kept = std::conditional_t<std::is_same_v<Member, bool>, char, Member>;
     std::vector<Kept> values;
     values.reserve(elements.size());
     for (const T& element : elements) values.push_back(element.*member);
@@ -89,7 +91,8 @@ class Archive {
     for (std::size_t k = 0; k < elements.size(); ++k) elements[k].*member = static_cast<Member>(values[k]);
   }
 
-  /// The length of a vector that has no fixed one; what is loaded makes it so long. @param most it may be
+  /// Saves the length of a vector, or resizes the vector on loading. @param most largest length
+  /// allowed
   template <class T>
   void length(const std::string& name, std::vector<T>& elements, std::size_t most) {
     long size = static_cast<long>(elements.size());
@@ -97,12 +100,13 @@ class Archive {
     elements.resize(size);
   }
 
-  /// `count` doubles in a row.
+  /// Saves or loads `count` consecutive doubles.
   void doubles(const std::string& name, double* first, std::size_t count) {
     entry(name, Type::Double, first, count);
   }
 
-  /// What the state belongs to: saved, but never changed by loading. @throws InputError where it differs
+  /// Saves a value that the state depends on, or compares it on loading. @throws InputError if it
+  /// differs
   void same(const std::string& name, double value) { compare(name, Type::Double, &value, 1); }
   void same(const std::string& name, int value) { compare(name, Type::Int, &value, 1); }
   void same(const std::string& name, const std::string& value) {
@@ -112,15 +116,16 @@ class Archive {
     compare(name, Type::Double, first, count);
   }
 
-  /// The same for what was computed: to 1e-9 of the largest, as another machine may round otherwise.
+  /// Same for computed values, with a tolerance of 1e-9 of the largest: other machines may round
+  /// differently.
   void similar(const std::string& name, const std::vector<double>& values);
 
-  /// @throws InputError where loading and not `right`
+  /// @throws InputError when loading, if not `right`
   void check(bool right, const std::string& name, const std::string& rule) const {
     if (loads_ && !right) fail(name, "", rule);
   }
 
-  /// To be called last. @throws InputError where more was saved than was loaded
+  /// Must be called last. @throws InputError if there are entries that were not loaded
   void finish() const;
 
  private:
@@ -129,7 +134,7 @@ class Archive {
   struct Header {
     Type type;
     std::size_t count;
-    std::size_t begin;  ///< of its bytes
+    std::size_t begin;  ///< offset of its bytes
   };
 
   template <class T, class = void>
@@ -186,7 +191,7 @@ class Archive {
 
   bool loads_ = false;
   std::string entries_, origin_, prefix_;
-  std::size_t at_ = 0;  ///< what is read next
+  std::size_t at_ = 0;  ///< offset of the next entry
 };
 
 }  // namespace haptic_cloth

@@ -17,10 +17,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kAttempts = 100;             ///< to find a temporary name that is free
-constexpr std::size_t kLongestName = 200;  ///< of the part taken from the file's own [bytes]
+constexpr int kAttempts = 100;  ///< attempts to find a free temporary name
+/// Largest part of the name that is taken from the file's own [bytes].
+constexpr std::size_t kLongestName = 200;
 
-/// FILE.XXXXXXXX.partial
+/// Makes a name FILE.XXXXXXXX.partial.
 std::string temporaryNameFor(const fs::path& target) {
   static const std::string kLetters = "abcdefghijklmnopqrstuvwxyz0123456789";
   std::random_device random;
@@ -30,8 +31,8 @@ std::string temporaryNameFor(const fs::path& target) {
   return (target.parent_path() / (start + "." + middle + ".partial")).string();
 }
 
-/// Opens a file that did not exist, with the permissions that the user's umask leaves. mkstemp()
-/// would keep others from reading it.
+/// Creates a file that did not exist, with the permissions of the user's umask. mkstemp() would
+/// prevent others from reading it.
 int createUnique(const fs::path& target, std::string& name) {
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     name = temporaryNameFor(target);
@@ -98,7 +99,7 @@ NewFile::~NewFile() {
 void NewFile::finish() {
   stream_.flush();
   if (!stream_) fail(buffer_.error());
-  // Some file systems know no synchronisation (EINVAL).
+  // Some file systems do not support synchronisation (EINVAL).
   if (fsync(descriptor_) != 0 && errno != EINVAL) fail(errno);
 }
 
@@ -107,7 +108,7 @@ void NewFile::publish() {
   close(descriptor_);
   descriptor_ = -1;
   const int folder = open(target_.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (folder < 0) return;  // the file is there; only after a power cut it may be the old one
+  if (folder < 0) return;  // the file is there; a power cut may still bring back the old one
   fsync(folder);
   close(folder);
 }

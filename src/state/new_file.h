@@ -10,39 +10,40 @@
 
 namespace haptic_cloth {
 
-/// Makes sure that a file may be written there: a new one in a directory that can be written, or a
-/// regular file to be replaced. Devices, FIFOs and directories are refused without being opened.
+/// Checks that a file may be written: a new one in a writable directory, or a regular file to be
+/// replaced. Devices, FIFOs and directories are refused without being opened.
 /// @throws InputError naming the file
 void checkNewFile(const std::filesystem::path& file);
 
-/// The file that `file` names: where that is a link, what it points to.
+/// Resolves links: the file that `file` refers to.
 std::filesystem::path linkedFile(const std::filesystem::path& file);
 
-/// A file written in the same directory under a temporary name that nobody else has,
-/// FILE.XXXXXXXX.partial. A file of the final name stays what it was until publish(); without that
-/// call nothing is left behind.
+/// A file written under a unique temporary name in the same directory, FILE.XXXXXXXX.partial. A
+/// file of the final name is unchanged until publish(); without that call nothing remains.
 class NewFile {
  public:
-  /// @param file its final name; a link is followed  @throws OutputError
+  /// @param file final name; a link is followed
+  /// @throws OutputError
   explicit NewFile(const std::filesystem::path& file);
   ~NewFile();
   NewFile(const NewFile&) = delete;
   NewFile& operator=(const NewFile&) = delete;
 
-  /// Writes doubles with the digits that bring back the same bits.
+  /// Stream that writes doubles with enough digits to restore the same bits.
   std::ostream& stream() { return stream_; }
 
   const std::filesystem::path& target() const { return target_; }
   const std::string& temporaryName() const { return name_; }
 
-  /// Brings all of it to the disk. @throws OutputError with nothing left of it
+  /// Writes everything to the disk. @throws OutputError; the destructor then removes the file
   void finish();
 
-  /// Renames it to its final name. @pre finish()  @throws OutputError
+  /// Renames it to its final name. @pre finish()
+  /// @throws OutputError
   void publish();
 
  private:
-  /// Unbuffered streams would cost a call of the system for every number.
+  /// Buffer: without it every number would cost a system call.
   class Buffer : public std::streambuf {
    public:
     void open(int descriptor);
@@ -60,7 +61,7 @@ class NewFile {
   [[noreturn]] void fail(int error) const;
 
   std::filesystem::path target_;
-  std::string name_;  ///< the temporary one
+  std::string name_;  ///< temporary name
   int descriptor_ = -1;
   Buffer buffer_;
   std::ostream stream_;
@@ -72,8 +73,8 @@ class NewFiles {
   /// @throws OutputError
   NewFile& add(const std::filesystem::path& file) { return files_.emplace_back(file); }
 
-  /// Gives all of them their names when all are complete, in the order in which they were added.
-  /// @throws OutputError; then none of them is there
+  /// Gives all files their names once all are complete, in the order in which they were added.
+  /// @throws OutputError; then none of them exists
   void publish();
 
  private:

@@ -27,7 +27,7 @@ double number(const std::string& text) {
 }  // namespace
 
 std::string shortestText(double value) {
-  // With fewer digits 400 would be 4e+02.
+  // With fewer digits 400 would become 4e+02.
   constexpr int kUsual = 6, kEnough = std::numeric_limits<double>::max_digits10;
   for (int digits = kUsual; digits < kEnough && std::isfinite(value); ++digits) {
     const std::string shorter = text(value, digits);

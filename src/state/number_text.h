@@ -1,13 +1,13 @@
-/// Numbers in messages.
+/// Text of numbers in messages.
 #pragma once
 
 #include <string>
 
 namespace haptic_cloth {
 
-/// The decimal number with the fewest digits, but up to six in any case, that reads back as the
-/// same double: two numbers that differ look different. std::to_chars does this, but not in the
-/// libraries of gcc 9 and 10.
+/// Decimal text of a number with six significant digits, or as many more as it takes to read back
+/// the same double: different numbers look different. std::to_chars does this, but is missing in
+/// the libraries of gcc 9 and 10.
 std::string shortestText(double value);
 
 }  // namespace haptic_cloth

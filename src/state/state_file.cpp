@@ -18,8 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Bounds with room to spare: a particle takes about 500 bytes and at most 4 for each probe that
-// touches it, fabric and obstacles less than 2 MiB.
+// Generous bounds: a particle takes about 500 bytes and at most 4 for each probe that touches it;
+// fabric and obstacles take less than 2 MiB.
 constexpr std::uint64_t kMostOverhead = std::uint64_t{1} << 26, kMostPerParticle = 4096;
 constexpr std::uint64_t kMostParticles = 1 << 24;
 
@@ -27,16 +27,15 @@ void requireName(const std::string& file) {
   if (file.empty()) throw InputError("state file", "", "", "must have a name");
 }
 
-/// A regular file that is open for reading. Opening it and reading from it do not wait for another
-/// process.
+/// Regular file that is open for reading. Opening and reading it never wait for another process.
 class RegularFile {
  public:
   explicit RegularFile(const std::string& name) : name_(name) {
     struct stat status {};
-    // Devices are not even opened: that alone has effects on some.
+    // Devices are not even opened, because that alone has effects on some.
     if (stat(name.c_str(), &status) != 0) cannotBeRead();
     requireRegular(status);
-    // Another process may have put a FIFO there since.
+    // Another process may have replaced it by a FIFO since.
     descriptor_ = open(name.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
     if (descriptor_ < 0) cannotBeRead();
     try {
@@ -54,7 +53,7 @@ class RegularFile {
 
   std::uint64_t size() const { return size_; }
 
-  /// Its first bytes, fewer where it ends before.
+  /// Reads its first `count` bytes, fewer if it ends before.
   std::string read(std::size_t count) const {
     std::string bytes(count, '\0');
     std::size_t have = 0;
