@@ -9,7 +9,8 @@ namespace haptic_cloth {
 Curve::Curve(double begin, double step, const std::vector<double>& forces)
     : begin_(begin), inverse_step_(1.0 / step) {
   assert(step > 0.0 && forces.size() >= 2);
-  // A table that means to have a node at zero gets it there exactly, so that f(0) = 0 has no rounding error.
+  // A node that is meant to lie at zero is put there exactly, so that f(0) = 0 without rounding
+  // error.
   double first = begin / step;
   if (std::abs(first - std::round(first)) < 1e-6) first = std::round(first);
 

@@ -7,19 +7,21 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr std::size_t kIntervals = 512;    ///< of a sampled law, at least
-constexpr double kReferenceStrain = 0.01;  ///< where compression_ratio takes the tensile stiffness [-]
+constexpr std::size_t kIntervals = 512;  ///< least number of intervals of a sampled law
+/// Strain at which compression_ratio takes the tangent stiffness [-]
+constexpr double kReferenceStrain = 0.01;
 
-// Slope after a reversal over that of the steeper branch: KES does not give it. In tension the branches meet
-// at both ends, so any value keeps the outer loop. In bending and shear the path crosses the loop's whole
-// width at each end; 30 cuts off less than 1.5 % of the area of any fabric we ship.
+// Slope after a reversal divided by that of the steeper branch, which KES does not give. In tension
+// the branches meet at both ends, so any value keeps the outer loop. In bending and shear the path
+// crosses the whole width of the loop at each end; 30 cuts off less than 1.5 % of the area of any
+// shipped fabric.
 constexpr double kTensileReversal = 3.0;
 constexpr double kOddReversal = 30.0;
 
-constexpr double kBendingEnd = 256.0;                          ///< KES bends to 250/m
-constexpr double kShearEnd = 8.0 / kes::kDegreesPerRadian;     ///< KES shears to 8° [rad]
-constexpr double kShearNarrow = 0.5 / kes::kDegreesPerRadian;  ///< where 2HG is read [rad]
-constexpr double kShearWide = 5.0 / kes::kDegreesPerRadian;    ///< where 2HG5 is read [rad]
+constexpr double kBendingEnd = 256.0;                          ///< [1/m]; KES bends to 250 1/m
+constexpr double kShearEnd = 8.0 / kes::kDegreesPerRadian;     ///< [rad]; KES shears to 8°
+constexpr double kShearNarrow = 0.5 / kes::kDegreesPerRadian;  ///< angle of 2HG [rad]
+constexpr double kShearWide = 5.0 / kes::kDegreesPerRadian;    ///< angle of 2HG5 [rad]
 
 std::vector<double> power(double exponent) {
   std::vector<double> forces;
@@ -92,7 +94,8 @@ HalfLoop meanLaw(const HalfLoop& a, const HalfLoop& b) {
 }
 
 Loop tensileLoop(const HalfLoop& half, double compression_ratio) {
-  // The tangent is a central difference over one sample, so that a corner of a table at 1 % has one answer.
+  // The tangent is a central difference over one interval, so it is defined even if a table has a
+  // corner at 1 %.
   const double reach = std::min(0.5 * half.step, kReferenceStrain);
   const double rise = branchAt(half.loading, half.step, kReferenceStrain + reach) -
                       branchAt(half.loading, half.step, kReferenceStrain - reach);
@@ -104,7 +107,7 @@ Loop tensileLoop(const HalfLoop& half, double compression_ratio) {
 }
 
 Loop oddLoop(const HalfLoop& half) {
-  // At zero the upper branch comes from the unloading one of the other side; it must not fall from there.
+  // Up to zero the upper branch is the mirrored unloading branch; it must not fall from there on.
   const double at_zero = std::max(half.loading.front(), -half.unloading.front());
   std::vector<double> upper;
   for (auto force = half.unloading.rbegin(); force != half.unloading.rend() - 1; ++force)

@@ -1,4 +1,4 @@
-/// Force laws of a fabric from KES parameters, linear constants or tables: numbers in, loops out.
+/// Force laws of a fabric, made from KES parameters, linear constants or tables.
 #pragma once
 
 #include <vector>
@@ -17,53 +17,58 @@ constexpr double kDegreesPerRadian = 57.2957795130823209;
 constexpr double kShearModulus = kForcePerWidth * kDegreesPerRadian;  ///< 1 gf/(cm·deg) [N/m per rad]
 }  // namespace kes
 
-/// A row of a measured curve: deformation and force, both in SI.
+/// Row of a measured curve: deformation and force in SI units.
 struct TableRow {
   double deformation;
   double force;
 };
 
-/// Force of a table at s within its rows, linear between them.
+/// Force of a table at s, linear between rows; s must lie within them.
 double interpolate(const std::vector<TableRow>& rows, double s);
 
-/// One half of a loop: forces at 0, step, 2 step, ..., while deformation grows and while it shrinks.
+/// One half of a loop: forces at 0, step, 2 step, ... for growing and for shrinking deformation.
 struct HalfLoop {
   double step;
   std::vector<double> loading;
-  std::vector<double> unloading;  ///< the same as loading for an elastic law
+  std::vector<double> unloading;  ///< equal to loading for an elastic law
 
   double end() const { return step * static_cast<double>(loading.size() - 1); }
 };
 
-/// Force of one branch at s ≥ 0, linear between its samples and past the end.
+/// Force of one branch at s ≥ 0, linear between its samples and beyond the end.
 double branchAt(const std::vector<double>& forces, double step, double s);
 
-/// T = F_m (ε/ε_m)^n with n = 2/LT − 1; unloading with n' = (n + 1)/RT − 1, which gives back RT of the work.
-/// @param largest_strain ε_m = EMT/100 [-], linearity LT in (0, 1], resilience RT as a fraction in (0, 1]
+/// Tensile law: T = F_m (ε/ε_m)^n with n = 2/LT − 1; unloading with n' = (n + 1)/RT − 1, which
+/// returns the share RT of the work.
+/// @param largest_strain ε_m = EMT/100 [-]
+/// @param linearity LT in (0, 1]
+/// @param resilience RT as a fraction in (0, 1]
 HalfLoop kesTensile(double largest_strain, double linearity, double resilience);
 
-/// M = B κ ± HB. @param rigidity [N·m]  @param half_width HB [N]
+/// Bending law: M = B κ ± HB. @param rigidity B [N·m]  @param half_width HB [N]
 HalfLoop kesBending(double rigidity, double half_width);
 
-/// S = G γ ± h(γ), h linear through half of 2HG at 0.5° and half of 2HG5 at 5°.
-/// @param modulus [N/m per rad]  @param half_width, half_width5 [N/m]
+/// Shear law: S = G γ ± h(γ), h linear through half of 2HG at 0.5° and half of 2HG5 at 5°.
+/// @param modulus G [N/m per rad]  @param half_width, half_width5 [N/m]
 HalfLoop kesShear(double modulus, double half_width, double half_width5);
 
-/// f = slope · s.
-/// @param end of the sampled part; a power of two, so that dividing by it does not round the slope
+/// Linear law: f = slope · s.
+/// @param end end of the sampled range; a power of two, so that dividing by it does not round the
+/// slope
 HalfLoop linearLaw(double slope, double end);
 
-/// Resamples tables that start at 0. Rows at equal distances keep their corners. @param unloading empty:
-/// elastic
+/// Resamples tables that start at 0. Equally spaced rows keep their corners.
+/// @param unloading empty: elastic
 HalfLoop tableLaw(const std::vector<TableRow>& loading, const std::vector<TableRow>& unloading);
 
 /// Mean of two laws (shear measured along warp and weft).
 HalfLoop meanLaw(const HalfLoop& a, const HalfLoop& b);
 
-/// The law in tension, and below zero a line of slope compression_ratio · (tangent stiffness at 1 % strain).
+/// Complete tensile law: below zero a line with the slope compression_ratio · (tangent stiffness at
+/// 1 % strain).
 Loop tensileLoop(const HalfLoop& half, double compression_ratio);
 
-/// The loop that is its own image under a turn by 180°: upper(−s) = −lower(s).
+/// Odd loop: upper(−s) = −lower(s).
 Loop oddLoop(const HalfLoop& half);
 
 }  // namespace haptic_cloth

@@ -12,12 +12,13 @@
 namespace haptic_cloth {
 namespace {
 
-// How far linear laws are sampled: about what KES measures, as powers of two (see linearLoading).
+// Range in which linear laws are sampled: about that of KES, in powers of two (see linearLaw()).
 constexpr double kLinearStrain = 1.0 / 16.0;  ///< [-]
 constexpr double kLinearCurvature = 256.0;    ///< [1/m]
 constexpr double kLinearShear = 1.0 / 8.0;    ///< [rad]
 
-/// Within these no product or quotient of a law overflows, and nothing measured comes near.
+/// Limits within which no product or quotient of a law overflows. Measured values are far from
+/// them.
 constexpr double kSmallest = 1e-12, kLargest = 1e12;
 
 double bounded(const YamlValue& value) {
@@ -33,11 +34,12 @@ double positive(const YamlValue& value) {
   return number;
 }
 
-// What no fabric has, but its number in a neighbouring unit does.
-constexpr double kHeaviest = 10.0;      ///< [kg/m²]; fabrics have 0.01 to 5, in g/m² 10 and more
-constexpr double kThickest = 0.05;      ///< [m]; fabrics have 1e-4 to 1e-2, in mm 0.1 and more
-constexpr double kLeastStretch = 0.1;   ///< of EMT [%]; fabrics have 0.5 to 50, as a fraction 0.005 to 0.5
-constexpr double kLeastResilience = 1;  ///< of RT [%]; fabrics have 30 to 95, as a fraction up to 1
+// Limits that no fabric reaches, but a number in a neighbouring unit does.
+constexpr double kHeaviest = 10.0;  ///< [kg/m²]; fabrics have 0.01 to 5, in g/m² 10 and more
+constexpr double kThickest = 0.05;  ///< [m]; fabrics have 1e-4 to 1e-2, in mm 0.1 and more
+/// EMT [%]; fabrics have 0.5 to 50, as a fraction 0.005 to 0.5.
+constexpr double kLeastStretch = 0.1;
+constexpr double kLeastResilience = 1;  ///< RT [%]; fabrics have 30 to 95, as a fraction up to 1
 
 double positiveUpTo(const YamlValue& value, double most, const char* rule) {
   const double number = positive(value);
@@ -74,12 +76,12 @@ std::vector<TableRow> readRows(const YamlValue& table) {
   return rows;
 }
 
-/// Unloading rows, completed to the range of loading: below the first the force stays, and the last joins
-/// loading's end.
+/// Reads unloading rows and completes them to the range of loading: the force is constant below the
+/// first row, and the last row is joined to the end of loading.
 std::vector<TableRow> readUnloading(const YamlValue& table, const std::vector<TableRow>& loading) {
   std::vector<TableRow> rows = readRows(table);
   const std::vector<YamlValue> entries = table.list();
-  // Room for rounding where both tables share their last row.
+  // Allows for rounding if both tables share their last row.
   const double slack = 1e-9 * loading.back().force;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (rows[i].deformation < 0.0 || rows[i].deformation > loading.back().deformation) {
@@ -102,7 +104,7 @@ std::vector<TableRow> readUnloading(const YamlValue& table, const std::vector<Ta
   return rows;
 }
 
-/// @param through_zero the law is not odd: it begins at no force
+/// @param through_zero the law is not odd, so its force starts at zero
 HalfLoop readTables(const YamlMap& map, bool through_zero) {
   const YamlValue table = map.require("loading", "is required beside unloading");
   const std::vector<TableRow> rows = readRows(table);
@@ -121,10 +123,11 @@ HalfLoop readTables(const YamlMap& map, bool through_zero) {
   return tableLaw(rows, unloading);
 }
 
-/// What a law may be written as.
+/// Form in which a law is written.
 enum class LawKind { Kes, Linear, Table };
 
-/// The three ways to write one law: its KES keys (the first one required), or `linear`, or tables.
+/// Keys of one law in its three forms: its KES keys (the first one is required), `linear`, or
+/// tables.
 struct LawKeys {
   std::vector<std::string> kes;
   std::string linear;
@@ -194,7 +197,7 @@ HalfLoop readKesShear(const YamlMap& map) {
   const double modulus = notNegative(map.require("G"));
   const double narrow = notNegativeOr(map, "2HG", notNegativeOr(map, "2HG5", 0.0));
   const double wide = notNegativeOr(map, "2HG5", narrow);
-  // Both branches rise, and the loop is open at zero and still at 8°, where the law ends.
+  // Both branches must rise, and the loop must be open at zero and still at 8°, where the law ends.
   if (std::abs(wide - narrow) > 9.0 * modulus || wide > 10.0 * narrow || wide < 0.4 * narrow) {
     map.require("2HG5").fail("must differ from 2HG by at most 9 G and be 0.4 to 10 times 2HG");
   }
@@ -214,7 +217,7 @@ HalfLoop readShearLaw(const YamlMap& map) {
   return readTables(map, false);
 }
 
-/// The laws of warp and weft; the same one twice where the file gives one for both.
+/// Laws of warp and weft; equal if the file gives one for both.
 struct Group {
   HalfLoop warp;
   HalfLoop weft;
@@ -222,7 +225,8 @@ struct Group {
   std::optional<YamlValue> bias;
 };
 
-/// One law for both directions, or `warp` and `weft` apart. @param bias whether a `bias` entry may stand here
+/// Reads one law for both directions, or separate ones for `warp` and `weft`.
+/// @param bias whether a `bias` entry is allowed
 template <class ReadLaw>
 Group readGroup(const YamlValue& group, const LawKeys& keys, bool bias, ReadLaw read_law) {
   std::vector<std::string> known = allKeys(keys);
@@ -244,7 +248,8 @@ Group readGroup(const YamlValue& group, const LawKeys& keys, bool bias, ReadLaw 
   return {read_law(YamlMap(warp, allKeys(keys))), read_law(YamlMap(weft, allKeys(keys))), true, bias_value};
 }
 
-/// B_t of the twist term from the rigidity on the bias: B_45 = (B_warp + B_weft)/4 + B_t/2.
+/// Computes B_t of the twist term from the rigidity on the bias: B_45 = (B_warp + B_weft)/4 +
+/// B_t/2.
 double twistRigidity(const Group& bending) {
   if (!bending.bias) return 0.0;
   const auto rigidity = [](const HalfLoop& half) {

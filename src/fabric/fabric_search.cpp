@@ -15,7 +15,7 @@ bool endsWith(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-/// The directories of the fabrics shipped with the package: in the source tree, then installed.
+/// Directories of the fabrics shipped with the package: in the source tree, then installed.
 std::vector<std::string> shippedDirectories() {
   std::vector<std::string> directories;
 #ifdef HAPTIC_CLOTH_SOURCE_FABRICS

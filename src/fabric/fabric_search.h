@@ -1,4 +1,4 @@
-/// Where fabrics are looked for.
+/// Search for fabric files.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace haptic_cloth {
 
-/// Every file that findFabric() tries, in its order.
+/// All files that findFabric() tries, in order.
 std::vector<std::string> fabricCandidates(const std::string& name_or_path, const std::string& base_directory);
 
 }  // namespace haptic_cloth

@@ -7,8 +7,9 @@ namespace haptic_cloth {
 
 Loop::Loop(double begin, double step, std::vector<double> upper, std::vector<double> lower, double reversal) {
   assert(reversal > 1.0 && upper.size() == lower.size() && upper.size() >= 2);
-  // One more interval at each end: there, and so past the ends, both branches rise alike, as the one does by
-  // which a deformation grows that way. So an odd loop is odd past its ends, too.
+  // One more interval at each end. There, and so beyond the ends, both branches rise alike: at the
+  // upper end like the upper branch, at the lower end like the lower. So an odd loop is odd beyond
+  // its ends, too.
   const double first = lower[1] - lower[0], last = upper.back() - upper[upper.size() - 2];
   for (auto* branch : {&upper, &lower}) {
     branch->insert(branch->begin(), branch->front() - first);
@@ -29,7 +30,7 @@ Loop::Loop(double begin, double step, std::vector<double> upper, std::vector<dou
   memory_ = widest > 1e-12 * largest;
   upper_ = Curve(begin_, step, upper);
   if (!memory_) return;
-  // Where both branches are level the path still has to rise.
+  // The path has to rise even where both branches are level.
   for (int i = 0; i < nodes_; ++i) path[i] += 1e-6 * largest * i;
   const double at_zero = Curve(begin_, step, path)(0.0).force;
   for (double& force : path) force -= at_zero;
@@ -49,9 +50,9 @@ std::vector<double> Loop::abovePath(const Curve& branch) const {
   return above;
 }
 
-/// The deformation at which branch - R, which falls everywhere, equals the play: a walk among the nodes from
-/// one where it is likely, in strides that double, a search between the last two, then the root of a line.
-/// Past the ends the last intervals' lines go on.
+/// Finds the deformation at which branch - R, which falls everywhere, equals the play. It walks
+/// among the nodes from a likely one in doubling strides, bisects between the last two, then takes
+/// the root of a line. Beyond the ends the lines of the last intervals continue.
 double Loop::joins(const std::vector<double>& above_path, double play, double near) const {
   const auto above = [&](int node) { return above_path[node] - play; };
   const int last = nodes_ - 1;

@@ -10,7 +10,7 @@
 namespace haptic_cloth {
 namespace {
 
-/// The one YAML document in `text`.
+/// Parses the only YAML document in `text`.
 YAML::Node parseText(const std::string& text, const std::string& origin, bool has_lines) {
   try {
     checkYamlLimits(text, origin, has_lines);
@@ -30,7 +30,8 @@ std::string readFile(const std::string& file) {
     throw InputError(file, "", "", "is a directory, must be a YAML file");
   }
   std::ifstream stream(file, std::ios::binary);
-  // A file too long, or one without an end such as a device, is left after the first part beyond the limit.
+  // Reading stops after the first part beyond the limit, if a file is too long or endless like a
+  // device.
   std::string text;
   for (std::array<char, 1 << 14> part{}; stream && text.size() <= YamlLimits::kBytes;) {
     stream.read(part.data(), part.size());
@@ -49,7 +50,7 @@ std::optional<std::size_t> parseIndex(const std::string& part) {
   return std::stoul(part);
 }
 
-/// One "a.b=VALUE", taken apart.
+/// Parts of one assignment "a.b=VALUE".
 struct Assignment {
   std::string text;
   std::vector<std::string> parts;
@@ -76,8 +77,8 @@ Assignment parseAssignment(const std::string& text) {
   return assignment;
 }
 
-/// A copy of `node` with the part that assignment.parts[depth...] names replaced; what is not on that path is
-/// shared, so that an anchor used twice changes only where it was named. Appends the way to `key`.
+/// Copies `node` and replaces the part that assignment.parts[depth...] names. Nodes off that path
+/// are shared, so an anchor used twice changes only where it was named. Appends the path to `key`.
 YAML::Node replaced(const YAML::Node& node, const Assignment& assignment, std::size_t depth,
                     std::string& key) {
   if (depth == assignment.parts.size()) return assignment.value;

@@ -12,12 +12,13 @@
 namespace haptic_cloth {
 namespace {
 
-/// Counts values and depth as the parser tells of them.
+/// Counts values and depth during parsing.
 class Counter : public YAML::EventHandler {
  public:
   Counter(const std::string& origin, bool has_lines) : origin_(origin), has_lines_(has_lines) {}
 
-  /// For some malformed texts, a comma in front among them, the parser finds empty documents without end.
+  /// The parser finds endless empty documents in some malformed texts, such as one with a leading
+  /// comma.
   void OnDocumentStart(const YAML::Mark&) override {
     if (begun_) throw InputError(origin_, "", "", "must hold one YAML document, not several");
     begun_ = true;
@@ -47,7 +48,7 @@ class Counter : public YAML::EventHandler {
   void OnMapEnd() override { close(); }
 
  private:
-  /// A list or mapping that has begun.
+  /// List or mapping that is not complete yet.
   struct Open {
     YAML::anchor_t anchor;
     std::size_t values_before;
@@ -87,10 +88,11 @@ class Counter : public YAML::EventHandler {
 
   const std::string& origin_;
   bool has_lines_;
-  bool begun_ = false;  ///< a document has
+  bool begun_ = false;  ///< a document has begun
   std::size_t values_ = 0;
   std::vector<Open> open_;
-  std::unordered_map<YAML::anchor_t, std::size_t> sizes_;  ///< of what an anchor names, once it is complete
+  std::unordered_map<YAML::anchor_t, std::size_t> sizes_;  ///< number of values that an anchor
+                                                           ///< names, once complete
 };
 
 }  // namespace

@@ -21,7 +21,8 @@ bool hasDigit(const std::string& text) {
   return std::any_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
 }
 
-/// A decimal number in YAML's spelling. Independent of the locale, which a host program may have set.
+/// Parses a decimal number in YAML's spelling, independent of the locale, which a host program may
+/// have set.
 std::optional<double> parseNumber(const std::string& text) {
   if (!hasDigit(text) || text.find_first_not_of("0123456789+-.eE") != std::string::npos) return {};
   std::istringstream stream(text);
@@ -156,7 +157,7 @@ YamlMap::YamlMap(const YamlValue& value, std::vector<std::string> known)
       value_.failAt(name, entry.first, "unknown key; known here: " + joined(known_));
     }
   }
-  value_.entries();  // refuses a key that stands there twice
+  value_.entries();  // refuses a key that occurs twice
 }
 
 std::optional<YamlValue> YamlMap::find(const std::string& name) const {

@@ -1,5 +1,5 @@
-/// Strict reading of YAML: every value is typed, every key known, every message names file, line, key, value
-/// and rule.
+/// Strict reading of YAML: every value is typed, every key is known, and every message names file,
+/// line, key, value and rule.
 #pragma once
 
 #include <yaml-cpp/yaml.h>
@@ -16,10 +16,10 @@
 
 namespace haptic_cloth {
 
-/// Where a document came from, for messages.
+/// Source of a document, for messages.
 struct YamlSource {
   std::string file;                     ///< path, or a name such as "~ (parameters)"
-  bool has_lines = false;               ///< line numbers mean something to the reader of a message
+  bool has_lines = false;               ///< line numbers are useful in messages
   std::vector<std::string> overridden;  ///< keys whose values came from the command line
 
   /// "scene.yaml:12", or "--set" for a key that was overridden. @param line 0-based, < 0: unknown
@@ -35,16 +35,16 @@ class YamlValue {
   int integer() const;    ///< 3, not 3.0 or 0.1
   std::string text() const;
   std::vector<YamlValue> list() const;
-  /// A list of `count` entries. @param what names them in the message ("numbers")
+  /// List of `count` entries. @param what name of the entries in the message ("numbers")
   std::vector<YamlValue> list(std::size_t count, const std::string& what) const;
   template <std::size_t N>
   std::array<double, N> numbers() const;
   template <std::size_t N>
   std::array<int, N> integers() const;
   Vec3 vector() const;
-  /// Names and values of a mapping whose keys are free, in their order.
+  /// Names and values of a mapping with free keys, in order.
   std::vector<std::pair<std::string, YamlValue>> entries() const;
-  /// One of the given names.
+  /// Value for one of the given names.
   template <class T>
   T choice(const std::vector<std::pair<std::string, T>>& names) const;
 
@@ -53,10 +53,10 @@ class YamlValue {
   const YAML::Node& node() const { return node_; }
   const std::string& key() const { return key_; }
 
-  /// The value of `name` below this one, which must be a mapping.
+  /// Value of `name` below this one, which must be a mapping.
   YamlValue child(const YAML::Node& node, const std::string& name) const;
   [[noreturn]] void fail(const std::string& rule) const;
-  /// As fail(), about a key below this one.
+  /// Same as fail(), for a key below this one.
   [[noreturn]] void failAt(const std::string& name, const YAML::Node& where, const std::string& rule) const;
 
  private:
@@ -65,18 +65,18 @@ class YamlValue {
   std::string key_;
 };
 
-/// A mapping of which all keys are known beforehand.
+/// Mapping whose keys are all known.
 class YamlMap {
  public:
-  /// @param known every key that may stand here
-  /// @throws InputError if `value` is no mapping, has another key, or one twice
+  /// @param known every key that is allowed
+  /// @throws InputError if `value` is not a mapping, or has another key or a key twice
   YamlMap(const YamlValue& value, std::vector<std::string> known);
 
   std::optional<YamlValue> find(const std::string& name) const;
-  /// @param rule what the message says when the key is missing
+  /// @param rule text of the message if the key is missing
   YamlValue require(const std::string& name, const std::string& rule = "is required") const;
 
-  /// Overwrite `target` if the key is there; so defaults stay where the target was declared.
+  /// Overwrites `target` if the key exists; defaults thus stay where the target was declared.
   void read(const std::string& name, double& target) const;
   void read(const std::string& name, int& target) const;
   void read(const std::string& name, Vec3& target) const;
@@ -91,18 +91,18 @@ class YamlMap {
   std::vector<std::string> known_;
 };
 
-/// A YAML file or text with overrides.
+/// YAML file or text with overrides.
 class YamlDocument {
  public:
   static YamlDocument fromFile(const std::string& file);
   static YamlDocument fromText(const std::string& text, const std::string& origin);
 
-  /// Puts "a.b=VALUE" (VALUE in YAML; "a.0.b" and "a[0].b" reach into lists) into the tree.
+  /// Sets a value: "a.b=VALUE" (VALUE in YAML; "a.0.b" and "a[0].b" reach into lists).
   void override(const std::string& assignment);
 
   YamlValue root() const;
 
-  /// Place in the source of the deepest part of `key` that is written there ("scene.yaml:12").
+  /// Place of the deepest part of `key` that the source contains ("scene.yaml:12").
   std::string locate(const std::string& key) const;
 
  private:
@@ -112,13 +112,13 @@ class YamlDocument {
   YamlSource source_;
 };
 
-/// The parts of a dotted key: "a.b[0].c" and "a.b.0.c" → a, b, 0, c. Empty parts stay.
+/// Parts of a dotted key: "a.b[0].c" and "a.b.0.c" → a, b, 0, c. Empty parts stay.
 std::vector<std::string> splitKey(const std::string& key);
 
-/// "a, b, c".
+/// Words separated by commas: "a, b, c".
 std::string joined(const std::vector<std::string>& words);
 
-/// A value as written, on one line and cut short where it is long.
+/// Value as written, on one line and shortened.
 std::string describe(const YAML::Node& node);
 
 template <std::size_t N>
