@@ -30,7 +30,7 @@ ColumnState operator*(double f, const ColumnState& a) {
   return {f * a.theta, f * a.slope, f * a.height, f * a.deflection};
 }
 
-/// From the tip back to the foot.
+/// Integrates from the tip back to the foot.
 ColumnState integrate(double tip_angle, double lambda, double tilt) {
   const auto rate = [tilt](double u, const ColumnState& a) {
     return ColumnState{a.slope, -u * std::sin(a.theta + tilt), std::cos(a.theta), std::sin(a.theta)};
@@ -49,8 +49,8 @@ ColumnState integrate(double tip_angle, double lambda, double tilt) {
   return a;
 }
 
-/// Σ cₙ with c₀ = 1 and cₙ₊₁ = -cₙ x / ((p n + p)(p n + p - 1)): f(1) of f'' = -x z^(p-2) f, f(0) = 1,
-/// f'(0) = 0.
+/// Sums cₙ with c₀ = 1 and cₙ₊₁ = -cₙ x / ((p n + p)(p n + p - 1)): f(1) of f'' = -x z^(p-2) f,
+/// f(0) = 1, f'(0) = 0.
 double series(double x, int power) {
   double term = 1.0, sum = 1.0;
   for (int n = 1; n < 60; ++n) {

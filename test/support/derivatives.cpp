@@ -33,7 +33,7 @@ double differenceCurvature(const Gradient& gradient, const VectorXd& x, const Ve
 }
 
 VectorXd fixedRandom(int size, unsigned seed) {
-  std::mt19937 bits(seed);  // its sequence is fixed by the standard; that of the distributions is not
+  std::mt19937 bits(seed);  // the standard fixes its sequence, but not those of the distributions
   VectorXd values(size);
   for (double& value : values) value = 2.0 * (bits() / 4294967295.0) - 1.0;
   return values;

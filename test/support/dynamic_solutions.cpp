@@ -19,7 +19,7 @@ double root(double low, double high, const std::function<double(double)>& f) {
   return 0.5 * (low + high);
 }
 
-/// The first place from `start` on, looked at every `step`, where f changes its sign; then refined.
+/// First sign change of f from `start` on, searched in steps of `step`, then refined.
 double nextRoot(double start, double step, const std::function<double(double)>& f) {
   double before = f(start);
   for (double x = start + step;; x += step) {
@@ -46,7 +46,7 @@ State<N> rungeKutta(double s, double h, const State<N>& a, const Rate& rate) {
   return b;
 }
 
-/// y, y', y'', y''' of a hanging strip that starts at its tip with y and y', at 0, 1/n ... 1.
+/// y, y', y'', y''' of a hanging strip at 0, 1/n ... 1 from its tip, which starts with y and y'.
 std::vector<State<4>> swing(double gamma, double frequency, double y, double slope, int n) {
   const auto rate = [&](double s, const State<4>& a) {
     return State<4>{a[1], a[2], a[3], gamma * (s * a[2] + a[1] + frequency * frequency * a[0])};
@@ -76,7 +76,7 @@ HangingMode hangingStripMode(double gamma, int number, int intervals) {
   const auto ends = [&](double frequency) {
     return std::pair(swing(gamma, frequency, 1.0, 0.0, refined), swing(gamma, frequency, 0.0, 1.0, refined));
   };
-  // Some mixture of the two has y = y' = 0 at the top.
+  // A combination of the two solutions has y = y' = 0 at the top.
   const auto determinant = [&](double frequency) {
     const auto [a, b] = ends(frequency);
     return a.back()[0] * b.back()[1] - a.back()[1] * b.back()[0];
@@ -100,7 +100,7 @@ double backwardEulerEnergy(double omega_h) {
 
 DroopedTip droopedStrip(double length, double weight, const std::function<double(double)>& curvature) {
   constexpr int kSteps = 4000;
-  // From the tip: θ, moment, x, drop over u, the distance from the tip.
+  // State from the tip: θ, moment, x, drop over u, the distance from the tip.
   const auto rate = [&](double u, const State<4>& a) {
     return State<4>{-curvature(a[1]), weight * u * std::cos(a[0]), std::cos(a[0]), std::sin(a[0])};
   };
@@ -115,10 +115,10 @@ DroopedTip droopedStrip(double length, double weight, const std::function<double
 
 namespace {
 
-/// θ, κ, x, drop, going back from the tip.
+/// θ, κ, x, drop, integrated back from the tip.
 using Bent = State<4>;
 
-/// Heavy elastica from its tip to the edge; -κ' = dκ/du = cos θ · u, weight u hangs beyond.
+/// Heavy elastica from its tip to the edge; -κ' = dκ/du = cos θ · u, with the weight u beyond.
 Bent outside(double tip, double overhang) {
   constexpr int kSteps = 2000;
   const auto rate = [](double u, const Bent& a) {
@@ -129,9 +129,9 @@ Bent outside(double tip, double overhang) {
   return a;
 }
 
-/// From the edge back over the hump to where the strip touches the table again with no moment. The edge
-/// pushes at right angles to the strip, so the tension along it goes on; its horizontal part is what holds
-/// the strip, the tip's drop.
+/// Integrates from the edge back over the hump to where the strip touches the table again without
+/// moment. The edge pushes at right angles to the strip, so the tension along it is continuous; its
+/// horizontal part, equal to the drop of the tip, holds the strip.
 std::pair<Bent, double> inside(const Bent& edge, double overhang) {
   constexpr double kStep = 2e-3, kFarthest = 6.0;
   const double hold = edge[3], along = overhang * std::sin(edge[0]);
@@ -157,8 +157,8 @@ std::pair<Bent, double> inside(const Bent& edge, double overhang) {
 }  // namespace
 
 OverEdge stripOverEdge(double overhang) {
-  // A tip as low as that of a clamped strip leaves the edge level, which no table can hold; from there down
-  // to the first that lies flat where its moment ends.
+  // A tip as low as that of a clamped strip leaves the edge level, which no table can hold. The
+  // search goes on to lower tips until the strip lies flat where its moment ends.
   const double clamped = nextRoot(0.0, 0.05, [&](double tip) { return outside(tip, overhang)[0]; });
   const double tip = nextRoot(clamped + 0.01, 0.001,
                               [&](double t) { return inside(outside(t, overhang), overhang).first[0]; });

@@ -1,18 +1,18 @@
-/// What a sampled swing was like.
+/// Analysis of a sampled oscillation.
 #pragma once
 
 #include <vector>
 
 namespace haptic_cloth {
 
-/// A swing about a rest position: z = ρ e^{iφ} a step.
+/// Oscillation about a rest position: factor z = ρ e^{iφ} per step.
 struct Oscillation {
-  double phase;   ///< φ [rad a step]
-  double energy;  ///< kept over a period, ρ^{4π/φ} [-]
+  double phase;   ///< φ [rad per step]
+  double energy;  ///< energy kept over a period, ρ^{4π/φ} [-]
 };
 
-/// By least squares of x_{n+1} - 2ρ cos φ x_n + ρ² x_{n-1} = const over steps `stride` apart.
-/// @param first sample that counts
+/// Fits x_{n+1} - 2ρ cos φ x_n + ρ² x_{n-1} = const by least squares, over steps `stride` apart.
+/// @param first first sample to be used
 Oscillation fitOscillation(const std::vector<double>& x, int first, int stride);
 
 }  // namespace haptic_cloth

@@ -1,4 +1,4 @@
-/// A sheet that touches everything the potential has: for tests of objectives.
+/// Sheet that uses every term of the potential, for tests of objectives.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -12,7 +12,8 @@
 
 namespace haptic_cloth {
 
-/// 17 x 17 particles, a pinned edge, a ball below, a probe above, twist, a hysteretic weft.
+/// Scene with 17 × 17 particles, a pinned edge, a ball below, a probe above, twist, and hysteresis
+/// in weft bending.
 inline Scene pressedSheet() {
   LinearFabric linear;
   linear.rigidity = 1e-5;
@@ -34,7 +35,8 @@ inline Scene pressedSheet() {
   return scene;
 }
 
-/// The sheet on a mesh of mixed levels with ghosts, noise on all positions, in the middle of a step.
+/// Fixture: the sheet on a mesh of mixed levels with hanging nodes and noise on all positions,
+/// within a step.
 class ObjectiveTest : public ::testing::Test {
  protected:
   ObjectiveTest()

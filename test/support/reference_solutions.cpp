@@ -33,7 +33,7 @@ ElasticaState rate(double u, const ElasticaState& a) {
   return {a.slope, -u * std::cos(a.theta), std::cos(a.theta), std::sin(a.theta)};
 }
 
-/// From the tip back to the clamp.
+/// Integrates from the tip back to the clamp.
 ElasticaState integrate(double tip_angle, double lambda) {
   constexpr int kSteps = 2000;
   const double h = lambda / kSteps;
@@ -59,14 +59,15 @@ Cantilever heavyElastica(double lambda) {
 }
 
 Catenary catenary(double length) {
-  // Half span over the catenary's parameter a: sinh(q)/q = length.
+  // q is half the span over the parameter a of the catenary: sinh(q)/q = length.
   const double q = bisect(1e-9, 50.0, [length](double p) { return std::sinh(p) / p - length; });
   const double a = 0.5 / q;
   return {a * (std::cosh(q) - 1.0), a / length, a * std::cosh(q) / length};
 }
 
 Catenary elasticCatenary(double length, double stiffness) {
-  // Weight 1: half of it hangs on each side; H rises until the two halves meet over the span.
+  // The weight is 1, and half of it hangs on each side. H rises until the two halves meet over the
+  // span.
   const auto span = [&](double h) { return length * (h / stiffness + 2.0 * h * std::asinh(0.5 / h)); };
   const double h = bisect(1e-12, 2.0 * stiffness, [&](double p) { return span(p) - 1.0; });
   const double largest = std::hypot(h, 0.5);

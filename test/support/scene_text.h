@@ -1,4 +1,4 @@
-/// A scene back to the text that gives it: what a failed case leaves behind so that `simulate` replays it.
+/// Text of a scene, so that `simulate` can replay a failed case.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace haptic_cloth {
 
-/// Scene file (scenes.md) that reads back to the same doubles. A scene does not know where its fabric
-/// came from: @param fabric_file path of the fabric file, as `cloth.fabric` will have it.
+/// Writes a scene file (scenes.md) that reads back to the same doubles.
+/// @param fabric_file path for `cloth.fabric`; a scene does not know where its fabric came from
 std::string sceneText(const Scene& scene, const std::string& fabric_file);
 
 }  // namespace haptic_cloth

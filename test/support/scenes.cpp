@@ -81,7 +81,7 @@ Scene boxDrape(int particles) {
   Obstacle box;
   box.shape = Shape::Box;
   box.size = Vec3(0.15, 0.15, 0.1);
-  box.pose.position = Vec3(0.0, 0.0, -0.055);  // its top is 5 mm below the cloth
+  box.pose.position = Vec3(0.0, 0.0, -0.055);  // top 5 mm below the cloth
   scene.obstacles = {box};
   scene.air_damping = 0.5;
   return scene;

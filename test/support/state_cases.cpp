@@ -9,16 +9,16 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kStep = 1e-3;  ///< of all cases [s]
+constexpr double kStep = 1e-3;  ///< time step of all cases [s]
 
-/// With memory in tension, bending and shear, and twist.
+/// Fabric with memory in tension, bending and shear, and with twist.
 Fabric richFabric() {
   Fabric fabric = loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/winter_suiting.yaml");
   fabric.twist_rigidity = 1e-5;
   return fabric;
 }
 
-/// Square, with cells of 5 mm, held on all sides.
+/// Square with cells of 5 mm, held on all sides.
 Scene heldSheet(int particles, Strategy strategy) {
   const double size = 0.005 * (particles - 1);
   Scene scene = sheetScene(richFabric(), particles, particles, size, size);
@@ -30,7 +30,7 @@ Scene heldSheet(int particles, Strategy strategy) {
   return scene;
 }
 
-/// A capsule comes down, slides and turns; the mesh follows it.
+/// A capsule comes down, slides and turns, and the mesh follows it.
 Scene capsuleScene(int particles, Strategy strategy) {
   Scene scene = heldSheet(particles, strategy);
   scene.probes[0].length = 0.01;
@@ -42,7 +42,7 @@ Scene capsuleScene(int particles, Strategy strategy) {
 }
 
 void driveCapsule(Simulation& simulation, int step) {
-  if (step >= 71 && step < 74) return;  // silent
+  if (step >= 71 && step < 74) return;  // no input
   const double t = step * kStep, down = std::min(t, 0.04), slid = std::max(0.0, t - 0.04);
   const Vec3 position(-0.015 + 0.3 * slid, 0.1 * slid, 0.014 - 0.4 * down), velocity(0.3, 0.1, 0.0);
   const Quat turn(Eigen::AngleAxisd(8.0 * t, Vec3(1.0, 2.0, 1.0).normalized()));
@@ -67,7 +67,8 @@ StateCase jointCost() {
             return did.touched > 20 && did.refined > 0; }};
 }
 
-/// Two probes, one of which takes hold, lifts and lets go; the other appears in the cloth, and is gone later.
+/// Two probes: one grasps, lifts and releases; the other appears inside the cloth and is removed
+/// later.
 StateCase graspedSheet() {
   Scene scene = sheetScene(richFabric(), 17, 17, 0.08, 0.08);
   setStrategy(scene, Strategy::Amrc, 2);
@@ -90,7 +91,7 @@ StateCase graspedSheet() {
           }};
 }
 
-/// A box is sent through a hanging cloth, farther than it may go in a step, and turned.
+/// A box is sent through a hanging cloth, farther than it may move in a step, and turned.
 StateCase movedObstacles() {
   Scene scene = boxDrape(17);
   scene.cloth.fabric = richFabric();
@@ -114,9 +115,9 @@ StateCase movedObstacles() {
             return did.moved > 50; }};
 }
 
-/// Comes to rest, is left out, and wakes: by a shift of an obstacle that it does not touch, by a probe that
-/// pushes a corner of it, so slowly from where it touches that the far side sleeps on for some 20 steps
-/// however the numbers are rounded.
+/// Comes to rest, skips steps, and wakes: first by an obstacle that moves without touching it, then
+/// by a probe that pushes a corner. The probe is so slow that the far side sleeps for about 20 more
+/// steps, however the numbers are rounded.
 StateCase sleepingSheet() {
   Scene scene = heldSheet(33, Strategy::Finest);
   scene.air_damping = 30.0;
@@ -144,7 +145,8 @@ StateCase sleepingSheet() {
           }};
 }
 
-/// Hangs by its corners from the coarsest mesh on, which its weight splits while it is still flat.
+/// Hangs by its corners from the coarsest mesh, which splits under its weight while it is still
+/// flat.
 StateCase coarseHammock() {
   Scene scene = sheetScene(richFabric(), 17, 17, 0.3, 0.3);
   setStrategy(scene, Strategy::Amrc, 4);
@@ -156,7 +158,7 @@ StateCase coarseHammock() {
   return {"a coarse hammock", scene, drive, 40, {3}, [](const Exercised& did) { return did.refined > 0; }};
 }
 
-/// FNV-1a, 64 bit, as the format has it.
+/// FNV-1a, 64 bit, as in the file format.
 class Hash {
  public:
   void add(const void* data, std::size_t size) {

@@ -1,4 +1,4 @@
-/// Scenes that together use every part of a simulation's state, and the entries of a saved one.
+/// Scenes that together use every part of a simulation's state, and the entries of a saved state.
 #pragma once
 
 #include <cstdint>
@@ -10,38 +10,42 @@
 
 namespace haptic_cloth {
 
-/// What a run went through.
+/// Events of a run, to check what a case exercises.
 struct Exercised {
-  int refined = 0, coarsened = 0;  ///< cells
-  int idle = 0, asleep = 0;        ///< steps left out; steps in which some slept and some did not
-  int touched = 0, held = 0;       ///< steps in which a probe was in contact; in which one held cloth
-  int ignored = 0;                 ///< steps in which a probe was there, in the cloth, and touched nothing
-  int most_awake = 0;              ///< particles
-  int moved = 0;                   ///< steps in which an obstacle changed its pose
+  int refined = 0, coarsened = 0;  ///< number of cells
+  /// Steps that were skipped; steps in which some particles slept and others did not.
+  int idle = 0, asleep = 0;
+  /// Steps in which a probe was in contact; steps in which one held cloth.
+  int touched = 0, held = 0;
+  /// Steps in which a probe was present, inside the cloth, and touched nothing.
+  int ignored = 0;
+  int most_awake = 0;  ///< largest number of awake particles
+  int moved = 0;       ///< steps in which an obstacle moved
 };
 
-/// A run of which each step's inputs depend on nothing but the step's number.
+/// Run whose inputs depend only on the number of the step.
 struct StateCase {
   std::string name;
   Scene scene;
   std::function<void(Simulation&, int step)> drive;
   int steps;
-  std::vector<int> saves;                           ///< after so many steps it is saved
-  std::function<bool(const Exercised&)> exercises;  ///< what the case is there for
+  std::vector<int> saves;                           ///< steps after which the state is saved
+  std::function<bool(const Exercised&)> exercises;  ///< tells whether the run exercised what the
+                                                    ///< case is for
 };
 
 std::vector<StateCase> stateCases();
 
-/// Hash over the bits of all that can be asked of a simulation.
+/// Hash of the bits of everything that can be queried.
 std::uint64_t readings(const Simulation& simulation);
 
-/// The same, and all of what a step says of itself but the time it took.
+/// Hash that also covers the report of a step, except its times.
 std::uint64_t readings(const Simulation& simulation, const StepReport& report);
 
-/// One step of a case. @param exercised added to, if given @return readings after it
+/// Makes one step of a case. @param exercised updated if given @return readings after the step
 std::uint64_t advance(const StateCase& run, Simulation& simulation, int step, Exercised* exercised = nullptr);
 
-/// An entry of a saved state, see docs/reference/states.md.
+/// Entry of a saved state, see docs/reference/states.md.
 struct StateEntry {
   std::string name;
   char type;
@@ -50,7 +54,7 @@ struct StateEntry {
 
 std::vector<StateEntry> stateEntries(const std::string& sealed);
 
-/// A state of these entries, whole in all but what they say.
+/// Makes a valid state from entries, whatever they contain.
 std::string sealState(const std::vector<StateEntry>& entries);
 
 }  // namespace haptic_cloth

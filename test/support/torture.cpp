@@ -20,9 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kStandardGravity = 9.80665;  // residuals count in it where a scene has none [m/s²]
+constexpr double kStandardGravity = 9.80665;  // [m/s²], unit of residuals if a scene has no gravity
 constexpr double kRoundOff = 1e-10;           // sums of 10³ terms, each rounded by 1e-16, over 10³ steps
-constexpr double kMostGained = 0.1;           // of what was turned over, whatever the residuals explain
+constexpr double kMostGained = 0.1;           // of the turnover, whatever residuals explain
 
 fs::path outputDirectory() {
   const char* wanted = std::getenv("HAPTIC_CLOTH_TORTURE_OUT");
@@ -36,7 +36,7 @@ void writeText(const fs::path& file, const std::string& text) {
   ASSERT_TRUE(stream.flush()) << file;
 }
 
-/// As `simulate` drives a scene (src/tools/run.cpp).
+/// Drives the inputs as `simulate` does (src/tools/run.cpp).
 void followPaths(ClothWorld& world) {
   const Scene& scene = world.scene;
   const double h = scene.solver.time_step, end = world.time() + h;
@@ -81,7 +81,7 @@ std::uint64_t hashOf(const ClothWorld& world) {
   return hash;
 }
 
-/// One run of a case, step by step, with its books.
+/// One run of a case, step by step, with its energy balance.
 class Run {
  public:
   Run(const Torture& wanted, const Scene& scene) : wanted_(wanted), world_(scene) {
@@ -109,7 +109,7 @@ class Run {
     return result_;
   }
 
-  /// Hash after so many steps, without the books.
+  /// Hash after a number of steps, without the balance.
   std::uint64_t hashAfter(long steps) {
     for (long step = 0; step < steps; ++step) {
       drive(step);
@@ -118,13 +118,13 @@ class Run {
     return hashOf(world_);
   }
 
-  /// Where the devices were, as rows of a path.
+  /// Positions of the devices, as rows of paths.
   const std::vector<std::vector<PathPoint>>& ways() const { return ways_; }
   const std::string& probeRows() const { return rows_; }
 
  private:
-  static constexpr long kTell =
-      600000;  ///< steps after which a long run says where it is: ten minutes at 1 kHz
+  /// Steps between progress messages of a long run: ten minutes at 1 kHz.
+  static constexpr long kTell = 600000;
 
   void tell() const {
     std::cout << "  " << wanted_.name << ", " << world_.time() << " s: gain " << result_.gain << " J of "
@@ -159,8 +159,8 @@ class Run {
     if (wanted_.after) wanted_.after(world_, result_.steps - 1);
   }
 
-  /// Bending energy that the surface normals make when a step takes them anew, of a copy: the step itself
-  /// looks at the mesh with the old ones [J].
+  /// Bending energy that the next step creates by turning the surface normals [J]. It is measured
+  /// on a copy, because the step makes its mesh decisions with the old normals.
   double madeByTurning() const {
     InternalEnergy internal = world_.internal;
     const auto bending = [&] {
@@ -171,7 +171,7 @@ class Run {
     return std::max(0.0, bending() - before);
   }
 
-  /// Where devices and obstacles are; nothing for a device that is not there.
+  /// Positions of devices and obstacles; none for a device that is absent.
   std::vector<std::optional<Vec3>> inputs() const {
     std::vector<std::optional<Vec3>> places;
     for (const ProbeReport& probe : world_.probes)
@@ -181,8 +181,8 @@ class Run {
     return places;
   }
 
-  /// How fast the inputs were in the step, but for jumps, how far the cloth has sunk and what it is strained
-  /// by.
+  /// Records the speed of the inputs in the step (except jumps), the depth of the cloth and its
+  /// strain.
   void noteMotion() {
     const double h = world_.scene.solver.time_step, g = world_.scene.gravity.norm();
     const std::vector<std::optional<Vec3>> now = inputs();
@@ -203,8 +203,8 @@ class Run {
     }
   }
 
-  /// What the couplings cannot have pulled with: the proxy has no mass but that which its residual counts
-  /// with, and the sum of all residuals is the report's.
+  /// Records the force that the couplings cannot explain. The proxy has no mass but that of its
+  /// residual, and the report holds the sum of all residuals.
   void noteForces(const StepReport& report) {
     const double h = world_.scene.solver.time_step;
     const double residual = std::max(report.minimizer.residual, world_.scene.solver.minimizer.tolerance);
@@ -221,8 +221,8 @@ class Run {
     }
   }
 
-  /// Energy less work is what the cloth began with less what was dissipated: it may only fall. The rise and
-  /// what it is allowed begin anew at each low.
+  /// Updates the balance. Energy minus work equals the initial energy minus dissipation, so it may
+  /// only fall. The rise and its allowance start again at each low.
   void balance(const StepReport& report, const EnergyReport& energy) {
     const double work = energy.work - work_before_;
     work_before_ = energy.work;
@@ -240,7 +240,7 @@ class Run {
     }
   }
 
-  /// What the particles moved in the step, rms by mass [m].
+  /// Displacement of the particles in the step, rms by mass [m].
   double way() {
     double sum = 0.0;
     shown_.swap(shown_before_);
@@ -252,7 +252,7 @@ class Run {
     return std::sqrt(sum / world_.mass());
   }
 
-  /// Positions of all finest particles, in coarse cells as these interpolate them.
+  /// Records the positions of all finest particles, interpolated in coarse cells.
   void show() {
     shown_ = world_.state.position;
     for (const Patch& patch : world_.mesh.patches) {
@@ -261,7 +261,8 @@ class Run {
   }
 
   void note() {
-    constexpr long kMostRows = 200000;  // enough to reach a failure; a soak would fill the disk
+    // Enough to reach a failure; a soak test would fill the disk.
+    constexpr long kMostRows = 200000;
     std::ostringstream rows;
     rows.precision(17);
     for (std::size_t k = 0; k < world_.probes.size(); ++k) {
@@ -285,7 +286,7 @@ class Run {
   TortureResult result_;
   double weight_ = 0.0, work_before_ = 0.0, most_dissipated_ = 0.0, allowed_ = 0.0;
   std::vector<Vec3> shown_, shown_before_, began_;
-  std::vector<std::optional<Vec3>> inputs_;  ///< at the end of the last step
+  std::vector<std::optional<Vec3>> inputs_;  ///< positions at the end of the last step
   std::vector<std::vector<PathPoint>> ways_;
   std::string rows_;
 };
@@ -329,7 +330,8 @@ std::string writeFabric(const LinearFabric& linear) {
        << "}\ncompression_ratio: " << linear.compression << '\n';
   std::ostringstream name;
   name << testing::TempDir() << "haptic_cloth_fabric_" << std::hash<std::string>()(text.str()) << ".yaml";
-  const std::string partial = name.str() + std::to_string(getpid());  // another process may want the same
+  const std::string partial = name.str() + std::to_string(getpid());  // another process may write
+                                                                      // the same file
   writeText(partial, text.str());
   fs::rename(partial, name.str());
   return name.str();
@@ -345,7 +347,7 @@ std::string saveTorture(const Torture& wanted, const std::string& directory) {
 TortureResult torture(const Torture& wanted) {
   const bool had_failed = testing::Test::HasFailure();
   const fs::path directory = outputDirectory() / wanted.name;
-  // What runs is what is saved, read back.
+  // The run uses the saved scene, read back.
   Scene scene = loadScene(saveTorture(wanted, directory.string()));
   Run run(wanted, scene);
   TortureResult result = run.run();

@@ -1,4 +1,4 @@
-// What a run's own inputs explain of its speeds, strains and forces.
+// Limits of speeds, strains and forces that follow from a run's own inputs.
 #include <algorithm>
 #include <cmath>
 
@@ -7,12 +7,12 @@
 namespace haptic_cloth {
 namespace {
 
-/// Energy of the law at a strain, which may be below zero [J/m²].
+/// Energy of the law at a strain, which may be negative [J/m²].
 double energyAt(const Loop& law, double strain) {
   return law.upper()(strain).potential - law.upper()(0.0).potential;
 }
 
-/// Least strain at which `reached`, which holds from there on.
+/// Smallest strain at which `reached` is true; it must stay true for larger strains.
 template <class Reached>
 double leastStrain(const Reached& reached) {
   double low = 0.0, high = 1e-3;
@@ -24,13 +24,13 @@ double leastStrain(const Reached& reached) {
   return high;
 }
 
-/// Of inputs and fall.
+/// Speed from inputs and fall [m/s].
 double motionOf(const TortureResult& result, const Scene& scene) {
   return 2.0 * result.driven + std::sqrt(4.0 * scene.gravity.norm() * result.sunk);
 }
 
-/// Of the cloth that carries what pulls at it [m]: a corner's threads, of half a cell each, where it is held
-/// by pins; else what lies under the thinnest probe, or all of it where there is none.
+/// Width of the cloth that carries the load [m]. With pins it is that of a corner's threads, half a
+/// cell each; otherwise the width under the thinnest probe, or the whole cloth without probes.
 double carryingWidth(const Scene& scene) {
   const auto& [columns, rows] = scene.cloth.particles;
   const auto& [length, width] = scene.cloth.size;

@@ -1,4 +1,4 @@
-// What torture cases are made of: sheets, fabrics, grips.
+// Parts of torture cases: sheets, fabrics, grips.
 #include "support/torture.h"
 
 namespace haptic_cloth {
