@@ -1,4 +1,5 @@
-/// A square of cloth on four pinned sides, a probe pressed into its middle, and the force the hand feels.
+/// A square of cloth pinned on all sides, a probe that is pressed into its middle, and the force on
+/// the hand.
 #include <cstdio>
 
 #include "haptic_cloth/simulation.h"
