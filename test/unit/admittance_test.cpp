@@ -1,6 +1,6 @@
-/// The virtual tool and its tick.
-/// Criteria: the closed solution of a damped mass under a constant force; the limits as they are set; energy
-/// that only falls, for any stiffness and mass, as an implicit step's does.
+/// Virtual tool of admittance devices, and its tick.
+/// Criteria: the closed solution of a damped mass under a constant force; the configured limits;
+/// energy that only falls, for any stiffness and mass, as in an implicit step.
 #include "haptic_cloth/admittance.h"
 
 #include <gtest/gtest.h>
@@ -47,7 +47,7 @@ TEST(AdmittanceTool, MovesAsADampedMassDoes) {
     tool.move(force, Mat3::Zero(), Mat3::Zero(), kTick);
     const double t = k * kTick;
     const Vec3 way = force / options.damping * (t - tau * (1.0 - std::exp(-t / tau)));
-    // Implicit Euler is ahead or behind by at most a tick's way.
+    // Implicit Euler is ahead or behind by at most one tick's motion.
     EXPECT_LT((tool.position() - options.start - way).norm(), force.norm() / options.damping * kTick) << t;
   }
   EXPECT_NEAR((tool.velocity() - force / options.damping).norm(), 0.0, 0.01 * force.norm() / options.damping);
@@ -139,7 +139,7 @@ TEST(AdmittanceLoop, StandsUntilThereIsAForce) {
   EXPECT_NEAR((loop.device().position - device).norm(), 0.0, 1e-5) << "it has started";
 }
 
-/// A loop on its way at about 0.2 m/s.
+/// Loop whose tool moves at about 0.2 m/s.
 struct MovingLoop {
   HapticOptions options = softlessOptions();
   AdmittanceLoop loop{options};
@@ -153,7 +153,7 @@ struct MovingLoop {
     now += kTick;
     loop.tick(force, nothingTouched(taken), paused, now);
   }
-  /// Ticks until it stands; it has to within what braking takes.
+  /// Ticks until the tool must stand still: the time that braking takes.
   void expectRest(const std::function<void()>& tick, HapticStatus status) {
     const double time = options.admittance.max_speed / options.admittance.max_acceleration;
     for (double t = 0.0; t < time + 2.0 * kTick; t += kTick) tick();
@@ -204,7 +204,7 @@ TEST(AdmittanceLoop, TheForceComesInSoftlyAndNoStrongerThanItMay) {
   AdmittanceLoop loop(options);
   double now = 1.0;
   loop.tick(pushed(Vec3(1e6, 0, 0), now), nothingTouched(now), false, now);
-  // m v < ∫ F dt: the force grows linearly, up to its limit.
+  // Bound m v < ∫ F dt: the force grows linearly up to its limit.
   double impulse = options.max_force / options.soft_start * kTick * kTick;
   for (int k = 0; k < 100; ++k) {
     now += kTick;

@@ -1,5 +1,5 @@
-/// When a step does without other threads. Criteria: the promises of Backoff's comment; the numbers of runs
-/// are asked for by order only, so that its constants may change.
+/// Steps that use one thread. Criteria: the rules in Backoff's comment. Only the order of the
+/// numbers of runs is checked, so the constants may change.
 #include <gtest/gtest.h>
 
 #include "parallel/parallel_for.h"
@@ -7,7 +7,7 @@
 namespace haptic_cloth {
 namespace {
 
-/// Runs without a region until the next one is allowed.
+/// Counts the runs with one thread until the next region is allowed.
 int runsAlone(Backoff& backoff) {
   int runs = 0;
   while (backoff.alone()) ++runs;
@@ -37,7 +37,7 @@ TEST(Backoff, KeepsTryingOnACrowdedMachine) {
   Backoff backoff;
   for (int region = 0; region < 100; ++region) {
     backoff.note(1e-3, 1e-3);
-    EXPECT_LT(runsAlone(backoff), 1000);  // a second of steps of 1 ms
+    EXPECT_LT(runsAlone(backoff), 1000);  // one second of steps of 1 ms
   }
 }
 

@@ -1,8 +1,8 @@
-/// Torque of the cloth on a probe about its proxy, by the contact samples.
-/// Criterion: virtual work. Turning a frictionless probe by dθ about an axis through its proxy changes the
-/// contact energy by -torque · axis dθ, so the torque is the energy's difference quotient. With dθ = 1e-6 a
-/// capsule's end moves by 3e-8 m, 1e-3 of the gap over which the pressure changes: squared, the quotient is
-/// off by 1e-6 of itself.
+/// Torque of the cloth on a probe about its proxy, from the contact samples.
+/// Criterion: virtual work. Turning a frictionless probe by dθ about an axis through its proxy
+/// changes the contact energy by -torque · axis dθ, so the torque is a difference quotient of the
+/// energy. With dθ = 1e-6 the end of a capsule moves by 3e-8 m, 1e-3 of the gap over which the
+/// pressure changes. The relative error of the quotient is that squared, 1e-6.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,7 +14,7 @@ namespace haptic_cloth {
 namespace {
 
 constexpr double kRange = 5e-4;    // gap at which contact begins [m]
-constexpr double kSpacing = 4e-3;  // of the particles [m]
+constexpr double kSpacing = 4e-3;  // particle spacing [m]
 constexpr int kSide = 13;
 const Quat kLying = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3(1.0, 0.4, 0.1));
 
@@ -23,7 +23,7 @@ struct Measured {
   Vec3 force, torque;
 };
 
-/// A bent sheet against which a probe is pressed from above.
+/// Bent sheet, with a probe that presses on it from above.
 class PressedSheet {
  public:
   explicit PressedSheet(double length)
@@ -48,7 +48,7 @@ class PressedSheet {
     return {energy, -contacts.proxyGradient(0), contacts.proxyTorque(0, nodes_)};
   }
 
-  /// Lowers the probe until its nearest sample is pressed to about 0.6 of the range.
+  /// Lowers the probe until its nearest sample is compressed by about 0.6 of the range.
   Vec3 pressed(const Quat& orientation) const {
     for (double height = 0.012;; height -= 2e-5) {
       const Vec3 proxy(3e-3, -2e-3, height);
@@ -79,8 +79,8 @@ TEST(ContactTorque, IsWhatTurningTheCapsuleWorks) {
   }
 }
 
-/// Pressure on a sphere passes through its centre. Rounding: 1e-16 of force times radius a sample, some
-/// hundred samples.
+/// The pressure on a sphere points through its centre. Rounding: 1e-16 of force times radius for
+/// each of some hundred samples.
 TEST(ContactTorque, OfASphereIsZero) {
   const PressedSheet sheet(0.0);
   const Vec3 proxy = sheet.pressed(Quat::Identity());
@@ -88,9 +88,9 @@ TEST(ContactTorque, OfASphereIsZero) {
   EXPECT_LT(at.torque.norm(), tolerance(1e-14 * at.force.norm() * 8e-3));
 }
 
-/// The torque about another point of the same load differs by that point's way times the force.
+/// The torque of one load about two points differs by their distance times the force.
 TEST(ContactTorque, IsAboutTheProxy) {
-  // A capsule that is moved along its axis, with both ends off the cloth, touches where it touched before.
+  // A capsule moved along its axis, with both ends off the cloth, touches it in the same place.
   const PressedSheet sheet(0.2);
   const Vec3 proxy = sheet.pressed(kLying), way = 0.01 * (kLying * Vec3::UnitZ());
   const Measured before = sheet.measure(proxy, kLying), after = sheet.measure(proxy + way, kLying);

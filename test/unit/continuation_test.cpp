@@ -1,5 +1,5 @@
-/// A run that is saved, loaded and gone on with is the run that was not interrupted. Criterion: equal bits of
-/// everything that can be asked, after every step, and of all that is saved at the end.
+/// Continuation of a saved run. Criterion: it equals the uninterrupted run, in all bits of
+/// everything that can be queried after every step, and of the final state.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,12 +13,12 @@
 namespace haptic_cloth {
 namespace {
 
-/// Steps that a loaded run goes on for: longer than anything is counted for (ages of cells, steps to sleep).
+/// Number of steps after loading: longer than any counter (age of cells, steps to sleep).
 constexpr int kGoesOn = 60;
 
 int endOf(const StateCase& run, int from) { return std::min(from + kGoesOn, run.steps); }
 
-/// A case run through, with what it was like on the way.
+/// Uninterrupted run of a case, with the events that it exercised.
 struct Reference {
   explicit Reference(const StateCase& run) {
     Simulation simulation(run.scene);
@@ -32,12 +32,13 @@ struct Reference {
     }
   }
   Exercised exercised;
-  std::vector<std::uint64_t> at_rest, after;  ///< readings before each step; with its report, after it
+  std::vector<std::uint64_t> at_rest, after;  ///< readings before each step; readings with its
+                                              ///< report after it
   std::map<int, std::string> saved;
 };
 
-/// @return the first step at which the loaded run differs from the reference; that at which it ends if none
-/// does
+/// Compares a loaded run with the reference.
+/// @return first step that differs; the last step if none does
 int firstDifference(const StateCase& run, const Reference& reference, Simulation& loaded, int from) {
   if (readings(loaded) != reference.at_rest[from]) return from;
   for (int step = from; step < endOf(run, from); ++step) {
@@ -63,20 +64,21 @@ TEST(Continuation, IsTheSameRunToTheLastBit) {
   }
 }
 
-/// What the entry would hold had it been forgotten: the value of a new simulation, or none where even the
-/// length is another.
+/// Value that an entry would have had without being loaded: that of a new simulation, or zeros if
+/// its length differs.
 std::string forgotten(const StateEntry& entry, const std::map<std::string, std::string>& fresh) {
   const auto value = fresh.find(entry.name);
   const bool fits = value != fresh.end() && value->second.size() == entry.bytes.size();
   return fits ? value->second : std::string(entry.bytes.size(), '\0');
 }
 
-/// "probe[1].present" is "probe.present": what one probe needs, all have.
+/// Removes numbers: "probe[1].present" becomes "probe.present". An entry that one probe needs, all
+/// need.
 std::string withoutNumbers(const std::string& name) {
   return std::regex_replace(name, std::regex("\\[[0-9]+\\]"), "");
 }
 
-/// @return whether the case goes on otherwise, or is refused, where entry k has other bytes
+/// @return whether the case continues differently, or is refused, if entry k has other bytes
 bool makesADifference(const StateCase& run, const Reference& reference, int from,
                       std::vector<StateEntry> entries, std::size_t k, const std::string& bytes) {
   entries[k].bytes = bytes;
@@ -90,9 +92,10 @@ bool makesADifference(const StateCase& run, const Reference& reference, int from
   return firstDifference(run, reference, loaded, from) < end || loaded.saveState() != reference.saved.at(end);
 }
 
-/// Were a member forgotten, it would stay as a new simulation has it. So each entry in turn is given that
-/// value: some case must then go on otherwise or end in another state, else no test would see that the member
-/// is missing. (Steps that are left out since all sleeps read as those that are not: only the count differs.)
+/// Every entry must matter. A forgotten member would keep the value of a new simulation, so each
+/// entry in turn is set to that value. Some case must then continue or end differently; otherwise
+/// no test would notice that the member is missing. (Skipped steps have the same readings as steps
+/// in which all sleep; only their count differs.)
 TEST(Continuation, WouldDifferWithoutAnyOfItsEntries) {
   std::set<std::string> all, needed;
   for (const StateCase& run : stateCases()) {
@@ -105,7 +108,7 @@ TEST(Continuation, WouldDifferWithoutAnyOfItsEntries) {
       const auto first = std::find_if(entries.begin(), entries.end(),
                                       [](const StateEntry& entry) { return entry.name == "steps"; });
       for (std::size_t k = first - entries.begin(); k < entries.size();
-           ++k) {  // what is before is the scene's
+           ++k) {  // earlier entries belong to the scene
         const std::string name = withoutNumbers(entries[k].name);
         all.insert(name);
         const std::string other = forgotten(entries[k], fresh);

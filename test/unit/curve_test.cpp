@@ -1,4 +1,4 @@
-/// The tabulated law: its integral, its ends and its zero.
+/// Tabulated law: its integral, its ends and its zero.
 #include "haptic_cloth/curve.h"
 
 #include <gtest/gtest.h>
@@ -40,8 +40,9 @@ TEST(Curve, ContinuesLinearlyPastBothEnds) {
 }
 
 TEST(Curve, ForceIsTheDerivativeOfThePotential) {
-  // The potential is quadratic in an interval: central differences are exact there but for rounding (1e-16 of
-  // values around 1 over 2e-6); at a corner they average two slopes, an error of 2e-6 · 20 at most.
+  // The potential is quadratic within an interval, so central differences are exact there except
+  // for rounding (1e-16 of values around 1 over 2e-6). At a corner they average two slopes, an
+  // error of at most 2e-6 · 20.
   const double h = 1e-6;
   for (double s = -1.0; s < 1.0; s += 0.0137) {
     const double difference = (kBent(s + h).potential - kBent(s - h).potential) / (2.0 * h);
@@ -50,9 +51,9 @@ TEST(Curve, ForceIsTheDerivativeOfThePotential) {
 }
 
 TEST(Curve, PotentialIsTheAreaUnderTheForce) {
-  // Triangle 0..0.25 with height 2, trapezium 0.25..0.5 from 2 to 7.
+  // Triangle 0 … 0.25 with height 2, trapezium 0.25 … 0.5 from 2 to 7.
   EXPECT_DOUBLE_EQ(kBent(0.5).potential, 0.25 + 1.125);
-  // Triangle -0.25..0 with height 1, trapezium to -0.5.
+  // Triangle -0.25 … 0 with height 1, trapezium to -0.5.
   EXPECT_DOUBLE_EQ(kBent(-0.5).potential, 0.125 + 0.5);
 }
 

@@ -1,7 +1,8 @@
-// The generic derivative suite on every element energy: zero at rest, gradient = central difference, forces
-// sum to zero, no change under rigid motion, stiffness = difference of forces where the energy is convex.
-// Criterion: central differences with step s are exact to O(s²) and O(ε/s): 1e-6 relative at s = 1e-6 of a
-// unit length [Nocedal & Wright 2006, 8.1]; invariance to round-off.
+// Derivative suite for every element energy: zero at rest, gradient equal to central differences,
+// no net force, invariance under rigid motion, and stiffness equal to differences of forces where
+// the energy is convex.
+// Criterion: central differences with step s have errors of O(s²) and O(ε/s), so 1e-6 relative at s
+// = 1e-6 of a unit length [Nocedal & Wright 2006, 8.1]; invariance to round-off.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,7 +19,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-/// An energy of some points, with its gradient.
+/// Energy of some points, with its gradient.
 struct Element {
   const char* name;
   int points;
@@ -30,7 +31,7 @@ struct Element {
 
 Vec3 point(const VectorXd& x, int k) { return x.segment<3>(3 * k); }
 
-const Curve& stiffening() {  // a smooth toe, as KES tensile laws have: f = 1000 s² for s > 0, 20 s below
+const Curve& stiffening() {  // smooth toe as in KES tensile laws: f = 1000 s² for s > 0, 20 s below
   static const Curve curve = [] {
     std::vector<double> forces{-20.0 * 1e-4};
     for (int k = 0; k <= 2000; ++k) forces.push_back(1000.0 * std::pow(1e-4 * k, 2));
@@ -104,7 +105,7 @@ TEST_P(ElementTest, GradientIsTheDerivative) {
   const Element e = element();
   for (unsigned seed = 1; seed <= 20; ++seed) {
     const VectorXd x = e.rest + 0.08 * fixedRandom(static_cast<int>(e.rest.size()), seed);
-    // The tabulated law has kinks 1e-4 apart: the difference steps over few of them.
+    // The tabulated law has kinks 1e-4 apart; the difference spans few of them.
     EXPECT_LT(gradientError(e.energy, e.gradient, x, 1e-6, 1e-3), tolerance(1e-4))
         << e.name << " seed " << seed;
   }
@@ -181,7 +182,7 @@ TEST(ShearTest, PureShearGivesItsAngle) {
 }
 
 TEST(TripleTest, ParabolaHasItsCurvatureForAnyArms) {
-  // z = ½ κ x² is exact for three points at any distances.
+  // The curvature of z = ½ κ x² is exact for three points at any distances.
   const double kappa = 3.0;
   for (const auto& [l1, l2] : {std::pair(0.1, 0.1), {0.1, 0.2}, {0.4, 0.1}}) {
     const double bent = 0.5 * (l1 + l2);

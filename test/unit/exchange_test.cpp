@@ -1,7 +1,7 @@
-/// The three threads of the node without ROS: poses, solver and haptic tick exchange values by mailboxes, the
-/// solver shares its loops out over two threads meanwhile. Criteria: no value comes back after a newer one,
-/// every force is finite, within max_force, and every step is made; under the thread sanitizer
-/// (scripts/sanitize.sh thread): no race.
+/// The three threads of the node without ROS: poses, solver and haptic tick exchange values by
+/// mailboxes, while the solver divides its loops over two threads. Criteria: no value is followed
+/// by an older one; every force is finite and within max_force; every step is made; no race under
+/// the thread sanitizer (scripts/sanitize.sh thread).
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -22,14 +22,14 @@ double steadySeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// What the threads share, as the node's SharedProbe.
+/// Shared values, as in the node's SharedProbe.
 struct Shared {
   Mailbox<DeviceSample> for_haptics, for_solver;
   Mailbox<ProbeSnapshot> snapshot;
   std::atomic<bool> stop{false}, paused{false};
 };
 
-/// Down through the cloth and up again, over and over.
+/// Sends poses that move down through the cloth and up again, repeatedly.
 void sendPoses(Shared& shared) {
   for (int k = 0; !shared.stop; ++k) {
     DeviceSample sample;
@@ -93,7 +93,7 @@ HapticResult feel(Shared& shared) {
     newest_pose = sample.received;
     newest_snapshot = snapshot.taken;
     const Vec3 force = loop.tick(sample, snapshot, shared.paused, steadySeconds());
-    // A rounding error of the norm.
+    // The factor allows for rounding of the norm.
     result.bad_forces += !(force.norm() <= options.max_force * (1.0 + 1e-12));
     std::this_thread::sleep_for(std::chrono::microseconds(100));
   }

@@ -1,4 +1,4 @@
-/// Fabric files: laws in SI, and a message with file, key, value and rule for whatever is wrong.
+/// Fabric files: laws in SI units, and messages with file, key, value and rule for every error.
 #include "haptic_cloth/fabric.h"
 
 #include <gtest/gtest.h>
@@ -40,7 +40,7 @@ class FabricFile : public ::testing::Test {
 
   Fabric load(const std::string& text) const { return loadFabric(write(text)); }
 
-  /// The message that loading `text` ends with, without the directory; "" if it loads.
+  /// Message of the error when `text` is loaded, without the directory; "" if it loads.
   std::string message(const std::string& text) const {
     try {
       load(text);
@@ -74,7 +74,7 @@ TEST_F(FabricFile, KesParametersBecomeSi) {
   EXPECT_NEAR(fabric.bending[kWarp].upper()(10.0).force, 0.1357 * 9.80665e-4 + 0.5 * 0.0622 * 9.80665e-3,
               1e-15);
   EXPECT_NEAR(fabric.bending[kWeft].upper()(-10.0).force, -0.2 * 9.80665e-4, 1e-15);
-  // Half of the loop's width, 2HG + (2HG5 - 2HG)(|φ| - 0.5°)/4.5°, in 0.980665 N/m.
+  // Half the width of the loop is ½ (2HG + (2HG5 - 2HG)(|φ| - 0.5°)/4.5°) · 0.980665 N/m.
   const double half_width = 0.5 * 0.980665 * (1.204 + (2.567 - 1.204) * (0.1 * 57.29577951 - 0.5) / 4.5);
   EXPECT_NEAR(fabric.shear.upper()(0.1).force, 0.9676 * 5.618797 + half_width, 1e-6);
   EXPECT_TRUE(fabric.bending[kWarp].hasMemory() && fabric.shear.hasMemory() &&
@@ -84,7 +84,7 @@ TEST_F(FabricFile, KesParametersBecomeSi) {
 }
 
 TEST_F(FabricFile, KesTensileLoopGivesBackTheResilience) {
-  // RT = work given back over work done between 0 and EMT, by definition.
+  // By definition RT = work returned / work done between 0 and EMT.
   const Loop loop = load(std::string(kHead) + "tensile: {EMT: 6.03, LT: 0.608, RT: 62.19}\n").tensile[kWarp];
   double play = loop.initialPlay(), s = 0.0, done = 0.0, given_back = 0.0;
   const auto go = [&](double to) {
@@ -114,12 +114,13 @@ TEST_F(FabricFile, TwistMakesUpWhatTheBiasHasMore) {
 }
 
 TEST_F(FabricFile, KesTensileCurveHasTheGivenLinearity) {
-  // LT = ∫F dε / (½ F_m EMT) by definition; the trapezium rule on 512 intervals is good to about 1e-6.
+  // By definition LT = ∫F dε / (½ F_m EMT); the trapezium rule on 512 intervals has an error of
+  // about 1e-6.
   const Curve tensile = load(std::string(kHead) + "tensile: {EMT: 5, LT: 0.7}\n").tensile[kWarp].upper();
   EXPECT_NEAR(tensile(0.05).potential / (0.5 * 490.3325 * 0.05), 0.7, 1e-5);
-  // T = F_m (ε/ε_m)^n, between nodes to second order of the step.
+  // T = F_m (ε/ε_m)^n; between nodes to second order of the interval.
   EXPECT_NEAR(tensile(0.0123).force, 490.3325 * std::pow(0.0123 / 0.05, 2.0 / 0.7 - 1.0), 1e-3);
-  // Linear past the end, with the slope of the end.
+  // The law is linear beyond the end, with the slope at the end.
   EXPECT_DOUBLE_EQ(tensile(0.06).slope, tensile(0.0499999).slope);
   EXPECT_NEAR(tensile(0.06).slope, 490.3325 / 0.05 * (2.0 / 0.7 - 1.0), 30.0);
 }
@@ -199,8 +200,8 @@ TEST_F(FabricFile, WrongDocumentsAndValuesAreNamed) {
       {"source: x\nareal_density: 1e-13\n", "cloth.yaml:2: areal_density = 1e-13: must be at least 1e-12"},
       {"source: x\nareal_density: 1e13\n",
        "cloth.yaml:2: areal_density = 1e13: must be within -1e12 to 1e12"},
-      // As data sheets give them: g/m², mm, and shares for percents. Fabrics have 0.01 to 5 kg/m², up to 10
-      // mm, EMT from 0.5 % and RT from 30 % on.
+      // Values as in data sheets: g/m², mm, and fractions for percentages. Fabrics have 0.01 to 5
+      // kg/m², up to 10 mm, EMT from 0.5 % and RT from 30 %.
       {"source: x\nareal_density: 350\n",
        "cloth.yaml:2: areal_density = 350: must be at most 10: it is in kg/m^2, not g/m^2"},
       {"source: x\nareal_density: 0.35\nthickness: 0.8\n",

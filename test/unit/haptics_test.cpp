@@ -1,4 +1,4 @@
-/// The haptic tick: what the hand may feel, and what it must never feel.
+/// Haptic tick: forces that the hand may get, and forces that it must never get.
 #include "haptic_cloth/haptics.h"
 
 #include <gtest/gtest.h>
@@ -17,10 +17,10 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kTick = 1e-3;
-/// Forces here are at most 10 N: products of a few doubles, good to 1e-12 N.
+/// Rounding error: forces here are at most 10 N, products of a few doubles.
 constexpr double kRoundOff = 1e-12;
 
-/// No soft start and no noticeable rate limit: what remains is the coupling.
+/// Options without soft start or effective rate limit, so that the coupling alone acts.
 HapticOptions bareOptions() {
   HapticOptions options;
   options.soft_start = 0.0;
@@ -45,7 +45,7 @@ ProbeSnapshot contactAt(const Vec3& proxy, double taken) {
   return snapshot;
 }
 
-/// A loop that has reached its full force of about 2 N upwards at `now`.
+/// Loop that has reached its full force of about 2 N upwards at `now`.
 struct PressedLoop {
   HapticOptions options;
   HapticLoop loop{options};
@@ -63,7 +63,8 @@ struct PressedLoop {
 
 TEST(HapticLoop, PushesTheHandTowardsTheProxy) {
   HapticLoop loop(bareOptions());
-  // The device has gone 5 mm below the proxy that the cloth holds up: the force on the probe is upwards.
+  // The device is 5 mm below the proxy that the cloth holds up, so the force on the probe is
+  // upwards.
   const Vec3 force = loop.tick(deviceAt(Vec3(0, 0, -0.005), 1.0), contactAt(Vec3::Zero(), 1.0), false, 1.0);
   EXPECT_NEAR(force.z(), 400.0 * 0.005, kRoundOff);
   EXPECT_EQ(force.x(), 0.0);
@@ -84,7 +85,7 @@ TEST(HapticLoop, CarriesTheProxyOnToNowButNotForEver) {
   options.coupling_damping = 0.0;
   ProbeSnapshot snapshot = contactAt(Vec3::Zero(), 1.0);
   snapshot.drift = Vec3(0.1, 0, 0);
-  // A drift that fades in 10 ms: 0.1 m/s · 10 ms · (1 - exp(-age / 10 ms)).
+  // The drift fades in 10 ms: 0.1 m/s · 10 ms · (1 - exp(-age / 10 ms)).
   const auto reach = [](double age) { return 400 * 0.1 * 0.01 * (1.0 - std::exp(-age / 0.01)); };
   HapticLoop young(options), old(options);
   EXPECT_NEAR(young.tick(deviceAt(Vec3::Zero(), 1.01), snapshot, false, 1.01).x(), reach(0.01), 1e-9);
@@ -97,7 +98,8 @@ TEST(HapticLoop, TheProxyFollowsTheDeviceAsTheClothLetsIt) {
   ProbeSnapshot snapshot = contactAt(Vec3(0, 0, 0.004), 1.0);
   snapshot.follow.diagonal() = Vec3(1.0, 1.0, 0.25);
   HapticLoop loop(options);
-  // 2 mm along x nothing resists; 1 mm deeper along z the coupling stretches by three quarters of it.
+  // Nothing resists 2 mm along x. Along z, 1 mm deeper stretches the coupling by three quarters of
+  // that.
   const Vec3 force = loop.tick(deviceAt(Vec3(0.002, 0, -0.001), 1.001), snapshot, false, 1.001);
   EXPECT_NEAR(force.x(), 0.0, kRoundOff);
   EXPECT_NEAR(force.z(), 400.0 * (0.004 + 0.75 * 0.001), kRoundOff);
@@ -105,7 +107,8 @@ TEST(HapticLoop, TheProxyFollowsTheDeviceAsTheClothLetsIt) {
 
 TEST(HapticLoop, ANewSnapshotIsBlendedIn) {
   HapticLoop loop(bareOptions());
-  // Snapshots 10 ms apart, the second 1 mm higher: half of that time, five ticks, for 0.4 N.
+  // Snapshots are 10 ms apart, the second 1 mm higher: 0.4 N fade in during half of that time, five
+  // ticks.
   double now = 1.0;
   Vec3 force = Vec3::Zero();
   for (int i = 0; i < 10; ++i, now += kTick)
@@ -120,7 +123,7 @@ TEST(HapticLoop, ANewSnapshotIsBlendedIn) {
 TEST(HapticLoop, AnotherClothStartsSoftlyHoweverFastItCame) {
   PressedLoop pressed;
   ASSERT_NEAR(pressed.force.z(), 2.0, 1e-6);
-  // Not one tick without a snapshot: the one before was of this cloth, the next is of another.
+  // No tick lacks a snapshot: the last one belongs to this cloth, the next to another.
   ProbeSnapshot other = contactAt(Vec3(0.0, 0.0, 0.005), pressed.now);
   other.cloth = 1;
   const HapticOptions& options = pressed.options;
@@ -134,7 +137,7 @@ TEST(HapticLoop, AnotherClothStartsSoftlyHoweverFastItCame) {
   for (int i = 1; i <= 1000; ++i) {
     const double force = tick(), soft = std::min(1.0, i * kTick / options.soft_start) * options.max_force;
     EXPECT_LE(std::abs(force - last), options.max_force_rate * kTick + kRoundOff);
-    // The way down from 2 N at 200 N/s takes 10 ticks.
+    // The ramp down from 2 N at 200 N/s takes 10 ticks.
     if (i > 10) {
       EXPECT_LE(force, soft + kRoundOff);
     }
@@ -144,8 +147,9 @@ TEST(HapticLoop, AnotherClothStartsSoftlyHoweverFastItCame) {
 }
 
 TEST(HapticLoop, AJumpOfTheDeviceIsNoPull) {
-  // A metre in a tick: the spring would pull with 400 N, cut down to 3.3 N. What was felt ramps to zero in
-  // ramp_time, and nothing fades in when the solver has seen the device there.
+  // The device jumps by a metre in a tick: the spring would pull with 400 N, limited to 3.3 N. The
+  // old force ramps to zero in ramp_time, and no force fades in once the solver has seen the new
+  // position.
   PressedLoop pressed;
   ASSERT_NEAR(pressed.force.z(), 2.0, 1e-6);
   const Vec3 there(1.0, 0.0, 0.0);
@@ -172,7 +176,7 @@ TEST(HapticLoop, AJumpOfTheDeviceIsNoPull) {
 }
 
 TEST(HapticLoop, TheFastestHandIsNoJump) {
-  // 10 m/s, and a snapshot that is as old as it may get.
+  // 10 m/s, with the oldest snapshot that is allowed.
   HapticLoop loop(bareOptions());
   const double age = 0.9 * bareOptions().snapshot_timeout;
   const Vec3 there(0.0, 0.0, -kFastestHand * age);
@@ -211,7 +215,7 @@ TEST(HapticLoop, NeverExceedsTheRateLimit) {
   Vec3 last = Vec3::Zero();
   for (int i = 0; i < 200; ++i) {
     const double now = 1.0 + i * kTick;
-    // The proxy jumps to and fro by 2 cm every 30 ticks; contact comes and goes.
+    // The proxy jumps back and forth by 2 cm every 30 ticks, with and without contact.
     ProbeSnapshot snapshot = contactAt(Vec3((i / 30) % 2 ? 0.01 : -0.01, 0, 0), now);
     snapshot.contact = (i / 50) % 2 == 0;
     const Vec3 force = loop.tick(deviceAt(Vec3::Zero(), now), snapshot, false, now);
@@ -378,7 +382,7 @@ TEST(VelocityFilter, FindsAConstantVelocityFromUnevenSamples) {
     time += i % 3 ? 0.2e-3 : 2.6e-3;
     found = filter.update(velocity * time, time);
   }
-  // 200 ms are 20 time constants: e^-20 of the start remains.
+  // 200 ms are 20 time constants, which leave e^-20 of the start.
   EXPECT_LT((found - velocity).norm(), 1e-8);
 }
 

@@ -1,7 +1,7 @@
-// What the fabric remembers through changes of the mesh.
-// Criteria: total forces of [M04] 3.3: splitting a cell and merging four keep the total tension across it in
-// both directions and the total shear force, to round-off; an equal state stays equal; forces that the loop
-// allows come back as they were.
+// Memory of the fabric through changes of the mesh.
+// Criteria: total forces of [M04] 3.3. Splitting a cell and merging four keep the total tension
+// across it in both directions and the total shear force, to round-off. An even state stays even.
+// Forces that the loop allows are restored exactly.
 #include "energy/history.h"
 
 #include <gtest/gtest.h>
@@ -18,8 +18,7 @@ const Grid kGrid{9, 9, 2, 0.01, 0.01};
 const Cell kParent{0, 0, 1};
 const std::array<Cell, 4> kChildren{Cell{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
 
-/// Tension times half width, summed over the sides of a cell along one direction; a column or row of cells at
-/// a time.
+/// Sum of tension times half width over the two sides of a cell along one direction.
 double total(ForceHistory& history, const Cell& cell, Direction direction) {
   const auto& s = history.sides(cell);
   return 0.5 * cell.span() * (direction == kWarp ? s[0] + s[1] : s[2] + s[3]);
@@ -32,7 +31,7 @@ TEST(ForceHistory, SplittingAndMergingKeepTotalForces) {
     for (int side = 0; side < 4; ++side) history.sides(kChildren[k])[side] = values[4 * k + side];
     history.shear(kChildren[k]) = values[20 + k];
   }
-  // A warp thread crosses two columns of cells: its total is the mean over both.
+  // A warp thread crosses two columns of cells, so its total is the mean over both.
   const auto fine = [&](Direction d) {
     double sum = 0.0;
     for (const Cell& cell : kChildren) sum += total(history, cell, d);
@@ -59,8 +58,8 @@ TEST(ForceHistory, EqualMomentsStayEqual) {
 }
 
 TEST(ForceHistory, ElementsRecallWhatTheyRemembered) {
-  // A fabric with loops, deformed at random and back: forces are those of its history, not of its shape
-  // alone. Written down and read on the same mesh they must be the same.
+  // A fabric with loops is deformed at random and back, so its forces depend on its history, not
+  // only on its shape. Recorded and read on the same mesh, they must be equal.
   Fabric fabric = makeFabric({});
   fabric.tensile[kWarp] = Loop(-0.05, 0.05, {-50.0, 0.0, 60.0}, {-50.0, 0.0, 40.0}, 3.0);
   fabric.bending = {Loop(-256.0, 256.0, {-2e-3, 5e-4, 3e-3}, {-3e-3, -5e-4, 2e-3}, 30.0),
@@ -94,7 +93,7 @@ TEST(ForceHistory, ElementsRecallWhatTheyRemembered) {
   const Field before = gradient();
   ASSERT_GT(mesh.ghosts.size(), 0u);
   for (const Ghost& ghost : mesh.ghosts)
-    history.moment(mesh.particle[ghost.node], kWarp) = 1e9;  // of long ago
+    history.moment(mesh.particle[ghost.node], kWarp) = 1e9;  // left over from earlier
   internal.remember(x, history);
   for (const Ghost& ghost : mesh.ghosts) {
     const auto moment = [&](int node) { return history.moment(mesh.particle[node], kWarp); };

@@ -1,6 +1,7 @@
-// The joint cost [M04] on a mesh of mixed levels with ghosts, pins, an obstacle, friction, twist, hysteresis
-// and the probe. Criteria: its gradient is its derivative (central differences, 1e-5 relative); where forces
-// follow the laws it is the condensed cost's E^n, to round-off; both costs are zero at the same states.
+// Joint cost [M04] on a mesh of mixed levels with hanging nodes, pins, an obstacle, friction,
+// twist, hysteresis and the probe. Criteria: the gradient is the derivative (central differences,
+// 1e-5 relative); if forces follow the laws, the cost is the condensed cost's E^n, to round-off;
+// both costs are zero at the same states.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -23,7 +24,7 @@ class JointTest : public ObjectiveTest {
     forces_ = joint_.size() - positions_;
   }
 
-  /// Some free nodes under the probe go with it from here on.
+  /// Grasps some free nodes under the probe.
   void grasp() {
     std::vector<HeldNode> held;
     const Vec3 proxy = objective_.probeSteps()[0].proxy;
@@ -40,7 +41,7 @@ class JointTest : public ObjectiveTest {
     return joint_.evaluate(x, unused);
   }
 
-  /// Of the part of the unknowns from `first` on, at `x`.
+  /// Relative error of the gradient at `x`, for `count` unknowns from `first` on.
   double errorOfGradient(const Vector& x, int first, int count, double step) {
     Vector full = x, gradient = Vector::Zero(joint_.capacity());
     const Potential potential = [&](const Eigen::VectorXd& part) {
@@ -77,14 +78,15 @@ TEST_F(JointTest, GradientIsTheDerivative) {
 }
 
 TEST_F(JointTest, FollowsTheLawsWhereForcesDo) {
-  // Forces of the laws at the start: only Newton's law is violated, by as much as in the condensed cost.
+  // With the forces of the laws at the start only Newton's law is violated, as much as in the
+  // condensed cost.
   Vector gradient = Vector::Zero(objective_.capacity());
   objective_.evaluate(start_, gradient);
   const double motion = objective_.motionCost(), residual = objective_.residual(gradient);
   const double joint = value(unknowns_);
   EXPECT_GT(motion, 0.0);
   EXPECT_EQ(joint_.costs().stretch + joint_.costs().bend + joint_.costs().shear, 0.0);
-  // The condensed cost has no law for the proxy.
+  // The condensed E^n has no term for the proxy.
   const double proxy =
       gradient.segment<3>(positions_ - 3).squaredNorm() / (2.0 * objective_.couplingStiffness(0));
   EXPECT_NEAR(joint, motion + proxy, tolerance(1e-12 * joint));
@@ -106,7 +108,8 @@ TEST_F(JointTest, AGraspKeepsGradientLawsAndCurvature) {
       EXPECT_EQ(gradient[node.node], 0.0) << "held nodes are no unknowns";
     }
   }
-  // The condensed gradient vanishes where this cost's does: forces of the laws, the same force on the proxy.
+  // The condensed gradient vanishes where this one does: forces of the laws, and the same force on
+  // the proxy.
   Vector condensed = Vector::Zero(objective_.capacity());
   objective_.evaluate(start_, condensed);
   double stiffness = objective_.couplingStiffness(0);
@@ -115,7 +118,7 @@ TEST_F(JointTest, AGraspKeepsGradientLawsAndCurvature) {
   const double joint = value(unknowns_);
   EXPECT_GT(proxy, 0.0);
   EXPECT_NEAR(joint, objective_.motionCost() + proxy, tolerance(1e-12 * joint)) << held << " held";
-  // Along forces the cost is quadratic.
+  // The cost is quadratic along the forces.
   Vector d = Vector::Zero(joint_.capacity());
   d.segment(positions_, forces_) = fixedRandom(forces_, 3);
   const double ahead = value(unknowns_ + d), behind = value(unknowns_ - d);
@@ -125,9 +128,8 @@ TEST_F(JointTest, AGraspKeepsGradientLawsAndCurvature) {
 }
 
 TEST_F(JointTest, CurvatureIsThatOfTheSquares) {
-  // d · JᵀJ d of a sum of squares is its second difference where the squares are zero or linear. With forces
-  // of the laws and a residual of zero along the direction's change only second-order terms are left out:
-  // along forces alone the cost is quadratic.
+  // The Gauss-Newton form d · JᵀJ d equals the second difference of the cost along forces alone,
+  // because the cost is quadratic there.
   Vector d = Vector::Zero(joint_.capacity()), x = unknowns_;
   d.segment(positions_, forces_) = fixedRandom(forces_, 3);
   const double middle = value(x);

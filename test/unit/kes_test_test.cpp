@@ -1,7 +1,7 @@
-// The virtual Kawabata tests give back the fabric's loop on any mesh.
-// Criterion: shape and area within 2 % of the fabric file for every shipped fabric on the finest, the
-// coarsest and a mixed mesh: KES data hold at any density [M04, 3.3]. What is left: the reversal's finite
-// stiffness (area, up to 1.6 %) and, in bending, the chord's φ²/24.
+// Virtual Kawabata tests, which must return the loop of the fabric on any mesh.
+// Criterion: shape and area within 2 % of the fabric file for every shipped fabric on the finest,
+// the coarsest and a mixed mesh, because KES data hold at any density [M04, 3.3]. Remaining errors:
+// the finite stiffness after a reversal (area, up to 1.6 %) and, in bending, φ²/24 of the chord.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -61,7 +61,7 @@ TEST_P(ShippedFabric, LoopIsTheSameOnEveryMesh) {
 INSTANTIATE_TEST_SUITE_P(All, ShippedFabric, ::testing::ValuesIn(shippedFabrics()));
 
 TEST(KesValues, AreThoseOfTheFile) {
-  // config/fabrics/winter_suiting.yaml; WT = LT · F_m · EMT / 2 = 9.164 gf·cm/cm².
+  // Values of config/fabrics/winter_suiting.yaml; WT = LT · F_m · EMT / 2 = 9.164 gf·cm/cm².
   const Fabric fabric = loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/winter_suiting.yaml");
   const std::map<std::string, double> expected{{"EMT", 6.03},   {"LT", 0.608}, {"WT", 9.164},
                                                {"RT", 62.19},   {"G", 0.9676}, {"2HG", 1.204},
@@ -77,8 +77,9 @@ TEST(KesValues, AreThoseOfTheFile) {
 }
 
 TEST(BiasBending, TwistTermMakesItUp) {
-  // A cylinder w = ½ κ s², s along 0°, 45°, 90°: energy over ½ B_θ κ² A, B_45 = (B_warp + B_weft)/4 + B_t/2
-  // [docs/model.md]. Triples leave out half a cell at each end, patches do not: both areas are counted.
+  // Cylinder w = ½ κ s² with s along 0°, 45°, 90°: energy over ½ B_θ κ² A, with B_45 = (B_warp +
+  // B_weft)/4 + B_t/2 [docs/model.md]. Triples leave out half a cell at each end, patches do not;
+  // both areas are taken into account.
   LinearFabric linear;
   Fabric fabric = makeFabric(linear);
   const double warp = 1e-5, weft = 2e-5, twist = 1.6e-5, kappa = 2.0;
@@ -105,7 +106,8 @@ TEST(BiasBending, TwistTermMakesItUp) {
     const double expected = 0.5 * kappa * kappa *
                             (warp * std::pow(c, 4) * warp_area + weft * std::pow(s, 4) * weft_area +
                              2.0 * twist * c * c * s * s * area);
-    // Slopes of up to κ · 45 mm = 0.09 tilt the normal: 1 - cos is 0.4 %, squared in the energy.
+    // Slopes of up to κ · 45 mm = 0.09 tilt the normal: 1 - cos is 0.4 %, and the energy is
+    // quadratic in it.
     EXPECT_NEAR(bend, expected, tolerance(0.01) * expected) << degrees;
   }
 }

@@ -1,7 +1,9 @@
-// Kernels of the path in use against the same formulas for one element, point or deformation at a time.
-// Criteria: equal but for rounding, for these differ only in how multiplications and additions are
-// contracted; the bounds are stated where they are used. Lanes past the last element and entries past the
-// last node must not matter: the latter are poisoned. ctest runs this on every path of the machine.
+// Kernels of the instruction set in use, against the same formulas for one element, point or
+// deformation at a time.
+// Criteria: equality except for rounding, because multiplications and additions are contracted
+// differently; the bounds are stated where they are used. Lanes past the last element and entries
+// past the last node must not matter; the latter are poisoned. ctest runs this for every
+// instruction set of the machine.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,7 +30,7 @@ namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
-// Slopes that a kernel leaves behind are kept in single precision, whose rounding is 6e-8 of the value.
+// Relative error of slopes that a kernel stores in single precision, which rounds by 6e-8.
 constexpr double kSingle = 1e-6;
 
 // ---- solids ----
@@ -46,7 +48,7 @@ std::vector<Obstacle> solids() {
   return all;
 }
 
-/// @param digits of the coordinates that are lost where distances are small [m]
+/// @param digits error of the coordinates, which matters where distances are small [m]
 void expectSame(const Solid& solid, const std::vector<Vec3>& points, double digits, int shape) {
   const int count = static_cast<int>(points.size());
   const Field at(points);
@@ -58,7 +60,7 @@ void expectSame(const Solid& solid, const std::vector<Vec3>& points, double digi
     const Distance one = solid.distance(points[l]);
     const Vec3 normal = normals[l];
     EXPECT_NEAR(values[l], one.value, tolerance(digits)) << shape << " at " << points[l].transpose();
-    // A normal is an offset over its length: what the offset loses, over how long it is.
+    // A normal is an offset over its length, so its error is that of the offset over the length.
     const double length = std::max(std::abs(one.value), 1e-3);
     EXPECT_LT((normal - one.normal).norm(), tolerance(digits) / length + tolerance(1e-14))
         << shape << " at " << points[l].transpose();
@@ -73,7 +75,7 @@ TEST(SolidLanes, AreTheSolidsAnywhere) {
     obstacle.pose.orientation = Quat(0.3, -0.5, 0.4, 0.7).normalized();
     const Solid solid(obstacle);
     for (const double far : {0.3, 1.0, 1e3, 1e6}) {
-      constexpr int kPoints = 317;  // no whole number of registers
+      constexpr int kPoints = 317;  // not a multiple of a register
       const Eigen::VectorXd noise = fixedRandom(3 * kPoints, 11 + shape);
       std::vector<Vec3> points;
       for (int k = 0; k < kPoints; ++k) {
@@ -85,7 +87,8 @@ TEST(SolidLanes, AreTheSolidsAnywhere) {
   }
 }
 
-// Centres, axes, faces, edges, corners and either zero: exact in binary, so that both must decide alike.
+// Centres, axes, faces, edges, corners and both zeros: exact in binary, so both sides must decide
+// alike.
 TEST(SolidLanes, AreTheSolidsWhereTheyTurn) {
   const std::vector<double> at{-1.0, -0.25, -0.125, -0.0625, -0.0, 0.0, 0.0625, 0.125, 0.25, 1.0, 0.5, 2.0};
   std::vector<Vec3> points;
@@ -104,8 +107,8 @@ struct PackLaw {
   double potential[kPack], force[kPack], slope[kPack];
 };
 
-/// The law at deformations s of a pack: that of triples whose curvature is s. One lane at a time has an area,
-/// so that the energy is that lane's.
+/// Law at the deformations s of a pack, by triples whose curvature is s. Only one lane at a time
+/// has an area, so the energy is that of the lane.
 PackLaw lawOfPack(const LawView& law, const double* s, const StepPack& steps) {
   Field x, normals, slots;
   x.clear(2 * kPack);
@@ -158,19 +161,20 @@ TEST(LawTable, IsTheLoopOfEveryShippedFabric) {
           steps.high[l] = step[l].high;
           steps.on_lower[l] = step[l].on_lower;
           steps.on_upper[l] = step[l].on_upper;
-          if (l == 1) s[l] = step[l].high;  // where the path joins the branches
+          if (l == 1) s[l] = step[l].high;  // where the path joins a branch
           if (l == 2) s[l] = step[l].low;
         }
         const PackLaw lanes = lawOfPack(table.view(), s, steps);
         for (int l = 0; l < kPack; ++l) {
           const Curve::Point one = loop(step[l], s[l]);
-          // q + r s and p + s (q + r s / 2) lose digits of their terms, which are those of the table's end.
+          // q + r s and p + s (q + r s / 2) cancel digits of their terms, which are as large as at
+          // the table's end.
           const double force = end + std::abs(one.force) + std::abs(one.slope * s[l]);
           const double energy = force * (range + std::abs(s[l]));
           const std::string where = entry.path().filename().string() + " at " + std::to_string(s[l]);
           EXPECT_NEAR(lanes.force[l], one.force, tolerance(8 * kEpsilon) * force) << where;
           EXPECT_NEAR(lanes.potential[l], one.potential, tolerance(8 * kEpsilon) * energy) << where;
-          if (l <= 2) continue;  // at a kink either slope is right
+          if (l <= 2) continue;  // at a kink either slope is correct
           EXPECT_NEAR(lanes.slope[l], one.slope, tolerance(kSingle) * std::abs(one.slope)) << where;
         }
       }
@@ -220,7 +224,8 @@ TEST(ShearLanes, AngleIsTheInverseSine) {
     for (PackIndices& nodes : pack.corners.at) nodes.finish();
     Field x(corners), slots;
     double energies[kPack];
-    for (int l = 0; l < kPack; ++l) {  // one lane at a time has an area: the energy is its own
+    for (int l = 0; l < kPack; ++l) {  // only one lane at a time has an area: the energy is that of
+                                       // the lane
       pack.area[l] = 1.0;
       slots.clear(2 * kPack);
       energies[l] =
@@ -235,12 +240,13 @@ TEST(ShearLanes, AngleIsTheInverseSine) {
       const auto one =
           evaluateShear({corners[4 * l], corners[4 * l + 1], corners[4 * l + 2], corners[4 * l + 3]}, 1.0,
                         Curve::linear(1.0));
-      // The energy is half the angle's square. A sine that is ε wrong gives an angle ε/cos wrong, at worst
-      // √2ε.
+      // The energy is half the square of the angle. An error ε of the sine gives an error ε/cos of
+      // the angle, at worst √2ε.
       const double doubt = tolerance(4 * kEpsilon) / std::max(std::sqrt(1.0 - s * s), 1e-8);
       ASSERT_TRUE(slots[l].allFinite() && slots[kPack + l].allFinite()) << s;
       EXPECT_NEAR(std::sqrt(2.0 * energies[l]), std::abs(angle), doubt) << s;
-      // The slope is an offset over the cosine, of which the same sine leaves ε/cos² in doubt.
+      // The slope is an offset over the cosine, which the error of the sine leaves uncertain by
+      // ε/cos².
       const double cosine_doubt =
           tolerance(4 * kEpsilon) / std::max(1.0 - s * s, kLeastCosine * kLeastCosine);
       EXPECT_LT((slots[l] - angle * one.rising).norm(), 1.6 * cosine_doubt * (1.0 + one.rising.norm())) << s;
@@ -254,7 +260,7 @@ TEST(ShearLanes, AngleIsTheInverseSine) {
 
 // ---- elements and nodes ----
 
-/// Sets what lies past a field's last entry to something no sum survives.
+/// Fills the entries past the last one with NaN.
 void poison(Field& field) {
   for (int c = 0; c < 3; ++c) {
     auto& values = field.coordinate(c);
@@ -267,7 +273,8 @@ struct Reference {
   Field gradient, diagonal;
 };
 
-/// Sum of the elements' energies, gradients and diagonals, one at a time. @pre nothing has memory
+/// Sum of energies, gradients and diagonals over the elements, one at a time. @pre no law has
+/// memory
 Reference sumOfElements(const Fabric& fabric, const ActiveMesh& mesh, const InternalEnergy& internal,
                         const Field& x) {
   Reference sum;
@@ -335,7 +342,8 @@ TEST_P(PackTest, AddUpToTheElements) {
   poison(x);
   poison(gradient);
   double energy = 0.0;
-  for (int begin = 0; begin < internal.size(); begin += 2 * kPack) {  // in parts, as threads take it
+  for (int begin = 0; begin < internal.size(); begin += 2 * kPack) {  // in parts, as for several
+                                                                      // threads
     const auto e = internal.evaluate(begin, std::min(begin + 2 * kPack, internal.size()), x);
     energy += e.stretch + e.bend + e.shear;
   }
@@ -347,7 +355,8 @@ TEST_P(PackTest, AddUpToTheElements) {
   for (int n = 0; n < mesh.nodes(); ++n) {
     EXPECT_LT((gradient[n] - sum.gradient[n]).norm(), tolerance(1e-12) * largest) << n;
   }
-  // The curvature is d · H⁺ d: a sum over all packs as well; nothing past the last node may enter.
+  // The quadratic form d · H⁺ d is a sum over all packs, too; entries past the last node must not
+  // enter.
   Field d = x;
   EXPECT_TRUE(std::isfinite(internal.curvature(0, internal.size(), d)));
 }
@@ -372,7 +381,7 @@ TEST(SamplePacks, AreTheLawsOfContactAndFriction) {
     std::vector<Vec3> points;
     SamplePack pack{};
     for (int l = 0; l < kPack; ++l) {
-      // From beyond the range to past the switch, in the lanes' order.
+      // Gaps from beyond the range to beyond the switch, in the order of lanes.
       const Vec3 from = noise.segment<3>(3 * l);
       const Distance there = solid.distance(from);
       points.push_back(from - (there.value - (1.2 - 0.25 * l) * kRange) * there.normal);
@@ -404,8 +413,8 @@ TEST(SamplePacks, AreTheLawsOfContactAndFriction) {
       contact += pack.area[l] * law.energy;
       friction += pack.friction[l] * smooth.potential;
       const Vec3 force = pack.friction[l] * smooth.ratio * slip - pack.area[l] * law.pressure * d.normal;
-      // Distances are ε of a metre wrong: over the range that is 1e-12 of the pressure's u, stiffer when
-      // firm.
+      // Distances have an error of ε metres: over the range that is 1e-12 of u, amplified by the
+      // stiffness.
       const double doubt =
           pack.area[l] * law.stiffness * 8 * kEpsilon + pack.friction[l] / kSlip * 8 * kEpsilon;
       EXPECT_LE((slots[l] - force).norm(), tolerance(1e-11) * force.norm() + tolerance(1.0) * doubt) << l;

@@ -1,5 +1,5 @@
-/// Options that change between two ticks. Criterion throughout: from one tick to the next what the hand feels
-/// changes by at most max_force_rate times the tick (the bound of the loop itself, so exact but for
+/// Options that change between two ticks. Criterion: from one tick to the next the force on the
+/// hand changes by at most max_force_rate times the tick (the loop's own bound, exact to
 /// round-off), and it ends where a loop that started with the new options ends.
 #include <gtest/gtest.h>
 
@@ -21,16 +21,16 @@ HapticOptions options() {
   return options;
 }
 
-/// A hand that rests some way below a proxy that does not yield.
+/// Hand that rests some way below a proxy that does not yield.
 class Pressed {
  public:
   static constexpr double kDepth = 0.005;  ///< [m]
 
-  HapticOptions limits;  ///< at the hand, from the next tick on
+  HapticOptions limits;  ///< limits at the hand, from the next tick on
 
   explicit Pressed(const HapticOptions& options) : limits(options), loop_(options) {}
 
-  /// One tick with the gains as they are then. @return the force on the hand
+  /// Makes one tick with these gains. @return the force on the hand
   double tick(const Gains& gains) {
     HapticOptions now = limits;
     now.coupling_stiffness = gains.coupling_stiffness;
@@ -55,7 +55,8 @@ class Pressed {
   double time_ = 1.0, scale_ = 1.0;
 };
 
-/// Presses with `first` to rest, then goes on to `second` in `ramp`. @return the last force on the hand
+/// Presses with `first` until rest, then changes to `second` within `ramp`. @return the last force
+/// on the hand
 double changed(const Gains& first, const Gains& second, double ramp) {
   Pressed hand(options());
   const double most = options().max_force_rate / options().rate * (1.0 + kRoundOff);
@@ -110,7 +111,7 @@ TEST(LiveGains, AForceScaleIsReachedWithoutAStep) {
 }
 
 TEST(LiveGains, TheRampIsSlowerThanTheLimit) {
-  // 200 to 600 N/m at 5 mm are 2 N: over 0.5 s a twenty-fifth of what 100 N/s allow.
+  // From 200 to 600 N/m at 5 mm is 2 N; over 0.5 s that is a twenty-fifth of the 100 N/s allowed.
   Pressed hand(options());
   const Gains first{200.0, 1.0, 1.0};
   double force = 0.0;
@@ -118,7 +119,8 @@ TEST(LiveGains, TheRampIsSlowerThanTheLimit) {
   const GainRamp gains = GainRamp(first).onTo({600.0, 1.0, 1.0}, hand.time(), 0.5);
   for (int i = 0; i < 500; ++i) {
     const double next = hand.tick(gains.at(hand.time()));
-    EXPECT_LE(std::abs(next - force), 2.0 / 500 * (1.0 + 1e-6));  // the clock counts in binary fractions
+    EXPECT_LE(std::abs(next - force), 2.0 / 500 * (1.0 + 1e-6));  // the clock counts in binary
+                                                                  // fractions
     force = next;
   }
 }
@@ -163,7 +165,8 @@ TEST(LivePassivity, SpeedIsRightAtTheNewRateAndTheEnergyOfTheHandStays) {
   for (int i = 0; i < 20; ++i) tick(1e-3, -1.0);
   EXPECT_NEAR(passivity.velocity().x(), speed, 1e-12);
   const double energy = passivity.energy();
-  // The hand now feels twice the force of the probe: half as much at the probe is the same to the hand.
+  // The hand now gets twice the force of the probe: half as much at the probe is the same to the
+  // hand.
   passivity.setOptions(PassivityOptions(), 4e-3, 2.0);
   EXPECT_NEAR(2.0 * passivity.energy(), energy, 1e-15);
   for (int i = 0; i < 20; ++i) {

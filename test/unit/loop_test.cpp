@@ -1,6 +1,7 @@
-// Hysteresis as play: every inner path stays in the loop, closes, dissipates and does not ratchet; ψ is C1
-// and the law is its derivative, across the kinks too. Criteria: properties of the play operator [Visintin
-// 1994, III.2], to round-off; outer loops to 1 % of their width's scale [docs/model.md].
+// Hysteresis as play: every inner path stays in the loop, closes, dissipates and does not ratchet;
+// ψ is C1 and its derivative is the law, also across the kinks. Criteria: properties of the play
+// operator [Visintin 1994, III.2], to round-off; outer loops to 1 % of the scale of their width
+// [docs/model.md].
 #include "haptic_cloth/loop.h"
 
 #include <gtest/gtest.h>
@@ -15,8 +16,8 @@
 namespace haptic_cloth {
 namespace {
 
-/// Bending like: lines of slope 2, half width 5, |s| <= 250; or tensile like: powers that meet at 0 and at
-/// the end.
+/// Law like that of bending: lines of slope 2, half width 5, |s| <= 256; or like tension: powers
+/// that meet at 0 and at the end.
 Loop bending() {
   std::vector<double> upper, lower;
   for (int k = -512; k <= 512; ++k) {
@@ -38,7 +39,7 @@ Loop tensile() {
 struct Case {
   const char* name;
   Loop loop;
-  double low, high, scale;  // deformations to move in; force scale
+  double low, high, scale;  // range of deformations; scale of the force
 };
 
 class LoopTest : public ::testing::TestWithParam<int> {
@@ -58,7 +59,7 @@ TEST_P(LoopTest, StaysWithinTheLoop) {
     const double s = at(c, path[k]);
     play = c.loop.commit(play, s);
     const double force = c.loop.force(play, s);
-    // A loop from a lower play of the widest: the upper branch bounds from above, the lower from below.
+    // No play is so large that the force exceeds the upper branch.
     EXPECT_LE(force, c.loop.upper()(s).force + tolerance(1e-9) * c.scale);
   }
 }
@@ -75,7 +76,7 @@ TEST_P(LoopTest, ForceIsTheDerivativeOfThePotential) {
     const double slope = (c.loop(step, s + d).potential - c.loop(step, s - d).potential) / (2 * d);
     EXPECT_NEAR(c.loop(step, s).force, slope, tolerance(1e-4) * c.scale) << c.name;
     EXPECT_NEAR(c.loop(step, s).force, c.loop.force(play, s), tolerance(1e-9) * c.scale) << c.name;
-    for (const double kink : {step.low, step.high}) {  // ψ and f continue across the kinks
+    for (const double kink : {step.low, step.high}) {  // ψ and f are continuous across the kinks
       EXPECT_NEAR(c.loop(step, kink - 1e-12).force, c.loop(step, kink + 1e-12).force,
                   tolerance(1e-7) * c.scale);
       EXPECT_NEAR(c.loop(step, kink - d).potential, c.loop(step, kink + d).potential,
@@ -113,7 +114,8 @@ TEST_P(LoopTest, WorkIsNeverLessThanWhatIsStored) {
   for (int k = 0; k < path.size(); ++k) {
     const double to = at(c, path[k]);
     const double from = s;
-    for (int part = 1; part <= 100; ++part) {  // fine steps: what a jump skips is dissipation, too
+    for (int part = 1; part <= 100; ++part) {  // small steps, because a jump dissipates what it
+                                               // skips
       const double next = from + (to - from) * part / 100;
       const Loop::Step step = c.loop.begin(play);
       const double before = c.loop.stored(play, s);
@@ -129,8 +131,8 @@ TEST_P(LoopTest, WorkIsNeverLessThanWhatIsStored) {
 INSTANTIATE_TEST_SUITE_P(All, LoopTest, ::testing::Values(0, 1));
 
 TEST(LoopTest, FullBendingCycleHasTheMeasuredLoss) {
-  // Loss of a full cycle = width · range, less what the reversal's finite stiffness cuts off the two corners:
-  // each a triangle-like strip of width 2HB/(reversal - 1)/B.
+  // The loss of a full cycle is width · range, minus the two corners that the finite stiffness
+  // after a reversal cuts off: each a triangle-like strip of width 2HB/(reversal - 1)/B.
   const Loop loop = bending();
   double play = loop.initialPlay(), s = 0.0, work = 0.0;
   const auto go = [&](double to) {
@@ -153,7 +155,8 @@ TEST(LoopTest, FullBendingCycleHasTheMeasuredLoss) {
 }
 
 TEST(LoopTest, OddLoopIsOddPastItsEnds) {
-  // Cloth must answer its mirror image alike: a shear angle changes its sign there. To round-off.
+  // Cloth must respond to its mirror image in the same way, where a shear angle changes its sign;
+  // to round-off.
   const Loop shear = loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/winter_suiting.yaml").shear;
   for (const double play : {-0.5, 0.0, 0.5}) {
     for (double s = -0.5; s <= 0.5; s += 0.01) {

@@ -1,7 +1,7 @@
-/// Elements that outlast a change of the mesh.
-/// Criteria: the definition, by comparison of each element with each; memory bit for bit; the energy made by
-/// a change is that stored after it less that before (an identity; sums of some hundred terms round at
-/// 1e-12).
+/// Elements that survive a change of the mesh.
+/// Criteria: the definition, by comparing each element with each; memory bit for bit; the energy
+/// made by a change is that stored after minus that before (an identity; sums of some hundred terms
+/// round at 1e-12).
 #include <gtest/gtest.h>
 
 #include <optional>
@@ -17,7 +17,7 @@ namespace {
 
 const Grid kGrid{17, 9, 2, 0.01, 0.01};
 
-/// A flat cloth with cells of three sizes, of which one splits and four others merge.
+/// Flat cloth with cells of three sizes; one cell splits and four others merge.
 class MeshChangeTest : public testing::Test {
  protected:
   MeshChangeTest() : leaves_(kGrid, {}, 2), mesh_(refined(leaves_), 0.15) {
@@ -121,7 +121,7 @@ Fabric fabricOf(Kind kind) {
   return fabric;
 }
 
-/// Of fabrics with and without memory, where a cell splits and where four merge.
+/// Fabrics with and without memory; a cell splits or four merge.
 class FabricChange : public MeshChangeTest, public testing::WithParamInterface<std::tuple<Kind, bool>> {};
 
 TEST_P(FabricChange, KeepsWhatStaysAndCountsWhatItMade) {

@@ -1,7 +1,7 @@
-// The adaptive mesh: balance, mass, ghosts and consistency between levels.
-// Criteria: sums that docs/model.md calls exact hold to 1e-12 relative; a homogeneous strain has the same
-// energy and the same forces on any mesh to 1e-10, since bilinear ghosts reproduce linear fields exactly
-// (patch test, [Irons & Razzaque 1972]).
+// Adaptive mesh: balance, mass, hanging nodes and consistency between levels.
+// Criteria: sums that docs/model.md calls exact hold to 1e-12 relative. A homogeneous strain has
+// the same energy and the same forces on any mesh to 1e-10, since bilinear hanging nodes reproduce
+// linear fields exactly (patch test, [Irons & Razzaque 1972]).
 #include <gtest/gtest.h>
 
 #include <random>
@@ -18,7 +18,7 @@ namespace {
 
 const Grid kGrid{49, 33, 3, 0.004, 0.005};
 
-/// One random split or merge.
+/// Makes one random split or merge.
 void disturb(LeafMesh& leaves, std::mt19937& random, std::vector<Cell>& split, std::vector<Cell>& merged) {
   const Grid& grid = leaves.grid();
   const Cell cell = leaves.leafAt(static_cast<int>(random() % (grid.columns - 1)),
@@ -80,7 +80,7 @@ TEST(MeshTest, StaysBalancedAndKeepsItsMassThroughAThousandChanges) {
 }
 
 TEST(MeshTest, FinestAndCoarsestHaveTheKnownNumberOfParticles) {
-  // [M04]: 77 x 77 = 5929 finest, 20 x 20 = 400 coarsest.
+  // [M04] has 77 × 77 = 5929 finest and 20 × 20 = 400 coarsest particles.
   const Grid grid{77, 77, 2, 1.0, 1.0};
   EXPECT_EQ(ActiveMesh(LeafMesh(grid, {}, 0), 1.0).active(), 5929);
   EXPECT_EQ(ActiveMesh(LeafMesh(grid, {}, 2), 1.0).active(), 400);
@@ -109,7 +109,7 @@ TEST(MeshTest, MastersComeBeforeTheirGhosts) {
 
 struct Response {
   double energy;
-  std::array<double, 9> virtual_work;  // of the nine homogeneous displacement fields
+  std::array<double, 9> virtual_work;  // for the nine homogeneous displacement fields
   double interior;                     // largest force on an inner active node [N]
 };
 
@@ -172,7 +172,7 @@ TEST(TransferTest, MomentumIsKeptThroughSplitsAndMerges) {
     for (int n = 0; n < mesh.active(); ++n) sum += mesh.mass[n] * state.velocity[mesh.particle[n]];
     return sum;
   };
-  for (const Ghost& g : mesh.ghosts) {  // a valid state: ghosts hold their masters' mean
+  for (const Ghost& g : mesh.ghosts) {  // valid state: hanging nodes are the mean of their masters
     for (auto* v : {&state.position, &state.velocity}) {
       (*v)[mesh.particle[g.node]] = 0.5 * ((*v)[mesh.particle[g.a]] + (*v)[mesh.particle[g.b]]);
     }

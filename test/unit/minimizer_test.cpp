@@ -1,4 +1,5 @@
-// The minimizer on problems with known answers; it must never leave a point worse than its start.
+// Minimizer on problems with known solutions. It must never return a point worse than its initial
+// guess.
 #include "solver/minimizer.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +13,7 @@
 namespace haptic_cloth {
 namespace {
 
-/// Σ ½ s_k (x_k - 1)² with stiffness ratios up to 1e4, or the Rosenbrock valley.
+/// Problem Σ ½ s_k (x_k - 1)² with stiffness ratios up to 1e4, or the Rosenbrock valley.
 class Problem : public Objective {
  public:
   explicit Problem(int n, bool valley = false) : n_(n), valley_(valley) {}
@@ -36,7 +37,7 @@ class Problem : public Objective {
   Along along(const Vector& d) override {
     double c = 0;
     if (valley_) {
-      const double x = x_[0], j = -2 * x;  // Gauss-Newton: of residuals 1 - x and 10 (y - x²)
+      const double x = x_[0], j = -2 * x;  // Gauss-Newton for the residuals 1 - x and 10 (y - x²)
       c = 2 * d[0] * d[0] + 200 * std::pow(j * d[0] + d[1], 2);
     } else {
       for (int k = 0; k < n_; ++k) c += stiffness(k) * d[k] * d[k];
@@ -70,7 +71,7 @@ TEST(MinimizerTest, SolvesAStiffQuadratic) {
   const MinimizerReport r = run(problem, x, {Preconditioner::None, 1e-8, 1000, 0.0});
   EXPECT_EQ(r.why, Termination::Converged);
   EXPECT_LT((x - Vector::Ones(30)).norm(),
-            tolerance(1e-6));  // residual 1e-8 over the least stiffness 1, with margin
+            tolerance(1e-6));  // residual 1e-8 over the smallest stiffness 1, with margin
 }
 
 TEST(MinimizerTest, FollowsTheRosenbrockValley) {
@@ -103,7 +104,7 @@ TEST(MinimizerTest, StopsOnTimeBudget) {
 }
 
 TEST(MinimizerTest, CountsWhatWasSpentBeforeTheSolve) {
-  // Two iterations are allowed; one is made, since the budget was spent when the solve began.
+  // Two iterations are allowed. One is made, since the budget was spent before the solve began.
   Problem problem(30);
   const MinimizerOptions options{Preconditioner::None, 1e-300, 2, 0.02};
   Minimizer minimizer(options);
@@ -125,7 +126,8 @@ TEST(MinimizerTest, KeepsToTheLargestStep) {
   Vector x = Vector::Zero(2);
   const MinimizerReport r = run(problem, x, {Preconditioner::None, 1e-8, 1, 0.0});
   EXPECT_EQ(r.iterations, 1);
-  EXPECT_NEAR(x[0], 1e-6 * 1.0, tolerance(1e-12));  // step times -gradient, 1 at zero for stiffness 1
+  EXPECT_NEAR(x[0], 1e-6 * 1.0, tolerance(1e-12));  // step times -gradient, which is 1 at zero for
+                                                    // stiffness 1
 }
 
 TEST(MinimizerTest, ReportsWhatIsNotFinite) {

@@ -1,4 +1,4 @@
-/// Files appear under their names when they are complete, and what is not theirs stays as it was.
+/// Files appear under their names only when they are complete; other files stay unchanged.
 #include "state/new_file.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ class NewFileTest : public testing::Test {
   fs::path file(const std::string& name) const { return folder_ / name; }
   void write(const std::string& name, const std::string& text) const { std::ofstream(file(name)) << text; }
 
-  /// All files of the folder with what they hold.
+  /// All files of the folder with their contents.
   std::map<std::string, std::string> contents() const {
     std::map<std::string, std::string> found;
     for (const auto& entry : fs::directory_iterator(folder_)) {

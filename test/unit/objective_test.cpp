@@ -1,6 +1,7 @@
-// The whole incremental potential on a mesh of mixed levels with ghosts, pins, obstacles and the probe: its
-// gradient is its derivative, and nothing is allocated while it is stepped. Criterion: central differences,
-// 1e-5 relative; the tabulated law's and contact's kinks are finer than the step.
+// Incremental potential on a mesh of mixed levels with hanging nodes, pins, obstacles and the
+// probe: its gradient is its derivative, and stepping allocates nothing. Criterion: central
+// differences, 1e-5 relative; the kinks of the tabulated law and of contact are finer than the
+// step.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -18,7 +19,8 @@ long allocations = 0;
 }  // namespace
 
 #ifndef __SANITIZE_ADDRESS__
-// Counts every allocation of this program, Eigen's included: glibc's malloc under another name does the work.
+// Counts every allocation of this program, Eigen's included; glibc's malloc does the work under
+// another name.
 extern "C" void* __libc_malloc(std::size_t size);
 extern "C" void* malloc(std::size_t size) {
   ++allocations;
@@ -51,7 +53,7 @@ TEST_F(ObjectiveTest, GradientIsTheDerivative) {
 }
 
 TEST_F(ObjectiveTest, ProbeAndClothFeelOppositeForces) {
-  // Newton's third law, to round-off: friction and pressure on the cloth and on the proxy.
+  // Newton's third law to round-off: friction and pressure on the cloth and on the proxy.
   Vector gradient = Vector::Zero(objective_.capacity());
   objective_.evaluate(start_, gradient);
   Field by_contact;
@@ -71,12 +73,12 @@ TEST_F(ObjectiveTest, CurvatureIsPositiveAndBoundsTheStep) {
     d.head(objective_.size()) = fixedRandom(objective_.size(), seed);
     EXPECT_GT(objective_.along(d).curvature, 0.0);
   }
-  // Straight at the cloth: the probe may use nine tenths of the gap of the sample that lies under it.
+  // Straight at the cloth the probe may use nine tenths of the gap of the sample below it.
   d.setZero();
   d.segment<3>(objective_.size() - 3) = -Vec3::UnitZ();
   const double step = objective_.along(d).max_step;
   EXPECT_GT(step, 0.0);
-  EXPECT_LT(step, 0.9 * 0.0006);  // 0.3 mm of gap over flat cloth, up to 0.1 mm of noise
+  EXPECT_LT(step, 0.9 * 0.0006);  // 0.3 mm of gap above flat cloth, and up to 0.1 mm of noise
 }
 
 struct Solver {
@@ -119,8 +121,8 @@ INSTANTIATE_TEST_SUITE_P(Solvers, SimulationTest,
                          [](const auto& info) { return info.param.name; });
 
 TEST(Simulation, BudgetCountsFromTheStepsStart) {
-  // A budget that was spent before the step began must not count: only then is more than the one iteration
-  // made that every solve is allowed.
+  // A budget that was spent before the step must not count. Only then does the solve make more than
+  // the one iteration that is always allowed.
   Scene scene = pressedSheet();
   scene.solver.minimizer.tolerance = 1e-9;
   scene.solver.minimizer.max_iterations = 5;
@@ -134,8 +136,8 @@ TEST(Simulation, BudgetCountsFromTheStepsStart) {
 class Drape : public ::testing::TestWithParam<StartMesh> {};
 
 TEST_P(Drape, FallsOverABoxWithoutAllocating) {
-  // From the first touch on: contacts grow from none to all that there will be, and hysteresis is handed over
-  // at each change of the mesh.
+  // Covers the time from the first touch on: contacts grow from none to all, and hysteresis is
+  // handed over at each change of the mesh.
   Scene scene = boxDrape(41);
   scene.adapt.start = GetParam();
   scene.cloth.fabric = loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/winter_suiting.yaml");

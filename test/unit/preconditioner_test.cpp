@@ -1,11 +1,14 @@
-// The multilevel preconditioner and the hats it is made of.
-// Criteria: that children lie at the mean of their parents and give all of their entries to them is the
-// definition; symmetry holds to the hats' part, which goes up and down the levels in single precision: each
-// of the four passes of a level rounds by 2^-24 at most, and one part's rounding is not larger than the sum;
-// the exact inverse of one free node's block holds to round-off; the condition number grows at most as the
-// square of the number of levels, so the iterations as that number [Bramble, Pasciak & Xu, Parallel
-// multilevel preconditioners, Math. Comp. 55 (1990)]; those of Jacobi's grow as the particles along a side
-// [Saad, Iterative Methods for Sparse Linear Systems, 2003].
+// Multilevel preconditioner and its hat functions.
+// Criteria:
+// - Children lie at the mean of their parents and give all of their entries to them, by definition.
+// - Symmetry holds to the rounding of the hats' part, which passes the levels up and down in single
+//   precision. Each of the four passes of a level rounds by at most 2^-24, and a part is not larger
+//   than the sum.
+// - The block of a single free node is inverted exactly, to round-off.
+// - The condition number grows at most as the square of the number of levels, so the iterations as
+//   that number [Bramble, Pasciak & Xu, Parallel multilevel preconditioners, Math. Comp. 55 (1990)].
+// - The iterations of Jacobi grow as the number of particles along a side [Saad, Iterative Methods
+//   for Sparse Linear Systems, 2003].
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -18,7 +21,7 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kLevels = 4.0, kRounding = 4.0 * kLevels * 0x1p-24;  // 17 x 17: spans 2, 4, 8, 16
+constexpr double kLevels = 4.0, kRounding = 4.0 * kLevels * 0x1p-24;  // 17 × 17: spans 2, 4, 8, 16
 
 class Hats : public ObjectiveTest {};
 class MultilevelTest : public ObjectiveTest {};
@@ -50,7 +53,7 @@ TEST_F(Hats, ChildrenLieBetweenTheirParents) {
 }
 
 TEST(HatLevelsTest, ChildrenGiveAllToTheirParents) {
-  // 19 and 5 cells: lattices end past the cloth.
+  // With 19 and 5 cells, lattices end beyond the cloth.
   const Grid grid{20, 6, 0, 0.01, 0.01};
   const LeafMesh leaves(grid, {}, 0);
   const ActiveMesh mesh(leaves, 0.1);
@@ -98,7 +101,7 @@ TEST_F(MultilevelTest, IsSymmetricAndPositive) {
 }
 
 TEST(Multilevel, InvertsTheBlockOfASingleFreeNode) {
-  // H P g = g, so P g · H P g = P g · g; the other nodes are pinned, so nothing else moves.
+  // With H P g = g, P g · H P g = P g · g. All other nodes are pinned.
   LinearFabric linear;
   linear.rigidity = 1e-5;
   Scene scene = sheetScene(makeFabric(linear), 3, 3, 0.02, 0.03);
@@ -133,15 +136,16 @@ TEST(Multilevel, InvertsTheBlockOfASingleFreeNode) {
   }
 }
 
-/// Iterations of one long step of a cloth that hangs from its upper edge: next to no inertia, so that all of
-/// it must find its place at once.
+/// Iterations of one long step of a cloth that hangs from its upper edge. It has almost no inertia,
+/// so all of it must find its position at once.
 int iterations(Preconditioner preconditioner, int particles) {
-  LinearFabric isotropic;  // coarsening both ways alike suits what is as stiff in shear as in tension
+  LinearFabric isotropic;  // coarsening in both directions suits a fabric that is as stiff in shear
+                           // as in tension
   isotropic.shear_modulus = 0.5 * isotropic.stiffness;
   Scene scene = sheetScene(makeFabric(isotropic), particles, particles, 0.2, 0.2);
   hangDown(scene);
   pin(scene, 0, 0, 0, particles - 1);
-  scene.gravity *= 1e-3;  // next to linear
+  scene.gravity *= 1e-3;  // almost linear
   scene.solver.time_step = 0.05;
   scene.solver.minimizer.preconditioner = preconditioner;
   scene.solver.minimizer.tolerance = 1e-4;
@@ -161,7 +165,7 @@ TEST(Multilevel, IterationsDoNotGrowWithTheParticles) {
                                    std::to_string(jacobi_coarse) + " " + std::to_string(jacobi_fine));
   std::printf("  iterations at 17 and 65 particles a side: multilevel %d, %d; Jacobi %d, %d\n", coarse, fine,
               jacobi_coarse, jacobi_fine);
-  // Three levels and five; four times as many particles along a side.
+  // Three and five levels; four times as many particles along a side.
   EXPECT_LT(fine, tolerance(5.0 / 3.0) * coarse);
   EXPECT_GT(jacobi_fine, 3.0 * jacobi_coarse);
 }

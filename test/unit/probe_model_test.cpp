@@ -1,4 +1,4 @@
-/// What one probe learns of the cloth, and what it owes the hand.
+/// Model of one probe: how its proxy follows the device, and its energy balance.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -22,7 +22,7 @@ ProbeReport reportAt(const Vec3& device, const Vec3& proxy) {
   return report;
 }
 
-/// Poses that move by up to 0.1 mm a step in all directions.
+/// Poses that move randomly by up to 0.1 mm per step in each direction.
 std::vector<Vec3> poses(int count) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> step(-1e-4, 1e-4);
@@ -33,7 +33,7 @@ std::vector<Vec3> poses(int count) {
 }
 
 TEST(ProbeTracker, LearnsALinearAnswer) {
-  // An elastic cloth behind a spring: symmetric, eigenvalues 0.1, 0.5 and 0.9 on tilted axes.
+  // Elastic cloth behind a spring: symmetric, with eigenvalues 0.1, 0.5 and 0.9 on tilted axes.
   const Quat turn(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
   const Mat3 axes = turn.toRotationMatrix();
   const Mat3 truth = axes * Vec3(0.1, 0.5, 0.9).asDiagonal() * axes.transpose();
@@ -41,12 +41,13 @@ TEST(ProbeTracker, LearnsALinearAnswer) {
   for (const Vec3& device : poses(200)) {
     tracker.update(reportAt(device, truth * device), DeviceSample(), kTick, 0.0);
   }
-  // A secant in a random direction leaves at most about 0.9 of the error: 0.9^200.
+  // A secant in a random direction leaves at most about 0.9 of the error; 200 secants leave
+  // 0.9^200.
   EXPECT_LT((tracker.follow() - truth).norm(), 1e-6);
 }
 
 TEST(ProbeTracker, StaysAPassiveAnswer) {
-  // Proxies that run away, against the device, and not a number.
+  // Proxies that run away, move against the device, or are not finite.
   for (const double factor : {-3.0, 5.0, 1e200}) {
     ProbeTracker tracker;
     for (const Vec3& device : poses(100)) {
@@ -80,7 +81,8 @@ PassivityOptions bare() {
   return options;
 }
 
-/// Swings 2 mm, 5 times a second, on -k x sampled each tick and held; returns the energy at the end [J].
+/// Swings by 2 mm, 5 times a second, on the sampled and held force -k x. @return the energy at the
+/// end [J]
 double swing(PassivityController& controller, double stiffness, int cycles, double held) {
   for (int k = 0; k < cycles * 200; ++k) {
     const Vec3 position(2e-3 * std::sin(2 * EIGEN_PI * 5.0 * k * kTick), 0, 0);
@@ -91,8 +93,8 @@ double swing(PassivityController& controller, double stiffness, int cycles, doub
 }
 
 TEST(PassivityController, FindsTheEnergyThatSamplingMakes) {
-  // A sampled spring lags by half a tick and makes π k (ω T/2) A² a cycle [Colgate & Schenkel 1994], to
-  // second order in ω T; ω T = 0.03.
+  // A sampled spring lags by half a tick and creates π k (ω T/2) A² per cycle [Colgate & Schenkel
+  // 1994], to second order in ω T = 0.03.
   PassivityController controller(bare(), kTick);
   const double omega = 2 * EIGEN_PI * 5.0, amplitude = 2e-3;
   const double made = EIGEN_PI * 400.0 * 0.5 * omega * kTick * amplitude * amplitude;
@@ -100,7 +102,7 @@ TEST(PassivityController, FindsTheEnergyThatSamplingMakes) {
 }
 
 TEST(PassivityController, FindsTheEnergyThatADelayMakes) {
-  // Delay t_d adds to T/2.
+  // The delay t_d adds to T/2.
   PassivityOptions options = bare();
   options.loop_delay = 0.0025;
   PassivityController controller(options, kTick);
@@ -110,7 +112,7 @@ TEST(PassivityController, FindsTheEnergyThatADelayMakes) {
 }
 
 TEST(PassivityController, CountsOnTheHandsDamping) {
-  // b > K T/2: nothing is ever owed at the end of a cycle.
+  // With b > K T/2 there is no debt at the end of a cycle.
   PassivityOptions options = bare();
   options.device_damping = 0.3;
   PassivityController controller(options, kTick);
@@ -118,7 +120,8 @@ TEST(PassivityController, CountsOnTheHandsDamping) {
 }
 
 TEST(PassivityController, LongFrictionFillsNoStore) {
-  // 1 N against 0.2 m/s for 10 s puts 2 J in. What may come out again is what coupling and cloth hold.
+  // 1 N against 0.2 m/s for 10 s puts in 2 J. Only the energy that coupling and cloth hold may come
+  // out.
   PassivityController controller(bare(), kTick);
   for (int k = 0; k < 10000; ++k) {
     controller.observe(Vec3(0.2 * k * kTick, 0, 0), {0.0, 0.003});
@@ -132,7 +135,7 @@ TEST(PassivityController, LongFrictionFillsNoStore) {
   bounded.sent(Vec3(-1.0, 0, 0));
   bounded.observe(Vec3(0.5, 0, 0), {0.0, 1.0});
   EXPECT_EQ(bounded.energy(), 0.001);
-  // What the coupling's own spring holds comes on top of the store: it is known exactly.
+  // The energy of the coupling's own spring adds to the store, because it is known exactly.
   bounded.sent(Vec3(-1.0, 0, 0));
   bounded.observe(Vec3(1.0, 0, 0), {0.002, 1.0});
   EXPECT_EQ(bounded.energy(), 0.003);
@@ -145,11 +148,12 @@ TEST(PassivityController, PaysWithABoundedDamperAndAWeakerForce) {
   EXPECT_EQ(controller.damping(), Vec3(Vec3::Zero()));
   controller.observe(Vec3::Zero(), {0.0, 0.0});
   controller.sent(Vec3(1.0, 0, 0));
-  controller.observe(Vec3(options.debt, 0, 0), {0.0, 1.0});  // 1 N over this way: owes just options.debt
+  controller.observe(Vec3(options.debt, 0, 0), {0.0, 1.0});  // 1 N over this distance: a debt of
+                                                             // exactly options.debt
   EXPECT_NEAR(controller.energy(), -options.debt, 1e-15);
   EXPECT_NEAR(controller.gain(), 0.5, 1e-12);
   EXPECT_NEAR(controller.damping().x(), -options.damping * controller.velocity().x(), 1e-12);
-  // It stands: no force from the damper, however much is owed.
+  // At rest the damper exerts no force, however large the debt.
   for (int k = 0; k < 10; ++k) {
     controller.sent(Vec3(1.0, 0, 0));
     controller.observe(Vec3(options.debt, 0, 0), {0.0, 1.0});

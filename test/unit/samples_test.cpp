@@ -1,6 +1,7 @@
-/// Points at which contact of coarse cells is counted.
-/// Criteria: energy of a cell tilted over a plane is ∫ψ(gap) dA; the trapezoidal rule of spacing δ is off by
-/// at most δ²/12 · max|d²ψ/ds²| · A, d²ψ/ds² = slope² · stiffness. Numbers of points are counted.
+/// Contact samples of coarse cells.
+/// Criteria: the energy of a cell tilted over a plane is ∫ψ(gap) dA. The trapezoidal rule of
+/// spacing δ has an error of at most δ²/12 · max|d²ψ/ds²| · A, with d²ψ/ds² = slope² · stiffness.
+/// Numbers of samples are counted.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,11 +16,12 @@ namespace {
 constexpr double kRange = 5e-4, kLow = 2e-4, kHigh = 7e-4;  // gaps at both ends of the cell [m]
 
 struct Tilted {
-  double energy, bound;  ///< measured less exact, and what it may be [J]
+  double energy, bound;  ///< measured minus exact energy, and its bound [J]
   int samples;
 };
 
-/// One coarse cell of 2^levels finest cells of a spacing [m], which rises from one gap to the other.
+/// One coarse cell of 2^levels × 2^levels finest cells of a given spacing [m], which rises from one
+/// gap to the other.
 Tilted tilted(int levels, double spacing) {
   const int side = 1 << levels;
   const Grid grid{side + 1, side + 1, levels, spacing, spacing};
@@ -59,7 +61,7 @@ TEST(Samples, OfACoarseCellStandAtTheFinestSpacing) {
 }
 
 TEST(Samples, OfAVeryFineGridStandNoCloserThanThePressureAsks) {
-  const Tilted cell = tilted(6, 2.5e-5);  // 1.6 mm in 64 parts; half of the range goes 7 times into it
+  const Tilted cell = tilted(6, 2.5e-5);  // 1.6 mm in 64 parts, 7 times half the range
   EXPECT_LT(std::abs(cell.energy), tolerance(cell.bound));
   EXPECT_LE(cell.samples, 64 + 2 * kPack);
 }

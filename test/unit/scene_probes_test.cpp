@@ -28,7 +28,7 @@ TEST(SceneProbes, WithoutAWordThereIsOneSphere) {
 }
 
 TEST(SceneProbes, ACoarseClothWithoutAProbeIsNotRefusedForIt) {
-  // Particles 2.5 m apart: a fiftieth of that is 50 mm, more than the default of 8 mm.
+  // Particles are 2.5 m apart; a fiftieth of that is 50 mm, more than the default of 8 mm.
   const std::string coarse = "cloth: {fabric: linear, particles: [5, 5], size: [10, 10]}\n";
   const auto radius = [&](const std::string& rest) {
     return parseScene(coarse + rest, "scene", ".").probes[0].radius;

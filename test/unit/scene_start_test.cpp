@@ -1,4 +1,4 @@
-/// Which mesh AMRC starts with. Criterion: docs/reference/scenes.md.
+/// Initial mesh of AMRC. Criterion: docs/reference/scenes.md.
 #include <gtest/gtest.h>
 
 #include <string>

@@ -1,4 +1,4 @@
-/// Scene files: every key arrives, every default stays, and whatever is wrong is named.
+/// Scene files: every key is used, every default stays, and every error is named.
 #include "haptic_cloth/scene.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ Scene parse(const std::string& yaml, const std::vector<std::string>& overrides =
   return parseScene(yaml, "scene", "/nowhere", overrides);
 }
 
-/// The message that parsing ends with; "" if it succeeds.
+/// Message of the error when `yaml` is parsed; "" if it succeeds.
 std::string message(const std::string& yaml, const std::vector<std::string>& overrides = {}) {
   try {
     parse(yaml, overrides);
@@ -219,7 +219,7 @@ TEST(Scene, UnknownAndDuplicateKeysAreNamed) {
 }
 
 TEST(Scene, MessagesAreOneLineWhateverTheFileHolds) {
-  // message() looks for line ends.
+  // message() checks for line ends.
   EXPECT_EQ(message(std::string(kCloth) + "probes: {\"a\\nb\": {radius: 0}}"),
             "scene: probes = a b: a name must be a letter, then letters, digits and underscores");
   EXPECT_EQ(message("cloth: {fabric: \"a\\nb\"}").substr(0, 29), "scene: cloth.fabric = \"a b\": ");
@@ -357,7 +357,7 @@ TEST(SceneOverrides, WrongOnesAreNamed) {
   const std::string yaml = std::string(kCloth) + "obstacles: [{shape: sphere, radius: 1}]\n";
   for (const auto& [assignment, expected] : cases) EXPECT_EQ(message(yaml, {assignment}), expected);
   EXPECT_EQ(message(yaml, {"stop.time=[1"}).find("--set: stop.time=[1: malformed YAML: "), 0U);
-  // An override elsewhere does not take the blame.
+  // An unrelated override is not blamed.
   EXPECT_EQ(message("air_damping: -1\n" + yaml, {"stop.time=1"}), "scene: air_damping = -1: must be >= 0");
 }
 

@@ -1,4 +1,4 @@
-/// The choice among the kernels' instruction sets. Criteria are the rules of simd/path.h.
+/// Choice among the kernels' instruction sets. Criteria: the rules in simd/path.h.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -15,7 +15,7 @@ namespace {
 const std::vector<SimdPath> kOldMachine{
     {"wide", nullptr, false}, {"middle", nullptr, true}, {"narrow", nullptr, true}};
 
-/// The message of the refusal, "taken: NAME" where there is none.
+/// Message of the refusal; "taken: NAME" if there is none.
 std::string refusal(const char* wanted) {
   try {
     return "taken: " + choosePath(kOldMachine, wanted).name;

@@ -1,4 +1,4 @@
-/// The command-line program `simulate`, run as a user runs it: exit status, messages, files.
+/// Command-line program `simulate`, run as by a user: exit status, messages, files.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -77,8 +77,8 @@ class Simulate : public testing::Test {
     std::ofstream(folder_ / file) << text;
   }
 
-  /// Runs the program in the test's folder. @param before shell words in front of it, for instance
-  /// limits
+  /// Runs the program in the test's folder. @param before shell commands in front of it, for
+  /// instance limits
   Outcome run(const std::string& arguments, const std::string& before = "") const {
     return runProgram("'" HAPTIC_CLOTH_SIMULATE "' " + arguments + " >output.txt", before);
   }
@@ -91,7 +91,7 @@ class Simulate : public testing::Test {
     return {WEXITSTATUS(status), readText(folder_ / "output.txt"), readText(folder_ / "error.txt")};
   }
 
-  /// Names in a folder of the test's.
+  /// Names in a subfolder of the test's folder.
   std::vector<std::string> files(const std::string& folder) const {
     std::vector<std::string> names;
     for (const auto& entry : fs::directory_iterator(folder_ / folder))
@@ -100,7 +100,8 @@ class Simulate : public testing::Test {
     return names;
   }
 
-  /// Bad input: status 2, one line that contains every word, no result folder.
+  /// Expects bad input to be refused: status 2, one line that contains every word, no result
+  /// folder.
   void expectRefused(const std::string& arguments, const std::vector<std::string>& words,
                      const std::string& before = "") const {
     SCOPED_TRACE(before + " " + arguments);
@@ -153,7 +154,7 @@ TEST_F(Simulate, SummaryHasItsKeys) {
 }
 
 TEST_F(Simulate, ForcesAreThoseOfNamedProbes) {
-  // Both are there, but only the second touches the cloth.
+  // Both probes are present, but only the second touches the cloth.
   const std::string probes =
       "--set 'probes={thumb: {path: [[0, 0, 0, 0.5]]}, index: {path: [[0, 0, 0, 0.08], [0.02, 0, 0, "
       "0.04]]}}'";
@@ -180,7 +181,7 @@ TEST_F(Simulate, TablesHaveARowForEach) {
     ASSERT_EQ(lines.size(), table.rows + 1);
     for (const std::string& line : lines) EXPECT_EQ(split(line, ',').size(), table.columns);
   }
-  // Device at the end of the path, lowered; first particle pinned where it was.
+  // The device is at the end of the path, lowered; the first particle is pinned at its start.
   const auto probe = split(readLines(folder_ / "result/probe.csv").back(), ',');
   EXPECT_NEAR(std::stod(probe[0]), 0.03, 1e-12);
   EXPECT_NEAR(std::stod(probe[3]), 0.055, 1e-12);
@@ -228,9 +229,10 @@ TEST_F(Simulate, SameInputGivesSameHash) {
   }
 }
 
-// Every step ends where the residual is at most tolerance τ times the weight, root mean square. Left over in
-// each of them it moves the cloth by τ g T² / 2 in a time T, root mean square by mass; by number that may be
-// twice as much, since particles at the corners have a quarter of the others' mass. Two paths: twice that.
+// Bound of the test below. Every step ends with a residual of at most τ (tolerance) times the
+// weight, root mean square. In a time T such a residual moves the cloth by τ g T² / 2, root mean
+// square by mass. By number this may be twice as much, since particles at the corners have a
+// quarter of the others' mass. Two runs: twice that.
 TEST_F(Simulate, PathsAgreeWithinTheTolerance) {
   constexpr double kTolerance = 1e-4, kTime = 0.03, kGravity = 9.81;
   const double bound = 2.0 * 2.0 * 0.5 * kTolerance * kGravity * kTime * kTime;
@@ -269,7 +271,7 @@ TEST_F(Simulate, PathsAgreeWithinTheTolerance) {
 }
 
 TEST_F(Simulate, StopsAtRest) {
-  // Held on all sides, without gravity and probe: at rest from the start.
+  // Held on all sides, almost without gravity and without a probe: at rest from the start.
   const Outcome outcome =
       run("scene.yaml --set 'probe.path=[]' --set 'gravity=[0, 0, -1e-6]' --set stop.rest_speed=0.001 --set "
           "stop.time=5 --out result");
@@ -327,8 +329,7 @@ TEST_F(Simulate, RefusesDirectoryItCannotWrite) {
   EXPECT_EQ(readText(folder_ / "file"), "occupied");
 }
 
-// As on a full disk, no more bytes are taken from some point on. The table of steps fits, 1089
-// particles do not.
+// Limit as on a full disk: the table of steps fits, 1089 particles do not.
 constexpr const char* kFullDisk = "ulimit -f 32 &&";
 constexpr const char* kLargeTable = "--set cloth.particles=[33,33] --set stop.time=0.002";
 
@@ -339,7 +340,7 @@ TEST_F(Simulate, AFullDiskIsNamedAndLeavesNoFile) {
   EXPECT_NE(outcome.error.find("particles.csv: cannot be written: File too large"), std::string::npos)
       << outcome.error;
   EXPECT_TRUE(fs::is_empty(folder_ / "out"));
-  // Results of an earlier run stay, and a state is not written without them.
+  // The results of an earlier run stay, and no state is written without new ones.
   ASSERT_EQ(run("scene.yaml --out out").status, 0);
   const std::string before = readText(folder_ / "out/steps.csv");
   EXPECT_EQ(run(run_it + " --out out --save-state new.state", kFullDisk).status, 4);
@@ -406,7 +407,7 @@ TEST_F(Simulate, GoesOnFromASavedStateToTheLastBit) {
     EXPECT_EQ(whole[key], rest[key]) << key;
   }
   EXPECT_EQ(rest["steps"], 17);
-  // Only what this run has simulated counts: 17 steps of 1 ms.
+  // Only the steps that this run has simulated count: 17 of 1 ms.
   const double factor = rest["real_time_factor"], wall = rest["wall_time"];
   EXPECT_NEAR(factor * wall, 0.017, 1e-9);
   EXPECT_EQ(readText(folder_ / "whole/particles.csv"), readText(folder_ / "rest/particles.csv"));
@@ -439,7 +440,7 @@ TEST_F(Simulate, KesTestLeavesNoHalfFile) {
 }
 
 TEST_F(Simulate, StatesAreReadFromRegularFilesOnly) {
-  // The limits are for a program that reads without end, or waits for a writer that never comes.
+  // The limits stop a program that reads endlessly or waits for a writer that never comes.
   const std::string guard = "ulimit -v 4000000 && timeout 300";
   ASSERT_EQ(mkfifo((folder_ / "fifo").c_str(), 0600), 0);
   for (const std::string name : {"/dev/zero", "/dev/null", "fifo", "."}) {

@@ -1,5 +1,5 @@
-/// States that do not fit are refused with a line that says why, and leave the simulation as it was; files
-/// are written whole or not at all. Criterion: docs/reference/states.md.
+/// Invalid states are refused with a message that names the reason, and leave the simulation
+/// unchanged; files are written completely or not at all. Criterion: docs/reference/states.md.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A drape that has run for a while: its mesh is coarse in places.
+/// Drape after some steps, whose mesh is coarse in places.
 StateCase drape() {
   StateCase run = stateCases()[0];
   run.steps = 50;
@@ -37,7 +37,8 @@ class State : public testing::Test {
     saved_ = simulation_.saveState();
   }
 
-  /// Refused with a message that has every word, by a simulation that goes on as if nothing had been asked.
+  /// Expects a refusal with a message that contains every word; the simulation continues as if
+  /// nothing had happened.
   void expectRefused(const std::string& state, const std::vector<std::string>& words) {
     expectRefused(state, run_.scene, words);
   }
@@ -60,7 +61,7 @@ class State : public testing::Test {
     other.step();
   }
 
-  /// The saved state with one entry changed, whole in all else.
+  /// Saved state with one changed entry, otherwise valid.
   template <class Change>
   std::string changed(const std::string& name, const Change& change) const {
     std::vector<StateEntry> entries = stateEntries(saved_);
@@ -99,7 +100,7 @@ TEST_F(State, WhatIsCutOffOrDamagedIsRefused) {
   }
   expectRefused(saved_.substr(0, saved_.size() - 1), {"cut off"});
   expectRefused(saved_ + "x", {"has grown"});
-  // One bit anywhere: in the name of an entry, in its values, at the end.
+  // Changes one bit: in the name of an entry, in its values, at the end.
   for (const std::size_t at : {std::size_t{60}, saved_.size() / 3, saved_.size() / 2, saved_.size() - 1}) {
     std::string damaged = saved_;
     damaged[at] = static_cast<char>(damaged[at] ^ 1);
@@ -109,7 +110,7 @@ TEST_F(State, WhatIsCutOffOrDamagedIsRefused) {
 
 TEST_F(State, OtherVersionsAndMachinesAreRefused) {
   std::string other = saved_;
-  other[23] = 1;  // after the magic and the byte order
+  other[23] = 1;  // offset of the version, after magic and byte order
   expectRefused(other, {"version = 1", "must be 2"});
   other = saved_;
   std::reverse(other.begin() + 19, other.begin() + 23);
@@ -170,7 +171,7 @@ TEST_F(State, ImpossibleValuesAreRefusedByName) {
   expectRefused(changed("born", [](StateEntry& e) { set(e, 3, 1000000L); }), {"born", "to 50"});
   expectRefused(changed("leaves.levels", [](StateEntry& e) { e.bytes[0] = 9; }),
                 {"leaves.levels", "from 0 to 2"});
-  // Each level may be, but the mesh is none: a cell of level 1 has three siblings.
+  // Each level is valid, but the mesh is not: a cell of level 1 has three siblings.
   expectRefused(changed("leaves.levels",
                         [](StateEntry& e) { e.bytes[0] = static_cast<char>(e.bytes[0] == 1 ? 0 : 1); }),
                 {"leaves.levels", "balanced"});
@@ -205,7 +206,7 @@ class StateFile : public State {
   static void write(const std::string& file, const std::string& text) {
     std::ofstream(file, std::ios::binary) << text;
   }
-  /// @return names in the folder: nothing may be left behind
+  /// Number of files in the folder; nothing may be left behind.
   std::size_t files() const {
     return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
   }
@@ -248,7 +249,7 @@ TEST_F(StateFile, AFileOfTheUsersIsNotTakenForATemporaryOne) {
 TEST_F(StateFile, OldContentSurvivesAFullDisk) {
   writeStateFile(file("old"), saved_);
   const std::string later = Simulation(run_.scene).saveState();
-  // The system lets no file of this process grow beyond a part of the state: as on a full disk, the first
+  // The system limits files of this process to half of the state. As on a full disk, the first
   // bytes are written, then no more.
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
@@ -276,7 +277,7 @@ TEST_F(StateFile, OnlyWhatMayBeLostIsReplaced) {
   EXPECT_EQ(files(), 2u);
 }
 
-/// @return what readStateFile() says, or "read"
+/// Message of readStateFile(), or "read".
 std::string refusal(const std::string& file, std::uint64_t most = largestState()) {
   try {
     readStateFile(file, most);
@@ -292,7 +293,7 @@ TEST_F(StateFile, WhatCannotBeReadIsNamed) {
 }
 
 TEST_F(StateFile, OnlyRegularFilesAreRead) {
-  // A FIFO that nobody writes to would be waited for, a device may give zeros without end.
+  // A FIFO without a writer would block; a device may return endless zeros.
   ASSERT_EQ(mkfifo(file("fifo").c_str(), 0600), 0);
   fs::create_symlink("fifo", file("link"));
   for (const std::string& name : {std::string("/dev/null"), folder_.string(), file("fifo"), file("link")}) {
@@ -302,7 +303,7 @@ TEST_F(StateFile, OnlyRegularFilesAreRead) {
 }
 
 TEST_F(StateFile, HeaderAndSizeAreCheckedBeforeTheRestIsRead) {
-  // Holes: files that have no such content on the disk, but would give it.
+  // Sparse files: they would return content that is not on the disk.
   constexpr std::uint64_t kHuge = std::uint64_t{1} << 40;
   const auto grow = [&](const std::string& name, const std::string& start) {
     write(file(name), start);
@@ -311,7 +312,7 @@ TEST_F(StateFile, HeaderAndSizeAreCheckedBeforeTheRestIsRead) {
   };
   EXPECT_NE(refusal(grow("zeros", "")).find("does not begin"), std::string::npos);
   EXPECT_NE(refusal(grow("grown", saved_)).find("has grown"), std::string::npos);
-  // What the header says, magic, byte order and version before it, fits the file.
+  // The header is consistent with the file, including magic, byte order and version.
   std::string honest = saved_;
   const std::uint64_t entries = kHuge - 43;
   std::memcpy(&honest[27], &entries, sizeof(entries));
@@ -323,7 +324,7 @@ TEST(LargestState, LeavesRoomForEveryState) {
   for (const StateCase& run : stateCases()) {
     Simulation simulation(run.scene);
     for (int step = 0; step < run.steps; ++step) advance(run, simulation, step);
-    // Without what all scenes allow for together, so that it holds for large ones too.
+    // Excludes the overhead that all scenes have, so that the bound also holds for large ones.
     const std::uint64_t particles = largestState(run.scene) - (std::uint64_t{1} << 26);
     EXPECT_LT(simulation.saveState().size(), 0.5 * static_cast<double>(particles) + 500000.0) << run.name;
   }

@@ -1,4 +1,4 @@
-/// The rules of the source tree that a compiler does not check (docs/architecture.md).
+/// Rules of the source tree that the compiler does not check (docs/architecture.md).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -53,7 +53,7 @@ std::string folderOf(const fs::path& path) {
   return *part == "src" ? (++part)->string() : "";
 }
 
-/// The included names of a file, and where they stand.
+/// Includes of a file with their line numbers.
 std::vector<std::pair<int, std::string>> includes(const SourceFile& file) {
   static const std::regex pattern("^\\s*#\\s*include\\s*[<\"]([^>\"]+)[>\"]");
   std::vector<std::pair<int, std::string>> names;

@@ -1,6 +1,6 @@
-/// Ticks that fall into step with a device. Criteria: from any phase, within 60 ticks (half a period in
-/// shifts of at most 2 %, then a tenth of the rest a tick) a message is answered within 0.3 ms; no tick is
-/// shifted by more than 2 %; a silent device changes nothing.
+/// Phase lock of the ticks to a device. Criteria: from any phase, a message is answered within 0.3
+/// ms after at most 60 ticks (half a period in shifts of at most 2 %, then a tenth of the rest per
+/// tick); no tick is shifted by more than 2 %; a silent device changes nothing.
 #include "haptics/tick_phase.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kPeriod = 1e-3;
 
-/// A device whose messages come at `first` + k `spacing`: the newest at `now`.
+/// Time of the newest message at `now`, if messages come at `first` + k `spacing`.
 double heardAt(double now, double first, double spacing) {
   return now < first ? -1.0 : first + std::floor((now - first) / spacing) * spacing;
 }

@@ -1,4 +1,4 @@
-/// The torque that a hand feels: with the force, limited and ramped as the force is.
+/// Torque on the hand: it follows the force, limited and ramped in the same way.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,10 +10,11 @@ namespace haptic_cloth {
 namespace {
 
 constexpr double kTick = 1e-3;
-/// Torques here are at most 0.1 N·m, forces 10 N: products of a few doubles, good to 1e-12.
+/// Rounding error: torques are at most 0.1 N·m and forces 10 N, products of a few doubles.
 constexpr double kRoundOff = 1e-12;
-const Vec3 kArm(0.02, -0.01, 0.0);    ///< from the proxy to where the cloth presses [m]
-const Vec3 kSpring(0.0, 0.0, 0.005);  ///< from the device to the proxy: 2 N of the default coupling [m]
+const Vec3 kArm(0.02, -0.01, 0.0);    ///< from the proxy to the point of contact [m]
+const Vec3 kSpring(0.0, 0.0, 0.005);  ///< from the device to the proxy: 2 N with the default
+                                      ///< coupling [m]
 
 DeviceSample deviceAt(const Vec3& position, double received) {
   DeviceSample sample;
@@ -22,7 +23,7 @@ DeviceSample deviceAt(const Vec3& position, double received) {
   return sample;
 }
 
-/// A solve in which the coupling is in balance with a point load.
+/// Result of a solve in which the coupling balances a point load.
 ProbeSnapshot loadedAt(const Vec3& arm, double taken) {
   ProbeSnapshot snapshot;
   snapshot.taken = snapshot.device_received = taken;
@@ -33,7 +34,7 @@ ProbeSnapshot loadedAt(const Vec3& arm, double taken) {
   return snapshot;
 }
 
-/// No soft start and no noticeable limit.
+/// Options without soft start or effective limits.
 HapticOptions bareOptions() {
   HapticOptions options;
   options.soft_start = 0.0;
@@ -43,7 +44,7 @@ HapticOptions bareOptions() {
   return options;
 }
 
-/// A loop that has reached its full wrench.
+/// Loop that has reached its full wrench.
 struct LoadedLoop {
   HapticOptions options;
   HapticLoop loop{options};
@@ -62,7 +63,7 @@ struct LoadedLoop {
     EXPECT_LE((loop.torque() - before).norm(), mostChange() + kRoundOff);
     EXPECT_LE(loop.torque().norm(), std::max(options.max_torque, before.norm()) + kRoundOff);
   }
-  /// From zero to its limit the torque takes as long as the force.
+  /// Largest change per tick: the torque takes as long as the force from zero to its limit.
   double mostChange() const {
     return options.max_force_rate / options.max_force * options.max_torque * kTick;
   }
@@ -76,8 +77,9 @@ TEST(HapticTorque, IsThatOfTheSolveWhereNothingHasMovedSince) {
   EXPECT_LT((loop.torque() - snapshot.torque).norm(), kRoundOff);
 }
 
-/// The arm is known from force and torque of the solve but for its part along the force, and to the square of
-/// kTellingForce · max_force over the force: (0.165 N / 2 N)² = 0.7 % of the change.
+/// The arm follows from force and torque of the solve, except for its part along the force. Its
+/// error is the square of kTellingForce · max_force over the force: (0.165 N / 2 N)² = 0.7 % of the
+/// change.
 TEST(HapticTorque, KeepsItsArmWhereTheForceHasChangedSince) {
   const Vec3 moves[] = {Vec3(0.0, 0.0, -0.001), Vec3(0.0, 0.0, 0.002), Vec3(0.001, 0.0, 0.0)};
   for (const Vec3& moved : moves) {
@@ -101,8 +103,8 @@ TEST(HapticTorque, OfAForceThroughTheOriginIsZeroWhereverItPoints) {
   }
 }
 
-/// Two sides of a fold may turn a probe and not push it. Nothing then says where a force acts that comes up
-/// later.
+/// The two sides of a fold may turn a probe without pushing it. The arm of a later force is then
+/// unknown.
 TEST(HapticTorque, ACoupleWithoutAForceIsKeptAndNeverMoreThanDoubled) {
   ProbeSnapshot snapshot = loadedAt(Vec3::Zero(), 1.0);
   snapshot.torque = Vec3(0.0, 0.03, 0.04);
@@ -116,7 +118,7 @@ TEST(HapticTorque, ACoupleWithoutAForceIsKeptAndNeverMoreThanDoubled) {
       HapticLoop loop(bareOptions());
       loop.tick(deviceAt(Vec3(way, way, -way), 1.001), snapshot, false, 1.001);
       EXPECT_LE(loop.torque().norm(), 2.0 * snapshot.torque.norm() + kRoundOff) << force << " N, " << way;
-      // Below 5 % of the largest force the arm counts as F T/(5 % of it)², so next to nothing here.
+      // Below 5 % of the largest force F the arm is F T/(5 % of it)², almost zero here.
       const double small = 0.05 * bareOptions().max_force, change = 400.0 * std::sqrt(3.0) * std::abs(way);
       const double most = (force + change) * force * snapshot.torque.norm() / (small * small);
       EXPECT_LE((loop.torque() - snapshot.torque).norm(), most + kRoundOff) << force << " N, " << way;
@@ -124,7 +126,7 @@ TEST(HapticTorque, ACoupleWithoutAForceIsKeptAndNeverMoreThanDoubled) {
   }
 }
 
-/// What a limit takes from the force it takes from the torque: the arm stays.
+/// A limit reduces the torque by the same share as the force, so the arm stays.
 TEST(HapticTorque, IsCutWithTheForce) {
   HapticOptions options = bareOptions();
   options.max_force = 0.5;
@@ -156,11 +158,11 @@ TEST(HapticTorque, ComesInSoftlyWithTheForce) {
     const Vec3 force = loop.tick(deviceAt(Vec3::Zero(), now), loadedAt(kArm, now), false, now);
     const double soft = std::min(1.0, i * kTick / options.soft_start);
     EXPECT_LE(loop.torque().norm(), soft * options.max_torque + kRoundOff) << "tick " << i;
-    // Neither limit of the torque is reached here, so it is the force's at any time.
+    // Neither limit of the torque is reached here, so the torque always belongs to the force.
     EXPECT_LT((loop.torque() - kArm.cross(force)).norm(), 1e-9) << "tick " << i;
   }
   EXPECT_NEAR(loop.torque().norm(), kArm.norm() * 2.0, kRoundOff);
-  options.max_torque = 0.01;  // reached long before the force is
+  options.max_torque = 0.01;  // reached long before the limit of the force
   HapticLoop limited(options);
   for (int i = 1; i <= 600; ++i) {
     const double now = 1.0 + i * kTick, soft = std::min(1.0, i * kTick / options.soft_start);
@@ -178,14 +180,15 @@ TEST(HapticTorque, NeverExceedsItsRate) {
     snapshot.contact = (i / 100) % 2 == 0;
     loaded.tick(deviceAt(Vec3::Zero(), loaded.now + kTick), snapshot, false);  // checks the rate
   }
-  loaded.now += 0.5;  // a stall of the thread: a late tick may catch up five ticks
+  loaded.now += 0.5;  // the thread stalls: a late tick may catch up five ticks
   const Vec3 before = loaded.loop.torque();
   loaded.now += kTick;
   loaded.loop.tick(deviceAt(Vec3::Zero(), loaded.now), loadedAt(kArm, loaded.now), false, loaded.now);
   EXPECT_LE((loaded.loop.torque() - before).norm(), 5.0 * loaded.mostChange() + kRoundOff);
 }
 
-/// The load's arm jumps by 45 mm in one solve. Snapshots come every 10 ms, so it is blended in over 5 ms.
+/// The arm of the load jumps by 45 mm in one solve. Snapshots come every 10 ms, so the change is
+/// blended in over 5 ms.
 TEST(HapticTorque, ANewSnapshotIsBlendedIn) {
   HapticLoop loop(bareOptions());
   const Vec3 far = -kArm, from = kArm.cross(Vec3(0, 0, 2.0)), to = far.cross(Vec3(0, 0, 2.0));
@@ -201,7 +204,7 @@ TEST(HapticTorque, ANewSnapshotIsBlendedIn) {
   }
 }
 
-/// In ramp_time, whatever the size of force and torque.
+/// Both end after ramp_time, whatever their size.
 TEST(HapticTorque, EndsInZeroWhereTheForceDoes) {
   enum Fault { Pause, Pose, Snapshot, Jump, OtherCloth, NotFinite };
   for (const Fault fault : {Pause, Pose, Snapshot, Jump, OtherCloth, NotFinite}) {
@@ -224,7 +227,7 @@ TEST(HapticTorque, EndsInZeroWhereTheForceDoes) {
     }
     EXPECT_EQ(loaded.force, Vec3::Zero());
     EXPECT_EQ(loaded.loop.torque(), Vec3::Zero());
-    // And back softly.
+    // They return softly.
     loaded.tick(deviceAt(Vec3::Zero(), loaded.now + kTick), loadedAt(kArm, loaded.now + kTick), false);
     EXPECT_LE(loaded.loop.torque().norm(),
               loaded.options.max_torque * kTick / loaded.options.soft_start + kRoundOff);
@@ -250,8 +253,8 @@ TEST(HapticTorque, IsFiniteWhateverTheSnapshotHolds) {
   }
 }
 
-/// Lowered while it turns the hand, to nothing at last: down at the pace of the limit it had, to exactly
-/// zero.
+/// The limit is lowered to zero while the torque acts. The torque falls at the pace of the old
+/// limit, to exactly zero.
 TEST(HapticTorque, ALowerLimitIsReachedAtTheOldPace) {
   LoadedLoop loaded;
   HapticOptions lower = loaded.options;
@@ -267,7 +270,8 @@ TEST(HapticTorque, ALowerLimitIsReachedAtTheOldPace) {
   EXPECT_NEAR(loaded.force.z(), 2.0, 1e-9);
 }
 
-/// The hand's unit changes by three: what is stated at the probe becomes a third, without a step at the hand.
+/// The unit of the hand changes by three: values at the probe become a third, without a step at the
+/// hand.
 TEST(HapticTorque, GoesOnWhereTheForceScaleChanges) {
   LoadedLoop loaded;
   const Vec3 before = loaded.loop.torque();
