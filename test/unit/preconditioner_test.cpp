@@ -6,7 +6,7 @@
 //   than the sum.
 // - The block of a single free node is inverted exactly, to round-off.
 // - The condition number grows at most as the square of the number of levels, so the iterations as
-//   that number [Bramble, Pasciak & Xu, Parallel multilevel preconditioners, Math. Comp. 55 (1990)].
+//   that number [Bramble, Pasciak & Xu, Parallel multilevel preconditioners, Math. Comp. 55, 1990].
 // - The iterations of Jacobi grow as the number of particles along a side [Saad, Iterative Methods
 //   for Sparse Linear Systems, 2003].
 #include <gtest/gtest.h>
