@@ -1,7 +1,8 @@
-/// Strips under compression: one that stands on its clamped end under its own weight, and one whose ends are
-/// held closer than its length.
-/// Criteria: the heavy elastica, which buckles at L/c = 1.986353 (Greenhill 1881), and the post-buckled
-/// elastica in elliptic integrals (Love 1927, art. 263), both computed in test/support.
+/// Strips under compression: one that stands on its clamped end under its own weight, and one whose
+/// ends are held closer than its length.
+/// Criteria: the heavy elastica, which buckles at L/c = 1.986353 (Greenhill 1881), and the
+/// post-buckled elastica in elliptic integrals (Love 1927, art. 263), both computed in
+/// test/support.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,7 +27,7 @@ constexpr Strategy kStrategies[] = {Strategy::Finest, Strategy::Amrc, Strategy::
 
 int levelsOf(Strategy strategy) { return strategy == Strategy::Finest ? 0 : 2; }
 
-/// Cells of a clamp: what lies in it is one coarsest cell long.
+/// Number of cells of a clamp, one coarsest cell long.
 int clampOf(Strategy strategy) { return 1 << levelsOf(strategy); }
 
 /// Strip of `cells` finest cells between clamps, `weft` cells wide.
@@ -39,12 +40,12 @@ Scene strip(const Fabric& fabric, int cells, int weft, int clamps, double length
   return scene;
 }
 
-/// Stands along x on its clamped end; gravity is tilted out of its line by a small angle [rad].
+/// Column along x on its clamped end; gravity is tilted out of its line by a small angle [rad].
 Scene column(double lambda, double tilt, int cells, Strategy strategy, double tolerated) {
   LinearFabric linear;
   linear.rigidity = kWeight * std::pow(kLength / lambda, 3);
   linear.stiffness = kStiffness;
-  // The exact column stays in its plane. A strip whose saddles cost nothing twists first.
+  // The exact column stays in its plane. A strip that does not resist saddles would twist first.
   Fabric fabric = makeFabric(linear);
   fabric.twist_rigidity = linear.rigidity;
   Scene scene = strip(fabric, cells, std::max(2, clampOf(strategy)), 1, kLength, strategy);
@@ -72,14 +73,14 @@ Tip tipAtRest(const Scene& scene, Strategy strategy, double rest_speed) {
 
 TEST(BucklingSolutions, MatchTheLiterature) {
   EXPECT_NEAR(criticalColumn(), 1.986353, tolerance(6e-7));
-  // Turned by a right angle the column is the cantilever of reference_solutions.h.
+  // The column turned by a right angle is the cantilever of reference_solutions.h.
   for (const double lambda : {1.0, 2.0, 4.0}) {
     const Cantilever level = heavyElastica(lambda);
     const HeavyColumn turned = heavyColumn(lambda, 0.5 * kPi);
     EXPECT_NEAR(turned.deflection, level.drop, tolerance(1e-9));
     EXPECT_NEAR(turned.height, level.x, tolerance(1e-9));
   }
-  // Column without tilt to first order: Γ tilt / 8 for a small Γ = λ³.
+  // Column without tilt, to first order: Γ tilt / 8 for a small Γ = λ³.
   EXPECT_NEAR(heavyColumn(0.1, 1e-3).deflection, 1e-6 / 8.0, tolerance(1e-10));
   const struct {
     double shortening, load, deflection;
@@ -91,7 +92,7 @@ TEST(BucklingSolutions, MatchTheLiterature) {
   for (const auto& row : table) {
     EXPECT_NEAR(postBuckled(row.shortening).load, row.load, tolerance(6e-7));
     EXPECT_NEAR(postBuckled(row.shortening).deflection, row.deflection, tolerance(6e-7));
-    const double step = 1e-4;  // the work of the load is the energy: dU/dδ = P
+    const double step = 1e-4;  // energy is the work of the load: dU/dδ = P
     const double slope =
         (postBuckled(row.shortening + step).bending - postBuckled(row.shortening - step).bending) /
         (2 * step);
@@ -101,13 +102,13 @@ TEST(BucklingSolutions, MatchTheLiterature) {
 
 class TiltedColumn : public testing::TestWithParam<std::tuple<Strategy, double>> {};
 
-/// How much longer [-] an exact column may be that leans as far. A chain of N links buckles early by 1.8 / N²
-/// of its length (ColumnOrder below): 0.2 % for the ten links of the coarsest mesh. The rest is
-/// GradedClamp's.
+/// Extra length [-] that an exact column may have if it leans as far. A chain of N links buckles
+/// early by 1.8 / N² of its length (ColumnOrder below): 0.2 % for the ten links of the coarsest
+/// mesh. GradedClamp measures the rest.
 double longer(Strategy strategy) { return strategy == Strategy::Finest ? 0.0015 : 0.01; }
 
 TEST_P(TiltedColumn, LeansLikeTheElastica) {
-  // Near the critical length a little length makes much deflection: errors count as length.
+  // Near the critical length a small length makes a large deflection, so errors count as length.
   const auto [strategy, lambda] = GetParam();
   const double tilt = 0.02;
   const HeavyColumn exact = heavyColumn(lambda, tilt);
@@ -116,7 +117,8 @@ TEST_P(TiltedColumn, LeansLikeTheElastica) {
   const std::string what = "standing strip, gravity tilted by 0.02";
   record({what, "tip deflection / L", name(strategy), lambda, tip.deflection, exact.deflection, 1.0});
   record({what, "tip height / L", name(strategy), lambda, tip.height, exact.height, 1.0});
-  const double shortened = 0.5 * kWeight * kLength / kStiffness;  // of the length, under its own weight [-]
+  const double shortened = 0.5 * kWeight * kLength / kStiffness;  // shortening of the length under
+                                                                  // its own weight [-]
   const double bound = std::hypot(limit.deflection - exact.deflection, limit.height - exact.height);
   EXPECT_LE(std::hypot(tip.deflection - exact.deflection, tip.height - exact.height),
             tolerance(bound + 2.0 * shortened));
@@ -133,7 +135,7 @@ INSTANTIATE_TEST_SUITE_P(Strategies, TiltedColumn,
 class ColumnThreshold : public testing::TestWithParam<Strategy> {};
 
 TEST_P(ColumnThreshold, StandsBelowAndFallsAbove) {
-  // What a tilt of 1e-4 does: a lean of 6e-4 L below, a fall to 0.69 L above.
+  // A tilt of 1e-4 leads to a lean of 6e-4 L below the critical length, and a fall to 0.69 L above.
   const double tilt = 1e-4;
   const auto lean = [&](double factor) {
     const double lambda = factor * criticalColumn();
@@ -143,8 +145,8 @@ TEST_P(ColumnThreshold, StandsBelowAndFallsAbove) {
             exact, 1.0});
     return value / exact - 1.0;
   };
-  // Below, Γ/(Γ_c - Γ) multiplies a small error of Γ_c: 2 % for 0.1 % of the length, 25 % for 1 %. Above it
-  // is the slope of the branch.
+  // Below, Γ/(Γ_c - Γ) amplifies a small error of Γ_c: 2 % for 0.1 % of the length, 25 % for 1 %.
+  // Above, the slope of the branch does.
   EXPECT_NEAR(lean(0.95), 0.0, tolerance(GetParam() == Strategy::Finest ? 0.02 : 0.25));
   EXPECT_NEAR(lean(1.05), 0.0, tolerance(GetParam() == Strategy::Finest ? 0.01 : 0.06));
 }
@@ -152,7 +154,7 @@ TEST_P(ColumnThreshold, StandsBelowAndFallsAbove) {
 INSTANTIATE_TEST_SUITE_P(Strategies, ColumnThreshold, testing::ValuesIn(kStrategies),
                          [](const auto& info) { return name(info.param); });
 
-/// Slope of the least-squares line through the points.
+/// Slope of the least-squares line through points.
 double slope(const std::vector<double>& x, const std::vector<double>& y) {
   double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
   const double n = static_cast<double>(x.size());
@@ -167,7 +169,7 @@ double slope(const std::vector<double>& x, const std::vector<double>& y) {
 
 constexpr double kSouthwellTilt = 1e-3;
 
-/// Critical λ by a Southwell plot: deflection against deflection over load is a line of slope Γ_c = λ_c³.
+/// Critical λ by a Southwell plot: deflection over deflection / load is a line of slope Γ_c = λ_c³.
 template <class Deflection>
 double southwell(Deflection deflection) {
   std::vector<double> x, y;
@@ -184,14 +186,15 @@ double southwell(int cells, Strategy strategy) {
   });
 }
 
-/// The same plot of the elastica: 1.986, as higher modes and the finite tilt hardly bend the line.
+/// Same plot for the elastica: 1.986, because higher modes and the finite tilt hardly bend the
+/// line.
 double southwellExact() {
   return southwell([](double lambda) { return heavyColumn(lambda, kSouthwellTilt).deflection; });
 }
 
 TEST(ColumnOrder, CriticalLengthConvergesWithSquareOfSpacing) {
   EXPECT_NEAR(southwellExact(), criticalColumn(), tolerance(5e-4));
-  // Refinement does not mend the stretch, of the order of w L / 2E = 1.5e-4: the order is that of the rest.
+  // Refinement does not remove the stretch, about w L / 2E = 1.5e-4; the order is that of the rest.
   double errors[3];
   for (int k = 0; k < 3; ++k) {
     const int cells = 10 << k;
@@ -201,7 +204,7 @@ TEST(ColumnOrder, CriticalLengthConvergesWithSquareOfSpacing) {
     errors[k] = 1.0 - value / southwellExact();
   }
   EXPECT_NEAR(errors[2], 0.0, tolerance(5e-4));
-  // Differences of successive meshes fall by 4 whatever they converge to.
+  // Differences of successive meshes fall by 4 whatever the limit is.
   EXPECT_GT((errors[0] - errors[1]) / (errors[1] - errors[2]), 3.0);
 }
 
@@ -218,10 +221,10 @@ INSTANTIATE_TEST_SUITE_P(Strategies, ColumnSouthwell, testing::Values(Strategy::
                          [](const auto& info) { return name(info.param); });
 
 TEST(GradedClamp, BendsMoreEasilyThanAUniformOne) {
-  // Pins keep the cells around them finest, so a coarse strip is graded towards its clamp. A thread that ends
-  // in the middle of a coarser cell's side has no triple there: its moment goes to its neighbours, which bend
-  // the more. On the same mesh without grading, pinned at the coarse corners alone, the error is that of ten
-  // links, 1.0 %; those of the graded mesh's columns, if every thread had all of them, would give 0.84 %.
+  // Pins keep the cells around them finest, so a coarse strip is graded towards its clamp. A thread
+  // that ends in the middle of a coarser cell's side has no triple there; its neighbours take its
+  // moment and bend more. The same mesh without grading, pinned at the coarse corners only, has the
+  // error of ten links, 1.0 %. With all triples the columns of the graded mesh would give 0.84 %.
   const double lambda = 1.0, tilt = 0.02;
   const double exact = heavyColumn(lambda, tilt).deflection;
   const auto error = [&](const Scene& scene, const std::string& mesh) {
@@ -247,25 +250,25 @@ double eulerLoad(Ends ends) {
   return (ends == Ends::Clamped ? 4.0 : 1.0) * kPi * kPi * kRigidity / (kLength * kLength);
 }
 
-/// Held at a span of (1 - shortening) times its length. The grid's rest lengths are the span's, so the
-/// strip's own length is in the law of its warp: no force at the strain s = 1/(1 - shortening) - 1.
-/// Compressed flat it gives way at 3 to 4 times the Euler load, so that the start buckles into no higher
-/// mode. Curvature is measured on the grid's rest lengths: κ is (1+s)² too high on an area 1+s too small, so
-/// the rigidity is taken (1+s)³ lower.
+/// Strip held at a span of (1 - shortening) times its length. The rest lengths of the grid are
+/// those of the span, so the length of the strip is part of its warp law: no force at the strain s
+/// = 1/(1 - shortening) - 1. When compressed flat it yields at 3 to 4 times the Euler load, so that
+/// it does not start to buckle in a higher mode. Curvature is measured on the rest lengths of the
+/// grid: κ is (1+s)² too large on an area 1+s too small, so the rigidity is reduced by (1+s)³.
 Scene squeezed(double shortening, Ends ends, Strategy strategy) {
   const double s = 1.0 / (1.0 - shortening) - 1.0;
   LinearFabric linear;
   linear.rigidity = kRigidity / std::pow(1.0 + s, 3);
   Fabric fabric = makeFabric(linear);
-  // The exact strip keeps its middle line in a vertical plane. One whose saddles cost nothing may twist while
-  // it buckles, and one only two cells wide bends sideways: other minima.
-  constexpr int kWidth = 4;  // cells
+  // The exact strip keeps its middle line in a vertical plane. One that does not resist saddles may
+  // twist while it buckles, and one only two cells wide bends sideways: other minima.
+  constexpr int kWidth = 4;  // number of cells
   fabric.twist_rigidity = linear.rigidity;
   const double stiffness = 4000.0 * eulerLoad(ends), yield = 3.0 * eulerLoad(ends);
   const double step = yield / stiffness, soft = eulerLoad(ends) / s;
   fabric.tensile[kWarp] = Curve(s - 2.0 * step, step, {-yield - soft * step, -yield, 0.0});
   Scene scene = strip(fabric, 40, kWidth, ends == Ends::Clamped ? 2 : 0, kLength / (1.0 + s), strategy);
-  scene.gravity = Vec3(0.0, 0.0, -0.1);  // makes it buckle: 1 % of the Euler load
+  scene.gravity = Vec3(0.0, 0.0, -0.1);  // starts the buckling: 1 % of the Euler load
   const int clamp = ends == Ends::Clamped ? clampOf(strategy) : 0;
   const int i1 = scene.cloth.particles[kWarp] - 1, j1 = scene.cloth.particles[kWeft] - 1;
   pin(scene, 0, clamp, 0, j1);
@@ -281,10 +284,11 @@ class PostBuckling : public testing::TestWithParam<std::tuple<Strategy, Ends>> {
   std::string what() const {
     return ends() == Ends::Clamped ? "squeezed strip, clamped ends" : "squeezed strip, pinned ends";
   }
-  /// Triples at the graded cells of the clamps miss some of the energy (GradedClamp), where κ is largest.
+  /// Triples at the graded cells of the clamps miss some energy (GradedClamp), where κ is largest.
   bool graded() const { return ends() == Ends::Clamped && strategy() != Strategy::Finest; }
 
-  /// Bending energy at rest over Euler load times length; checks it and the deflection.
+  /// Measures bending energy at rest over Euler load times length, and checks it and the
+  /// deflection.
   double bendingAt(double shortening) {
     const Scene scene = squeezed(shortening, ends(), strategy());
     Simulation simulation(scene);
@@ -292,8 +296,9 @@ class PostBuckling : public testing::TestWithParam<std::tuple<Strategy, Ends>> {
     EXPECT_TRUE(settled.at_rest);
     EXPECT_EQ(settled.failed_steps, 0);
     EXPECT_EQ(simulation.step().minimizer.why, Termination::Converged);  // the first steps need not
+                                                                         // converge
     const PostBuckled exact = postBuckled(shortening);
-    // Either way is a minimum of the first steps' potential, and round-off may choose.
+    // Both directions are minima of the first steps' potential, and round-off may choose.
     const double middle = std::abs(particle(simulation, scene.cloth.particles[kWarp] / 2, 1).z()) / kLength;
     const double bending = simulation.energy().bend / (eulerLoad(ends()) * kLength * scene.cloth.size[kWeft]);
     record({what(), "deflection of the middle / L", name(strategy()), shortening, middle, exact.deflection,
@@ -307,7 +312,7 @@ class PostBuckling : public testing::TestWithParam<std::tuple<Strategy, Ends>> {
 };
 
 TEST_P(PostBuckling, FollowsTheElastica) {
-  // The work of the load is the energy: its mean between two shortenings.
+  // Energy is the work of the load; checks its mean between two shortenings.
   const double from = 0.05, to = 0.1;
   const double load = (bendingAt(to) - bendingAt(from)) / (to - from);
   const double exact = (postBuckled(to).bending - postBuckled(from).bending) / (to - from);

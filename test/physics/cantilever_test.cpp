@@ -1,6 +1,6 @@
-/// A strip clamped at one end under its own weight.
-/// Criterion: the heavy elastica (Bickley 1934), computed in test/support; the same case is the first of the
-/// cloth benchmarks of Romero et al. 2021 (ACM TOG 40(4)).
+/// Strip clamped at one end under its own weight.
+/// Criterion: the heavy elastica (Bickley 1934), computed in test/support; the same case is the
+/// first cloth benchmark of Romero et al. 2021 (ACM TOG 40(4)).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +16,8 @@ namespace {
 constexpr double kLength = 0.2;          // free part [m]
 constexpr double kWeight = 0.15 * 9.81;  // [N/m²]
 
-/// Free length of `cells` finest cells, after `clamp` more whose particles are all pinned.
+/// Strip of `cells` free finest cells after a clamp of `clamp` cells whose particles are all
+/// pinned.
 Scene clampedStrip(double lambda, int cells, int clamp, int levels) {
   LinearFabric linear;
   linear.rigidity = kWeight * std::pow(kLength / lambda, 3);
@@ -77,7 +78,7 @@ TEST_P(HeavyStrip, FinestMatchesElastica) {
 
 INSTANTIATE_TEST_SUITE_P(Lambda, HeavyStrip, testing::Values(0.5, 1.0, 2.0, 3.0, 4.0));
 
-/// Largest error of the tip's place over the length, for adaptive and coarse meshes.
+/// Largest error of the tip's position over the length, for adaptive and coarse meshes.
 class AdaptiveStrip : public testing::TestWithParam<std::tuple<Strategy, double>> {};
 
 TEST_P(AdaptiveStrip, StaysNearElastica) {
@@ -88,8 +89,8 @@ TEST_P(AdaptiveStrip, StaysNearElastica) {
   const Tip tip = tipAtRest(scene, 4);
   const double error = std::hypot(tip.x - exact.x, tip.drop - exact.drop);
   recordTip(strategy, lambda, tip, exact);
-  // A chain of 10 links, the coarsest mesh, is off by 1.0 % of the drop at λ = 2 (ClampOrder below) and the
-  // mesh refines only where the turn at a node is above refine_above.
+  // A chain of 10 links, the coarsest mesh, has an error of 1.0 % of the drop at λ = 2 (ClampOrder
+  // below). The mesh refines only where the turning angle at a node is above refine_above.
   EXPECT_LE(error, tolerance(0.015));
 }
 
@@ -103,9 +104,10 @@ INSTANTIATE_TEST_SUITE_P(Strategies, AdaptiveStrip,
                          });
 
 TEST(ClampOrder, ErrorFallsWithSquareOfSpacing) {
-  // A clamp that acts over a half cell is second order, one over a full cell first (ratio 2, 10.9 % at N =
-  // 10). A chain of 10/20/40 links with κ = φ/h has drop errors of .756/.189/.047 % at λ = 2; here κ = 2
-  // sin(φ/2)/h, φ²/24 low, adds a third, and the stretch, wL/2E, 0.007 %.
+  // A clamp that acts over half a cell is second order; over a full cell it is first order (ratio
+  // 2, 10.9 % at N = 10). A chain of 10/20/40 links with κ = φ/h has drop errors of .756/.189/.047
+  // % at λ = 2. Here κ = 2 sin(φ/2)/h, lower by φ²/24, adds a third, and the stretch wL/2E adds
+  // 0.007 %.
   const double lambda = 2.0;
   const double exact = heavyElastica(lambda).drop;
   double errors[3];

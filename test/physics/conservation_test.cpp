@@ -1,7 +1,7 @@
-/// What must not change, or change one way only.
-/// Criteria: the same bits for any number of threads (decision 0008), on each path of the kernels
-/// (ctest runs this file on all that the machine has); reset() gives back the same
-/// run; without a device energy is only lost (backward Euler is dissipative on a convex potential).
+/// Quantities that must not change, or only in one direction.
+/// Criteria: equal bits for any number of threads (decision 0008), with each instruction set of the
+/// machine (ctest runs this file with all of them); reset() repeats the same run; without a device
+/// energy is only lost (backward Euler is dissipative on a convex potential).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -59,7 +59,7 @@ TEST_P(Energy, IsOnlyLost) {
   scene.solver.minimizer.max_iterations = 1000;
   Simulation simulation(scene);
   const double start = simulation.energy().total() + simulation.energy().dissipated;
-  const double scale = simulation.mass() * 9.81 * 0.2;  // what it can fall through [J]
+  const double scale = simulation.mass() * 9.81 * 0.2;  // energy of the largest possible fall [J]
   double before = simulation.energy().dissipated, worst_rise = 0.0, worst_drift = 0.0;
   while (simulation.time() < 1.0) {
     ASSERT_FALSE(simulation.step().failed);
@@ -68,13 +68,14 @@ TEST_P(Energy, IsOnlyLost) {
     worst_drift = std::max(worst_drift, std::abs(energy.total() + energy.dissipated - start));
     before = energy.dissipated;
   }
-  // Sums of rounded terms.
+  // The balance sums rounded terms.
   EXPECT_LE(worst_drift, tolerance(1e-9 * scale));
   std::cout << "  " << name(GetParam()) << ": largest gain in a step " << worst_rise / scale << "\n";
-  // Merging four cells into one of 25 mm puts the nodes between them on straight lines, up to coarsen_below /
-  // 8 of 25 mm away: 4e-3 of the fall if the whole sheet did so at once, upwards; a few cells at a time give
-  // less. Splitting a bilinear cell leaves its curvature on its sides alone: for a moment twice the bending
-  // energy of those few cells. A mesh that does not change gains nothing.
+  // Merging four cells into one of 25 mm moves the nodes between them onto straight lines, by up to
+  // coarsen_below / 8 of 25 mm. If the whole sheet did so at once, upwards, that would be 4e-3 of
+  // the fall; a few cells at a time give less. Splitting a bilinear cell leaves its curvature on
+  // its sides, which doubles the bending energy of these cells for a moment. A fixed mesh gains
+  // nothing.
   const bool changes = GetParam() != Strategy::Finest && GetParam() != Strategy::Coarsest;
   EXPECT_LE(worst_rise, tolerance((changes ? 1e-3 : 1e-5) * scale));
   EXPECT_GT(before, 0.05 * scale);

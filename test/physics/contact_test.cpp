@@ -1,7 +1,7 @@
 /// Cloth on obstacles.
-/// Criteria: balance of forces (support = weight), no sample of the surface inside an obstacle deeper than
-/// the cloth is thick, and Coulomb's law: rest below the friction angle, acceleration g (sin α - μ cos α)
-/// above it.
+/// Criteria: balance of forces (support = weight); no sample of the surface inside an obstacle
+/// deeper than the cloth is thick; Coulomb's law: rest below the friction angle, acceleration g
+/// (sin α - μ cos α) above it.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -42,7 +42,8 @@ TEST_P(OnPlane, SupportEqualsWeight) {
   EXPECT_EQ(settled.failed_steps, 0);
   EXPECT_LE(settled.max_penetration, scene.cloth.fabric.thickness);
   const double weight = simulation.mass() * 9.81;
-  // The residual, 1e-3 g rms, bounds the net force by 1e-3 of the weight; twice that for what still moves.
+  // The residual, 1e-3 g rms, bounds the net force by 1e-3 of the weight; twice that allows for
+  // remaining motion.
   record({"cloth at rest on a plane", "support [N]", name(GetParam()), 0.0, simulation.supportForce().z(),
           weight, weight});
   EXPECT_NEAR(simulation.supportForce().z(), weight, tolerance(2e-3 * weight));
@@ -69,18 +70,18 @@ TEST(OnBox, DrapesWithoutPenetration) {
   simulation.positions(positions);
   for (const Vec3& x : positions) {
     ASSERT_TRUE(x.allFinite());
-    // Inside the box: every coordinate further in than the cloth is thick.
+    // A point is inside the box by the smallest of its three depths.
     const Vec3 inside = 0.5 * scene.obstacles[0].size - (x - scene.obstacles[0].pose.position).cwiseAbs();
     EXPECT_LE(inside.minCoeff(), scene.cloth.fabric.thickness);
   }
   EXPECT_LT(fastest, 3.0) << "it can fall 0.1 m";
   EXPECT_LT(simulation.maxStrain(), 0.02);
   EXPECT_NEAR(simulation.supportForce().z(), simulation.mass() * 9.81, 0.3 * simulation.mass() * 9.81);
-  // It overhangs on all sides: the corners hang below the top of the box.
+  // The cloth overhangs on all sides, so its corners hang below the top of the box.
   EXPECT_LT(particle(simulation, 0, 0).z(), -0.02);
 }
 
-/// A piece of cloth laid on a slope of 20 degrees, tan 20° = 0.364, for 0.4 s; how far it slid.
+/// Distance that a piece of cloth slides on a slope of 20 degrees, tan 20° = 0.364.
 double slide(double friction, double duration, Strategy strategy) {
   const double angle = 20.0 * EIGEN_PI / 180.0;
   Scene scene = sheetScene(makeFabric(bendingFabric()), 9, 9, 0.032, 0.032);
@@ -104,7 +105,7 @@ class OnSlope : public testing::TestWithParam<Strategy> {};
 TEST_P(OnSlope, SticksBelowFrictionAngle) {
   const double slid = slide(0.5, 0.4, GetParam());
   record({"cloth on a slope of 20°", "slid in 0.4 s [mm]", name(GetParam()), 0.5, 1e3 * slid, 0.0, 268.0});
-  // Smoothed friction creeps; free, it would have slid 268 mm.
+  // Smoothed friction creeps; without friction the cloth would slide 268 mm.
   EXPECT_LE(std::abs(slid), tolerance(1e-3));
 }
 
@@ -112,7 +113,8 @@ TEST_P(OnSlope, SlidesAboveFrictionAngle) {
   const double angle = 20.0 * EIGEN_PI / 180.0, friction = 0.2, duration = 0.4;
   const double acceleration = 9.81 * (std::sin(angle) - friction * std::cos(angle));
   const double exact = 0.5 * acceleration * duration * duration;
-  // First order in time: v_n over by half a step, 1/(2·400); the rest for first touch and residual.
+  // Time integration is first order: v_n is too large by half a step, 1/(2·400). The rest allows
+  // for first touch and residual.
   const double slid = slide(friction, duration, GetParam());
   record({"cloth on a slope of 20°", "slid in 0.4 s [mm]", name(GetParam()), friction, 1e3 * slid,
           1e3 * exact, 1e3 * exact});

@@ -1,9 +1,10 @@
-/// How a simulation begins, or is disturbed, in ways that must do no harm: cloth inside a solid, a first
-/// device pose inside the cloth, poses that are not finite. Criteria: nothing is thrown. Held cloth must not
-/// be pierced: strain stays that of hanging under its own weight (below 2 % for this fabric); cloth let out
-/// of a solid leaves at no more than the contact range a step, and is then at rest on it. Cloth does not
-/// come to rest where forces are not in balance: a step that says it converged leaves no more than the
-/// tolerance, sleepers included, and what comes to rest is carried.
+/// Starts and disturbances that must do no harm: cloth inside a solid, a first device pose inside
+/// the cloth, poses that are not finite.
+/// Criteria: nothing is thrown. Held cloth is not pierced: strain stays that of hanging under its
+/// own weight (below 2 % for this fabric). Cloth that a solid ejects leaves by at most the contact
+/// range per step, and then rests on it. Cloth comes to rest only where forces are in balance: a
+/// converged step leaves at most the tolerance, sleeping particles included, and resting cloth is
+/// supported.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -33,7 +34,7 @@ TEST(Entry, FirstPoseInsideTheClothTouchesNothingUntilItWasClear) {
     EXPECT_FALSE(simulation.probe().contact);
   }
   EXPECT_LT(simulation.maxStrain(), tolerance(0.02));
-  // Out, and in again from above: now it presses.
+  // After leaving, the probe comes again from above and now presses.
   const Vec3 above(0.0, 0.0, 0.03), pressed(0.0, 0.0, -0.01);
   for (int k = 0; k < 200; ++k) {
     simulation.setDevice(k < 50 ? above : Vec3(above + (pressed - above) * (k - 50) / 150.0), Vec3::Zero());
@@ -62,7 +63,7 @@ TEST(Entry, ClothInsideASolidIsLetOutNotThrown) {
   LinearFabric linear;
   Scene scene = sheetScene(makeFabric(linear), 17, 17, 0.2, 0.2);
   Obstacle floor;
-  floor.pose.position.z() = 0.02;  // the cloth begins 20 mm below the floor's surface
+  floor.pose.position.z() = 0.02;  // the cloth starts 20 mm below the surface of the floor
   scene.obstacles.push_back(floor);
   Simulation simulation(scene);
   double fastest = 0.0;
@@ -70,12 +71,12 @@ TEST(Entry, ClothInsideASolidIsLetOutNotThrown) {
     ASSERT_FALSE(simulation.step().failed);
     fastest = std::max(fastest, simulation.maxSpeed());
   }
-  // At most the contact range, 0.5 mm, in a step of 1 ms.
+  // The limit is the contact range, 0.5 mm, in a step of 1 ms.
   EXPECT_LT(fastest, tolerance(0.5));
   EXPECT_NEAR(particle(simulation, 8, 8).z(), 0.02, tolerance(linear.thickness));
 }
 
-/// A sheet of denim that begins 10 mm above the centre of a ball, which it cuts.
+/// Sheet of denim that starts 10 mm above the centre of a ball, which it cuts.
 Scene sheetInBall(double radius) {
   Scene scene;
   scene.cloth.particles = {17, 17};
@@ -94,8 +95,8 @@ Scene sheetInBall(double radius) {
 class SheetInBall : public testing::TestWithParam<double> {};
 
 TEST_P(SheetInBall, IsLetOutAndComesToRestInBalance) {
-  // Weight is 0.14 N; its share that may be missing is the tolerance. 2 s are ten times what the sheet takes
-  // to fall from the height of the ball.
+  // The weight is 0.14 N; the tolerance is the share of it that may be missing. 2 s are ten times
+  // the duration of the fall from the height of the ball.
   const Scene scene = sheetInBall(GetParam());
   Simulation simulation(scene);
   StepReport report;

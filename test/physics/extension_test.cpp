@@ -1,9 +1,10 @@
 /// Sheets stretched along warp, along weft and on the bias, and sheared.
 ///
-/// Criteria: extension w L²/2E and deflection w L²/2G of a sheet that is held by one side under its own
-/// weight; the stiffness of an orthotropic sheet off its axes, 1/E_θ = c⁴/E1 + s⁴/E2 + (1/G - 2ν/E1) s²c²
-/// with ν = 0 (Jones, Mechanics of Composite Materials); and the shear angle of a pin-jointed net under bias
-/// extension, γ = 90° - 2 acos[(1 + δ/D)/√2] (Cao et al. 2008, Composites A 39).
+/// Criteria: extension w L²/2E and deflection w L²/2G of a sheet held by one side under its own
+/// weight; the stiffness of an orthotropic sheet off its axes, 1/E_θ = c⁴/E1 + s⁴/E2 + (1/G -
+/// 2ν/E1) s²c² with ν = 0 (Jones, Mechanics of Composite Materials); the shear angle of a
+/// pin-jointed net under bias extension, γ = 90° - 2 acos[(1 + δ/D)/√2] (Cao et al. 2008,
+/// Composites A 39).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,7 +27,7 @@ constexpr double kWeight = 0.15 * 9.81;  // [N/m²]
 
 class InPlane : public testing::TestWithParam<Strategy> {
  protected:
-  /// Square of 0.2 m in the plane of gravity, held along i = 0 or j = 0.
+  /// Square of 0.2 m with gravity in its plane, held along i = 0 or j = 0.
   Scene sheet(const Fabric& fabric, Direction held, Direction gravity) const {
     Scene scene = sheetScene(fabric, 17, 17, kSide, kSide);
     scene.gravity = 9.81 * (gravity == kWarp ? Vec3::UnitX() : Vec3::UnitY());
@@ -69,9 +70,9 @@ TEST_P(InPlane, ExtendsAlongWarpAndWeft) {
 }
 
 TEST_P(InPlane, ShearsUnderItsWeight) {
-  // Held along one side, a quarter of gravity along that side. The threads across it cannot stretch, so all
-  // of a column moves alike: G v'' = -w. With finite stiffness the borders, free of shear, give way in a
-  // layer of √(G/E) = 0.5 % of the side.
+  // Held along one side, with a quarter of gravity along that side. The threads across cannot
+  // stretch, so all particles of a column move alike: G v'' = -w. With finite stiffness the
+  // shear-free borders yield in a layer of √(G/E) = 0.5 % of the side.
   LinearFabric linear;
   linear.shear_modulus = 5.0;
   linear.stiffness = 2e5;
@@ -99,7 +100,7 @@ enum class Leaves { Finest, Coarsest, Mixed };
 LeafMesh leavesOf(const Grid& grid, Leaves kind) {
   LeafMesh leaves(grid, {}, kind == Leaves::Finest ? 0 : grid.levels);
   std::vector<Cell> done;
-  if (kind == Leaves::Mixed) {  // finest in the middle, so that every side of a cell changes level somewhere
+  if (kind == Leaves::Mixed) {  // finest in the middle, so that cell sides change level somewhere
     while (leaves.leafAt(8, 8).level > 0) leaves.split(leaves.leafAt(8, 8), done);
   }
   return leaves;
@@ -109,7 +110,7 @@ std::string name(Leaves kind) {
   return kind == Leaves::Finest ? "finest" : kind == Leaves::Coarsest ? "coarsest" : "mixed";
 }
 
-/// A patch of cloth that is deformed alike everywhere: warp threads become `warp`, weft threads `weft`.
+/// Patch of cloth with an even deformation: warp threads become `warp`, weft threads `weft`.
 class Patchwork {
  public:
   Patchwork(const Fabric& fabric, Leaves kind)
@@ -126,7 +127,7 @@ class Patchwork {
     return internal_.evaluate(0, internal_.size(), x);
   }
 
-  /// Largest force [N] on a particle that is not on the border.
+  /// Largest force on a particle inside the border [N].
   double largestInnerForce(const Vec3& warp, const Vec3& weft) {
     energy(warp, weft);
     Field gradient;
@@ -168,7 +169,7 @@ class OffAxis : public testing::TestWithParam<std::tuple<Leaves, double>> {
     return makeFabric(linear);
   }
 
-  /// Threads of a patch with strain (along, across, shear) of axes turned by `angle` from warp.
+  /// Threads of a patch with a strain (along, across, shear) in axes turned by `angle` from warp.
   static std::array<Vec3, 2> threads(double angle, const std::array<double, 3>& strain) {
     const Vec3 a(std::cos(angle), std::sin(angle), 0.0), b(-std::sin(angle), std::cos(angle), 0.0);
     const Eigen::Matrix3d gradient = Eigen::Matrix3d::Identity() + strain[0] * a * a.transpose() +
@@ -178,7 +179,8 @@ class OffAxis : public testing::TestWithParam<std::tuple<Leaves, double>> {
   }
 };
 
-/// Minimum of a quadratic function of (y1, y2), from values at steps of one: Newton on exact differences.
+/// Minimum of a quadratic function of (y1, y2), from values one step apart: Newton on exact
+/// differences.
 template <class Function>
 std::array<double, 2> minimumOfQuadratic(Function f, double step) {
   const double c = f(0.0, 0.0), px = f(step, 0.0), mx = f(-step, 0.0), py = f(0.0, step), my = f(0.0, -step);
@@ -190,8 +192,8 @@ std::array<double, 2> minimumOfQuadratic(Function f, double step) {
 }
 
 TEST_P(OffAxis, HasTheStiffnessOfAnOrthotropicSheet) {
-  // Stretched at an angle to the threads, free to contract and to shear: the energy's minimum over those two
-  // is ½ E_θ ε² A. Strains of 1e-5 are small enough for the linear theory to 1e-4.
+  // Stretched at an angle to the threads, free to contract and to shear. The minimum of the energy
+  // over these two is ½ E_θ ε² A. Strains of 1e-5 follow linear theory to 1e-4.
   const auto [kind, degrees] = GetParam();
   Patchwork patch(fabric(), kind);
   const double angle = degrees * kDegree, strain = 1e-5;
@@ -206,7 +208,7 @@ TEST_P(OffAxis, HasTheStiffnessOfAnOrthotropicSheet) {
   const double exact = 1.0 / (c2 * c2 / kStiffness + s2 * s2 / kStiffness + s2 * c2 / kShear);
   record({"stretch off the axes", "stiffness [N/m]", name(kind), degrees, stiffness, exact, exact});
   EXPECT_NEAR(stiffness, exact, tolerance(1e-3 * exact));
-  // Stress alike everywhere: only the border feels a force, hanging nodes included.
+  // The stress is even, so only the border carries a force, hanging nodes included.
   const std::array<Vec3, 2> t = threads(angle, {strain, free[0], free[1]});
   EXPECT_LT(patch.largestInnerForce(t[0], t[1]), tolerance(1e-7 * stiffness * strain * 0.01));
 }
@@ -221,7 +223,7 @@ INSTANTIATE_TEST_SUITE_P(Meshes, OffAxis,
                                   std::to_string(std::lround(std::get<1>(info.param)));
                          });
 
-/// Shear angle of a pin-jointed net whose diagonal is `extension` longer.
+/// Shear angle of a pin-jointed net whose diagonal is longer by `extension`.
 double trellisAngle(double extension) {
   return 0.5 * kPi - 2.0 * std::acos((1.0 + extension) / std::sqrt(2.0));
 }
@@ -238,7 +240,8 @@ TEST_P(TrellisMesh, ShearsWithoutStretch) {
   linear.shear_modulus = 50.0;
   Patchwork patch(makeFabric(linear), GetParam());
   for (const double extension : {0.05, 0.10}) {
-    // The sides keep their length, the diagonals are d (1 + extension) and what Pythagoras leaves.
+    // The sides keep their length; one diagonal is d (1 + extension), the other follows by
+    // Pythagoras.
     const double half = std::sqrt(0.5) * (1.0 + extension), across = std::sqrt(1.0 - half * half);
     const Vec3 warp(half, -across, 0.0), weft(half, across, 0.0);
     const InternalEnergy::Energy e = patch.energy(warp, weft);
@@ -255,8 +258,8 @@ INSTANTIATE_TEST_SUITE_P(Meshes, TrellisMesh, testing::ValuesIn(kLeaves),
                          [](const auto& info) { return name(info.param); });
 
 TEST_P(InPlane, FreeSheetOfShearedThreadsIsATrellis) {
-  // A fabric whose threads are at rest at the angle of a net extended by 10 %: cut square, it moves to that
-  // net by itself, threads of their length, the diagonal 10 % longer.
+  // The threads of this fabric are at rest at the angle of a net extended by 10 %. Cut square, it
+  // moves to that net by itself: threads keep their length, the diagonal becomes 10 % longer.
   LinearFabric linear;
   linear.stiffness = 200.0;
   const double extension = 0.1, modulus = 20.0;

@@ -1,6 +1,6 @@
-/// Capsule probes, several probes, grasping, and obstacles that move.
-/// Criteria: the closed solution of a strip pressed by a frictionless cylinder; Coulomb's law for a pinch, a
-/// conveyor and what they carry; weights.
+/// Capsule probes, several probes, grasping, and moving obstacles.
+/// Criteria: the closed solution of a strip pressed by a frictionless cylinder; Coulomb's law for a
+/// pinch, a conveyor and carried cloth; weights.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kGravity = 9.81;
 
-/// Runs for `time` with every probe's device moving from where it was last by `velocity` [m/s].
+/// Runs for `time` [s]; each device moves from its last position with its `velocity` [m/s].
 void move(Simulation& simulation, std::vector<Vec3>& devices, const std::vector<Vec3>& velocities,
           double time, const Quat& orientation = Quat::Identity()) {
   const double h = simulation.scene().solver.time_step;
@@ -28,10 +28,11 @@ void move(Simulation& simulation, std::vector<Vec3>& devices, const std::vector<
   }
 }
 
-/// Force of a weightless strip of half span a on a frictionless cylinder of radius r that is pressed δ deep
-/// into its middle, over E a: straight from each support to a tangent, T = E ε, F = 2 T sin θ.
+/// Force over E a of a weightless strip of half span a on a frictionless cylinder of radius r that
+/// is pressed δ deep into its middle. The strip is straight from each support to a tangent: T = E
+/// ε, F = 2 T sin θ.
 double pressedStrip(double a, double r, double depth) {
-  const double centre = r - depth;  // height of the axis over the supports
+  const double centre = r - depth;  // height of the axis above the supports
   const double theta = std::asin(r / std::hypot(a, centre)) - std::atan2(centre, a);
   const double straight = std::sqrt(a * a + centre * centre - r * r);
   const double strain = (straight + r * theta) / a - 1.0;
@@ -62,7 +63,7 @@ TEST_P(PressedStrip, FeelsTheCapsuleAlongItsWholeSide) {
   move(simulation, device, {Vec3(0.0, 0.0, -0.1)}, 0.25, lying);
   move(simulation, device, {Vec3::Zero()}, 0.5, lying);
   const ProbeReport report = simulation.probe();
-  // The cloth lies on the capsule at a distance of up to its thickness.
+  // The cloth lies on the capsule, at most its thickness away.
   const double depth = kRadius - report.proxy.z();
   const double scale = linear.stiffness * kWidth;
   const double least = pressedStrip(kHalfSpan, kRadius, depth) * scale,
@@ -77,12 +78,12 @@ TEST_P(PressedStrip, FeelsTheCapsuleAlongItsWholeSide) {
 INSTANTIATE_TEST_SUITE_P(Strategies, PressedStrip, testing::Values(Strategy::Finest, Strategy::Amrc),
                          [](const auto& info) { return name(info.param); });
 
-/// A stiff sheet hangs upright between two probes that press on it from both sides.
-/// @param share its weight over what friction can carry, 2 μ N
-/// @return how far it has slipped after half a second [m]
+/// Slip of a stiff sheet that hangs upright between two probes pressing from both sides.
+/// @param share its weight over the largest friction force, 2 μ N
+/// @return slip after half a second [m]
 double slipOfPinched(double share, Strategy strategy) {
   LinearFabric linear;
-  linear.rigidity = 2e-3;  // stays a plane
+  linear.rigidity = 2e-3;  // keeps the sheet plane
   linear.areal_density = 0.5;
   Scene scene = sheetScene(makeFabric(linear), 17, 17, 0.08, 0.08);
   setStrategy(scene, strategy, 2);
@@ -100,12 +101,13 @@ double slipOfPinched(double share, Strategy strategy) {
   scene.solver.minimizer.tolerance = 0.01;
   scene.solver.minimizer.max_iterations = 2000;
   Simulation simulation(scene);
-  // Where the sheet is, and which way it faces.
+  // Position and orientation of the sheet.
   const Vec3 middle = particle(simulation, 8, 8), along = (particle(simulation, 8, 16) - middle).normalized(),
              down = (particle(simulation, 16, 8) - middle).normalized(), out = along.cross(down);
   const double gap = 1e-4, apart = kRadius + linear.thickness + gap;  // a probe comes from outside
   std::vector<Vec3> device{middle + apart * out, middle - apart * out};
-  // Pressed deeper by what the spring needs for its force; the cloth gives way by less than its thickness.
+  // The probes press deeper by the stretch that gives the spring its force; the cloth yields by
+  // less than its thickness.
   const double way = gap + kPress / kStiffness, close = 0.002;
   move(simulation, device, {Vec3::Zero(), Vec3::Zero()}, 0.001);
   move(simulation, device, {-(way / close) * out, (way / close) * out}, close);
@@ -113,7 +115,7 @@ double slipOfPinched(double share, Strategy strategy) {
   const double start = at();
   for (int k = 0; k < 10; ++k) {
     move(simulation, device, {Vec3::Zero(), Vec3::Zero()}, 0.01);
-    // Holds the press at N, as fingers do.
+    // Keeps the normal force at N, as fingers do.
     for (const int p : {0, 1}) {
       const double press = std::abs(simulation.probe(p).force.dot(out));
       device[p] += (p == 0 ? -1.0 : 1.0) * (kPress - press) / kStiffness * out;
@@ -130,7 +132,7 @@ double slipOfPinched(double share, Strategy strategy) {
 class Pinch : public testing::TestWithParam<Strategy> {};
 
 TEST_P(Pinch, HoldsUpToTwiceTheFriction) {
-  // Friction is smoothed below 0.3 mm/s: held cloth creeps, by at most that.
+  // Friction is smoothed below 0.3 mm/s, so held cloth creeps at most that fast.
   const double held = slipOfPinched(0.95, GetParam());
   record({"sheet pinched by two probes", "creep at 0.95 of 2 mu N [mm/s]", name(GetParam()), 0.95,
           held / 0.4e-3, 0.0, 0.3});
@@ -138,7 +140,8 @@ TEST_P(Pinch, HoldsUpToTwiceTheFriction) {
 }
 
 TEST_P(Pinch, SlipsBeyondTwiceTheFriction) {
-  // Ten times as far as what holds may creep; with N good to 2 %, it falls by 22 mm at most.
+  // The slip must be ten times the possible creep. If N is accurate to 2 %, the sheet falls by at
+  // most 22 mm.
   const double slipped = slipOfPinched(1.05, GetParam());
   record({"sheet pinched by two probes", "slip at 1.05 of 2 mu N [mm]", name(GetParam()), 1.05, 1e3 * slipped,
           22.0, 22.0});
@@ -148,7 +151,7 @@ TEST_P(Pinch, SlipsBeyondTwiceTheFriction) {
 INSTANTIATE_TEST_SUITE_P(Strategies, Pinch, testing::Values(Strategy::Finest, Strategy::Amrc),
                          [](const auto& info) { return name(info.param); });
 
-/// A sheet on a floor.
+/// Sheet on a floor.
 Scene lying(Strategy strategy, double friction) {
   LinearFabric linear;
   linear.rigidity = 1e-5;
@@ -165,8 +168,8 @@ Scene lying(Strategy strategy, double friction) {
   return scene;
 }
 
-/// The shipped scene on its own paths. Nothing but friction holds what is lifted: a force of at most μ of the
-/// normal one.
+/// Shipped scene with its own paths. Only friction holds the lifted cloth: at most μ times the
+/// normal force.
 TEST(TwoFingers, TheShippedSceneLiftsTheClothByItsCorner) {
   Simulation simulation(loadScene(HAPTIC_CLOTH_SOURCE_DIR "/config/scenes/two_fingers.yaml"));
   const Scene& scene = simulation.scene();
@@ -182,7 +185,7 @@ TEST(TwoFingers, TheShippedSceneLiftsTheClothByItsCorner) {
     const ProbeReport report = simulation.probe(k);
     EXPECT_TRUE(report.contact) << probe.name;
     EXPECT_FALSE(report.grasps) << probe.name;
-    // The pinched place lies between the fingers, a radius or so from the corner.
+    // The pinched place lies between the fingers, about a radius from the corner.
     EXPECT_LT((corner - report.proxy).norm(), 3.0 * probe.radius) << probe.name;
   }
   EXPECT_GT(lifted, 0.05);
@@ -257,7 +260,7 @@ TEST_P(Conveyor, CarriesTheSheetAtTheRateOfItsFriction) {
     }
     return particle(simulation, 16, 16).x() - before;
   };
-  // v = μ g t up to the floor's speed at 0.204 s, then with it.
+  // v = μ g t up to the speed of the floor at 0.204 s, then constant.
   const double way = run(kTime), free = 0.5 * kFriction * kGravity * kTime * kTime;
   record({"sheet on a moving floor", "way after 0.1 s [mm]", name(GetParam()), kTime, 1e3 * way, 1e3 * free,
           1e3 * free});
@@ -291,7 +294,8 @@ TEST(MovingObstacle, LiftsTheClothAndPaysForIt) {
   const EnergyReport after = simulation.energy();
   const double lifted = simulation.mass() * kGravity * speed * time;
   EXPECT_NEAR(after.gravity - before.gravity, lifted, tolerance(0.01 * lifted));
-  // The floor has worked what the cloth has won and what was lost; starting and stopping cost about m v².
+  // The work of the floor equals the energy gained by the cloth plus losses; starting and stopping
+  // cost about m v².
   const double lost = after.dissipated - before.dissipated, start = simulation.mass() * speed * speed;
   EXPECT_GE(lost, -tolerance(0.01 * lifted));
   EXPECT_LE(lost, 2.0 * start + tolerance(0.05 * lifted));
@@ -302,7 +306,7 @@ TEST(MovingObstacle, SentTooFarItLagsAndNothingPassesThrough) {
   Scene scene = lying(Strategy::Finest, 0.3);
   Simulation simulation(scene);
   Pose floor = simulation.obstaclePose(0);
-  floor.position.z() += 0.1;  // at once
+  floor.position.z() += 0.1;  // in one jump
   simulation.moveObstacle(0, floor);
   simulation.step();
   EXPECT_NEAR(simulation.obstaclePose(0).position.z(), -0.05 + 0.25 * 0.05, 1e-12);

@@ -1,7 +1,7 @@
 /// Free fall without air.
-/// Criterion: backward Euler's own closed form, x_n = g h² n (n+1)/2 and v_n = g h n, which is exact for it
-/// (Hairer, Nørsett, Wanner: Solving ODEs I). A flat sheet falls as a rigid body whatever its mesh, so the
-/// same holds while the mesh changes: merging cells must keep mass and momentum.
+/// Criterion: the closed form of backward Euler, x_n = g h² n (n+1)/2 and v_n = g h n (Hairer,
+/// Nørsett, Wanner: Solving ODEs I). A flat sheet falls as a rigid body on any mesh, so this also
+/// holds while the mesh changes: merging cells must keep mass and momentum.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -34,7 +34,8 @@ TEST_P(FreeFall, MatchesClosedForm) {
   }
   simulation.positions(end);
 
-  // Each step leaves a residual acceleration of at most 1e-8 g, of either sign: relative error 1e-8.
+  // Each step leaves a residual acceleration of at most 1e-8 g, of either sign: relative error
+  // 1e-8.
   const double fall = backwardEulerFall(g, h, steps);
   double worst = 0.0;
   for (std::size_t p = 0; p < start.size(); ++p) {
@@ -49,7 +50,7 @@ TEST_P(FreeFall, MatchesClosedForm) {
 }
 
 TEST_P(FreeFall, AirLimitsSpeed) {
-  // Terminal velocity g / air_damping, reached within exp(-5) after 5 / air_damping.
+  // The terminal velocity g / air_damping is reached within exp(-5) after 5 / air_damping.
   Scene scene = sheetScene(makeFabric({}), 9, 9, 0.032, 0.032);
   setStrategy(scene, GetParam(), 2);
   scene.air_damping = 20.0;
@@ -67,10 +68,10 @@ INSTANTIATE_TEST_SUITE_P(Strategies, FreeFall,
                          [](const auto& info) { return name(info.param); });
 
 TEST(FreeFall, NeedsNoTighterSolverThanTheDefaultAtAnyTimeStep) {
-  // The start of each solve includes the fall itself: exact, however loose the tolerance.
+  // The initial guess of each solve includes the fall, so the fall is exact at any tolerance.
   for (const double time_step : {0.001, 0.01, 0.05}) {
-    LinearFabric
-        stiff;  // its preconditioner is far from uniform: without the start it cannot fall in one iteration
+    LinearFabric stiff;  // not uniform: without the guess it cannot fall in one
+                         // iteration
     stiff.rigidity = 1e-4;
     Scene scene = sheetScene(makeFabric(stiff), 33, 33, 0.1, 0.1);
     setStrategy(scene, Strategy::Finest, 0);

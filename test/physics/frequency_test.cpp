@@ -1,7 +1,7 @@
-/// Small swing of strips that hang from their top.
-/// Criteria: the frequency of a chain, ω √(L/g) = j₀ₙ/2 (Bernoulli; Lamb), that of a clamped strip with
-/// bending, computed by shooting, and what backward Euler makes of a linear oscillation: the pole z = 1/(1 -
-/// iωh), so a phase of atan(ωh) a step and an energy times 1/(1 + ω²h²) a step.
+/// Small swings of strips that hang from their top.
+/// Criteria: the frequency of a chain, ω √(L/g) = j₀ₙ/2 (Bernoulli; Lamb); that of a clamped strip
+/// with bending stiffness, computed by shooting; a linear oscillation under backward Euler: the
+/// pole z = 1/(1 - iωh), so a phase of atan(ωh) and an energy factor of 1/(1 + ω²h²) per step.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,13 +19,13 @@ namespace {
 constexpr double kLength = 0.2;  // free part [m]
 constexpr double kGravity = 9.81;
 constexpr double kWeight = 0.15 * kGravity;  // [N/m²]
-constexpr int kCells = 40;                   // finest, of the free part
-constexpr double kTilt = 0.02;               // [rad]: a pendulum's period is kTilt²/16 = 2.5e-5 longer
+constexpr int kCells = 40;                   // number of finest cells of the free part
+constexpr double kTilt = 0.02;               // [rad]; makes the period longer by kTilt²/16 = 2.5e-5
 
-/// Frequency of the mode itself [rad/s].
+/// Frequency of a mode [rad/s].
 double angular(const HangingMode& mode) { return mode.frequency * std::sqrt(kGravity / kLength); }
 
-/// A straight strip a little off the vertical, pinned at its first `clamp` + 1 columns.
+/// Straight strip slightly off the vertical, pinned at its first `clamp` + 1 columns.
 Scene tiltedStrip(double rigidity, int clamp, Strategy strategy, double time_step) {
   LinearFabric linear;
   linear.rigidity = rigidity;
@@ -33,7 +33,7 @@ Scene tiltedStrip(double rigidity, int clamp, Strategy strategy, double time_ste
   const double spacing = kLength / kCells;
   Scene scene =
       sheetScene(makeFabric(linear), kCells + clamp + 1, 5, (kCells + clamp) * spacing, 4 * spacing);
-  // A clamp must point straight down: there gravity is what is tilted.
+  // A clamp must point straight down, so gravity is tilted instead.
   hangDown(scene);
   scene.gravity = kGravity * Vec3(std::sin(kTilt), 0.0, -std::cos(kTilt));
   pin(scene, 0, clamp, 0, 4);
@@ -44,7 +44,7 @@ Scene tiltedStrip(double rigidity, int clamp, Strategy strategy, double time_ste
   return scene;
 }
 
-/// Deflection of the strip from its rest, weighted with a mode's shape, step by step.
+/// Deflection of the strip from its rest position, weighted with the shape of a mode, step by step.
 class Swing {
  public:
   Swing(const Scene& scene, int clamp, const std::vector<double>& shape) : simulation_(scene), clamp_(clamp) {
@@ -52,7 +52,7 @@ class Swing {
       weights_.push_back((k == 0 || k == kCells ? 0.5 : 1.0) * shape[k] / kCells);
   }
 
-  /// Runs on and returns the deflections [m].
+  /// Continues the run. @return the deflections [m]
   std::vector<double> run(int steps) {
     std::vector<double> values;
     for (int n = 0; n < steps; ++n) {
@@ -68,7 +68,7 @@ class Swing {
     simulation_.positions(positions_);
     const int columns = simulation_.scene().cloth.particles[kWarp];
     double sum = 0.0;
-    for (int k = 0; k <= kCells; ++k) {  // from the tip up, middle row
+    for (int k = 0; k <= kCells; ++k) {  // middle row, from the tip up
       sum += weights_[k] * positions_[2 * columns + columns - 1 - k].x();
     }
     return sum;
@@ -80,7 +80,8 @@ class Swing {
   std::vector<Vec3> positions_;
 };
 
-/// Swings for some periods and measures what is left after the first two, when higher modes have died away.
+/// Swings for some periods and analyses the time after the first two, when higher modes have
+/// decayed.
 Oscillation swing(const HangingMode& mode, double rigidity, int clamp, Strategy strategy, double omega_h) {
   const double period = 2.0 * EIGEN_PI / backwardEulerPhase(omega_h);
   Swing strip(tiltedStrip(rigidity, clamp, strategy, omega_h / angular(mode)), clamp, mode.shape);
@@ -91,7 +92,7 @@ Oscillation swing(const HangingMode& mode, double rigidity, int clamp, Strategy 
 struct Case {
   std::string name;
   double gamma;      // 0: chain
-  double tolerance;  // of the finest mesh [-]
+  double tolerance;  // tolerance of the finest mesh [-]
 };
 
 class HangingStripSwings : public testing::TestWithParam<std::tuple<Case, Strategy>> {};
@@ -110,8 +111,8 @@ TEST_P(HangingStripSwings, AtItsFrequency) {
   EXPECT_NEAR(frequency, mode.frequency, tolerance(allowed * mode.frequency));
 }
 
-// Lumped masses and links are second order: spacing 1/40 of the length, or 1/10 on a mesh that merged. A
-// strip turns over L/√Γ at its clamp: 1.3 cells of the finest mesh for Γ = 1000.
+// Lumped masses and links are second order. The spacing is 1/40 of the length, or 1/10 on a mesh
+// that merged. A strip turns over L/√Γ at its clamp: 1.3 cells of the finest mesh for Γ = 1000.
 INSTANTIATE_TEST_SUITE_P(
     Strategies, HangingStripSwings,
     testing::Combine(testing::Values(Case{"chain", 0.0, 1e-3}, Case{"gamma100", 100.0, 1e-3},
@@ -125,7 +126,8 @@ TEST_P(BackwardEuler, DampsAsItsPoleSays) {
   const auto [omega_h, strategy] = GetParam();
   const HangingMode mode = hangingChainMode(1, kCells);
   const Oscillation found = swing(mode, 0.0, 0, strategy, omega_h);
-  // A chain of n links swings a little off ω: the pole it should have is that of the frequency it has.
+  // A chain of n links swings with a frequency slightly off ω; its pole must be that of its own
+  // frequency.
   const double exact = backwardEulerEnergy(std::tan(found.phase));
   record({"swing of a hanging chain, backward Euler", "energy kept in a period [-]", name(strategy), omega_h,
           found.energy, exact, 1.0});
@@ -142,7 +144,7 @@ INSTANTIATE_TEST_SUITE_P(Steps, BackwardEuler,
                          });
 
 TEST(HangingModes, MatchTable) {
-  // Computed by shooting at higher order; the chain's are halves of the zeros of J₀.
+  // Values computed by shooting at higher order; those of the chain are half the zeros of J₀.
   const double chain[] = {1.202413, 2.760039, 4.326864}, strip[] = {1.286874, 3.650917, 7.898033},
                limp[] = {1.223659, 2.918153, 5.081843};
   for (int k = 0; k < 3; ++k) {

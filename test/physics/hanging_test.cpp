@@ -1,6 +1,6 @@
 /// Sheets in pure tension.
 /// Criteria: extension w L²/2E of a strip that hangs under its own weight (any text on strength of
-/// materials), the same by quadrature for a nonlinear law, and the elastic catenary (Irvine 1981).
+/// materials); the same by quadrature for a nonlinear law; the elastic catenary (Irvine 1981).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -33,13 +33,13 @@ class HangingStrip : public testing::TestWithParam<Strategy> {};
 
 TEST_P(HangingStrip, ExtendsByHalfWeight) {
   LinearFabric linear;
-  linear.stiffness = 50.0;  // soft, so that the extension, 2.4 mm, is far above what the solver leaves
+  linear.stiffness = 50.0;  // soft: the extension, 2.4 mm, is far above the error of the solver
   Simulation simulation(hangingStrip(makeFabric(linear), GetParam()));
   const Settled settled = settle(simulation, 1e-5, 3.0);
   EXPECT_TRUE(settled.at_rest);
   EXPECT_EQ(settled.failed_steps, 0);
-  // Half cells at both ends make the midpoint rule exact for a linear law, on any mesh: only the residual and
-  // the last bit of motion are left.
+  // Half cells at both ends make the midpoint rule exact for a linear law on any mesh. Only the
+  // residual and the last motion remain.
   const double exact = kWeight * 0.4 * 0.4 / (2.0 * linear.stiffness);
   record({"hanging strip, linear law", "extension [mm]", name(GetParam()), 0.0, 1e3 * extension(simulation),
           1e3 * exact, 1e3 * exact});
@@ -48,7 +48,7 @@ TEST_P(HangingStrip, ExtendsByHalfWeight) {
 }
 
 TEST_P(HangingStrip, FollowsNonlinearLaw) {
-  // T(ε) = a ε + b ε², stiffening as cloth does; ε(T) is its inverse.
+  // Stiffening law T(ε) = a ε + b ε²; ε(T) is its inverse.
   const double a = 20.0, b = 2000.0;
   std::vector<double> forces;
   const double step = 2e-4;
@@ -61,7 +61,8 @@ TEST_P(HangingStrip, FollowsNonlinearLaw) {
   EXPECT_TRUE(settled.at_rest);
   const double exact = hangingExtension(
       kWeight, 0.4, [&](double t) { return (-a + std::sqrt(a * a + 4.0 * b * t)) / (2.0 * b); });
-  // Midpoint rule over 40 edges, or over 10 where the mesh is coarse: (1/24) h² [ε'(T)] w, below 1e-3 of it.
+  // Midpoint rule over 40 edges, or over 10 on a coarse mesh: its error (1/24) h² [ε'(T)] w is
+  // below 1e-3.
   record({"hanging strip, stiffening law", "extension [mm]", name(GetParam()), 0.0,
           1e3 * extension(simulation), 1e3 * exact, 1e3 * exact});
   EXPECT_NEAR(extension(simulation), exact, tolerance(2e-3 * exact));
@@ -89,8 +90,8 @@ TEST_P(HeldAtBothEnds, SagsLikeElasticCatenary) {
   const double sag = (particle(simulation, 0, 2) - particle(simulation, 20, 2)).z() / span;
   const double error = sag / exact.sag - 1.0;
   record({"elastic catenary", "sag over span [-]", name(GetParam()), 0.0, sag, exact.sag, exact.sag});
-  // A chain of n links has the sag of the curve up to O(1/n²): n = 40, or 10 on the coarsest mesh. The turn
-  // at a link, 0.03 rad on the coarsest, never refines it.
+  // A chain of n links has the sag of the curve up to O(1/n²): n = 40, or 10 on the coarsest mesh.
+  // The turning angle at a link, 0.03 rad on the coarsest mesh, never refines it.
   EXPECT_NEAR(error, 0.0, tolerance(0.005));
   // Tension of the outermost edge, half an edge from the end.
   const int edges = GetParam() == Strategy::Finest ? 40 : 10;

@@ -1,8 +1,8 @@
-/// A clamped strip of wool tropical under its own weight: where it comes to rest depends on how it got there.
-/// Criteria: the band between the heavy elastica with M = Bκ + HB (lowered from straight) and M = Bκ - HB
-/// (released after overbending), both computed by shooting; lowered monotonically the strip must end on the
-/// first, on no way outside of the band; and it must not droop at all below L = √(2 HB/w). Fabric: Matsudaira
-/// et al. 2015.
+/// Clamped strip of wool tropical under its own weight, whose rest position depends on its history.
+/// Criteria: the band between the heavy elastica with M = Bκ + HB (lowered from straight) and with
+/// M = Bκ - HB (released after overbending), both computed by shooting. Lowered monotonically, the
+/// strip must end on the first; it never rests outside the band; it does not droop below L = √(2
+/// HB/w). Fabric: Matsudaira et al. 2015.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ constexpr double kLength = 0.04;                         // [m]
 constexpr double kRigidity = 0.067 * 9.80665e-5;         // B [N·m]
 constexpr double kHalfWidth = 0.5 * 0.033 * 9.80665e-3;  // HB [N]
 constexpr double kWeight = 0.1629 * 9.81;                // [N/m²]
-constexpr double kPath = 30.0 * kRigidity;               // slope of the loop's path after a reversal [N·m]
+constexpr double kPath = 30.0 * kRigidity;               // slope of the reversal path [N·m]
 
 double lowered(double moment) { return std::max(0.0, moment - kHalfWidth) / kRigidity; }
 double elastic(double moment) { return moment / kRigidity; }
@@ -28,7 +28,7 @@ double released(double moment) { return (moment + kHalfWidth) / kRigidity; }
 
 Scene woolStrip(double length, int cells, Strategy strategy, double drag) {
   Fabric fabric = loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/wool_tropical.yaml");
-  // The references are inextensible: only bending is the fabric's own.
+  // The references are inextensible, so only the bending law is that of the fabric.
   fabric.tensile = makeFabric([] {
                      LinearFabric linear;
                      linear.stiffness = 2000.0;
@@ -45,7 +45,7 @@ Scene woolStrip(double length, int cells, Strategy strategy, double drag) {
   return scene;
 }
 
-/// Tip of the middle row from the clamp [m].
+/// Tip of the middle row, measured from the clamp [m].
 DroopedTip tipOf(const Simulation& simulation) {
   const Vec3 tip =
       particle(simulation, simulation.scene().cloth.particles[kWarp] - 1, 2) - particle(simulation, 4, 2);
@@ -59,7 +59,7 @@ DroopedTip atRest(Simulation& simulation, double until) {
   return tipOf(simulation);
 }
 
-/// Records a tip; where `least` and `most` differ, an error is what it lies outside of the band.
+/// Records a tip; if `least` and `most` differ, its error is the distance to that band.
 void recordTip(const std::string& history, Strategy strategy, const DroopedTip& tip, const DroopedTip& least,
                const DroopedTip& most) {
   const double drop = std::clamp(tip.drop, least.drop, most.drop), x = std::clamp(tip.x, most.x, least.x);
@@ -69,7 +69,8 @@ void recordTip(const std::string& history, Strategy strategy, const DroopedTip& 
           1e3 * kLength});
 }
 
-/// What the mesh may add [-, of the length]: the finest has 32 cells, the coarsest and a merged one 8.
+/// Error allowed for the mesh [-, of the length]: the finest has 32 cells, the coarsest and a
+/// merged one 8.
 double meshError(Strategy strategy) { return strategy == Strategy::Finest ? 0.005 : 0.02; }
 
 class WoolStrip : public testing::TestWithParam<Strategy> {};
@@ -79,7 +80,8 @@ TEST_P(WoolStrip, LoweredFromStraightEndsOnUpperEdgeOfBand) {
   Simulation simulation(woolStrip(kLength, 32, GetParam(), 100.0));
   const DroopedTip tip = atRest(simulation, 4.0);
   recordTip("lowered", GetParam(), tip, exact, exact);
-  // The loop's path at the start has 30 B in place of ∞: drop +0.03 mm, x -0.04 mm. The rest is the mesh.
+  // The path at the start has the slope 30 B instead of ∞: drop +0.03 mm, x -0.04 mm. The rest is
+  // due to the mesh.
   const double allowed = meshError(GetParam());
   EXPECT_NEAR(tip.drop, exact.drop, tolerance(allowed * kLength));
   EXPECT_NEAR(tip.x, exact.x, tolerance(allowed * kLength));
@@ -129,7 +131,7 @@ TEST_P(WoolStrip, ShortDoesNotDroop) {
   const double length = 0.8 * std::sqrt(2.0 * kHalfWidth / kWeight);
   Simulation simulation(woolStrip(length, 20, GetParam(), 20.0));
   const DroopedTip tip = atRest(simulation, 4.0);
-  // What is left is the path's own slope: wL⁴/(8 · 30 B), a thirtieth of the elastic droop.
+  // The slope of the path remains: wL⁴/(8 · 30 B), a thirtieth of the elastic droop.
   const double path = kWeight * std::pow(length, 4) / (8.0 * kPath);
   record({"short strip with hysteresis", "drop [mm]", name(GetParam()), 1e3 * length, 1e3 * tip.drop,
           1e3 * path, 1e3 * length});
@@ -141,7 +143,7 @@ INSTANTIATE_TEST_SUITE_P(Strategies, WoolStrip,
                          [](const auto& info) { return name(info.param); });
 
 TEST(HysteresisBand, MatchesTable) {
-  // Computed by shooting at higher order, with g = 9.80665 m/s².
+  // Values computed by shooting at higher order, with g = 9.80665 m/s².
   const double weight = 0.1629 * 9.80665;
   const struct {
     const char* edge;

@@ -1,7 +1,8 @@
-/// The joint cost [M04] (positions, tensions, moments and shear forces as unknowns) against the condensed
-/// one. Criterion: both are zero at the same states, so without buckling both end in the same shape (rms of
-/// the distance below 0.5 % of the cloth's size) and the same force on the probe (5 %); real fabric,
-/// hysteresis included.
+/// Joint cost [M04] (positions, tensions, moments and shear forces as unknowns) against the
+/// condensed one.
+/// Criterion: both are zero at the same states, so without buckling both end in the same shape (rms
+/// distance below 0.5 % of the cloth's size) with the same force on the probe (5 %), for a real
+/// fabric with hysteresis.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +16,7 @@ namespace {
 
 Fabric winterSuiting() { return loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/winter_suiting.yaml"); }
 
-/// Held on all sides under a probe that comes down beside the middle.
+/// Sheet held on all sides under a probe that comes down beside the middle.
 Scene pressed(Strategy strategy) {
   Scene scene = sheetScene(winterSuiting(), 13, 13, 0.1, 0.1);
   pinAllSides(scene);
@@ -25,7 +26,7 @@ Scene pressed(Strategy strategy) {
   return scene;
 }
 
-/// Clamped at one side, sinks under its own weight.
+/// Sheet clamped at one side, which sinks under its own weight.
 Scene sinking(Strategy strategy) {
   Scene scene = sheetScene(winterSuiting(), 17, 5, 0.08, 0.02);
   pin(scene, 0, 1, 0, 4);
@@ -38,7 +39,7 @@ struct End {
   std::vector<Vec3> positions;
   Vec3 force;
   long iterations = 0;
-  int short_of_tolerance = 0;  ///< steps
+  int short_of_tolerance = 0;  ///< number of steps
 };
 
 constexpr int kSteps = 160, kPressing = 100;
@@ -80,9 +81,8 @@ class Costs : public testing::TestWithParam<Strategy> {
     record({"joint cost, " + what, "rms distance from the condensed shape [m]", name(GetParam()), 0.0, rms,
             0.0, size});
     EXPECT_EQ(condensed.short_of_tolerance, 0);
-    // Where an element turns from a branch of its loop onto the path between, its squared violation has a
-    // kink and a step may end there:
-    // 19 of 160 do.
+    // The squared violation of an element has a kink where it turns from a branch of its loop onto
+    // the path, and a step may end there: 19 of 160 do.
     EXPECT_LE(joint.short_of_tolerance, 0.2 * kSteps);
     std::cout << "  iterations: condensed " << condensed.iterations << ", joint " << joint.iterations << "\n";
     EXPECT_LT(rms, tolerance(0.005 * size));
@@ -97,8 +97,8 @@ class Costs : public testing::TestWithParam<Strategy> {
 TEST_P(Costs, AgreeUnderTheProbe) { compare(pressed(GetParam()), "sheet under the probe", true); }
 TEST_P(Costs, AgreeOnASinkingStrip) { compare(sinking(GetParam()), "sinking strip", false); }
 
-/// A strip held at both ends is grasped beside its middle and lifted by 10 mm; force on the probe in the end
-/// [N].
+/// Grasps a strip held at both ends beside its middle and lifts it by 10 mm. @return force on the
+/// probe at the end [N]
 Vec3 graspedAndLifted(Cost cost, Strategy strategy) {
   Scene scene = sheetScene(winterSuiting(), 13, 5, 0.06, 0.02);
   pin(scene, 0, 0, 0, 4);

@@ -1,20 +1,23 @@
-/// Lateral buckling: a strip held by one end with its wide side upright bends and twists out of its plane
-/// when its own weight is too much for it.
+/// Lateral buckling: a strip held by one end with its wide side upright bends and twists out of its
+/// plane if its own weight is too large.
 ///
-/// Criterion: q L³ / √(EI·GJ) = 12.853763 (Prandtl 1899; a cloth benchmark in Romero et al. 2021, ACM TOG
-/// 40(4)), and below it the twist under a small part of gravity to the side, a power series in test/support.
+/// Criterion: q L³ / √(EI·GJ) = 12.853763 (Prandtl 1899; a cloth benchmark in Romero et al. 2021,
+/// ACM TOG 40(4)), and below it the twist under a small part of gravity to the side, a power series
+/// in test/support.
 ///
-/// What EI and GJ are here, of a strip of width b with w(x, y) = W(x) + y θ(x): its curvatures are
-/// κ_xx = W'' + y θ'', κ_yy = 0, κ_xy = θ'. Energy per length: ∫ ½ B κ_xx² dy = ½ B b W''² + ½ (B b³/12) θ''²
-/// and ∫ ½ 2 B_t κ_xy² dy = ½ (2 B_t b) θ'². So EI = B b and GJ = 2 B_t b; of an isotropic plate, whose B_t
-/// is (1 - ν) B, this is Saint-Venant's G t³ b / 3. Triples see nothing of a pure twist.
+/// EI and GJ of a strip of width b with w(x, y) = W(x) + y θ(x): its curvatures are κ_xx = W'' + y
+/// θ'', κ_yy = 0, κ_xy = θ'. The energies per length are ∫ ½ B κ_xx² dy = ½ B b W''² + ½ (B b³/12)
+/// θ''² and ∫ ½ 2 B_t κ_xy² dy = ½ (2 B_t b) θ'². So EI = B b and GJ = 2 B_t b; for an isotropic
+/// plate, with B_t = (1 - ν) B, the latter is Saint-Venant's G t³ b / 3. Triples do not resist a
+/// pure twist.
 ///
-/// What the formula leaves out: θ'' at the clamp. With its stiffness B b³/12, θ' starts from zero and reaches
-/// its course within ℓ = b √(B/(24 B_t)): the strip is as one shorter by ℓ = 0.007 L, and Γ in the formula
-/// becomes Γ (1 - ℓ/L)³. Cells longer than ℓ see a part of this, cells of the size of ℓ all of it.
+/// The formula neglects θ'' at the clamp. With its stiffness B b³/12, θ' starts from zero and
+/// reaches its course within ℓ = b √(B/(24 B_t)). The strip acts as one shorter by ℓ = 0.007 L, so
+/// Γ in the formula becomes Γ (1 - ℓ/L)³. Cells longer than ℓ resolve a part of this, cells of the
+/// size of ℓ all of it.
 ///
-/// Bending in the plane, EI_z = E b³/8 with two cells across, adds 1/√((1 - EI/EI_z)(1 - GJ/EI_z)) (Michell
-/// 1899) or 0.4 %.
+/// Bending in the plane, EI_z = E b³/8 with two cells across, adds a factor 1/√((1 - EI/EI_z)(1 -
+/// GJ/EI_z)) (Michell 1899), 0.4 %.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -32,12 +35,12 @@ namespace {
 constexpr double kLength = 0.4;          // free part [m]
 constexpr double kWidth = 0.02;          // [m]
 constexpr double kWeight = 0.15 * 9.81;  // [N/m²]
-constexpr double kTwistRatio = 2.0;      // B_t over B [-]
+constexpr double kTwistRatio = 2.0;      // B_t / B [-]
 
 int levelsOf(Strategy strategy) { return strategy == Strategy::Finest ? 0 : 2; }
 int clampOf(Strategy strategy) { return 1 << levelsOf(strategy); }
 
-/// Along x, wide side along y, gravity along -y but for a small tilt [rad] to -z.
+/// Strip along x, wide side along y, gravity along -y except for a small tilt [rad] to -z.
 /// @param gamma q L³ / √(EI·GJ) = w L³ / √(2 B B_t)
 Scene blade(double gamma, double tilt, int cells, Strategy strategy) {
   LinearFabric linear;
@@ -56,7 +59,7 @@ Scene blade(double gamma, double tilt, int cells, Strategy strategy) {
   return scene;
 }
 
-/// Of the tip [rad], towards the flat side down.
+/// Twist of the tip [rad], positive towards the flat side down.
 double twist(const Simulation& simulation) {
   const std::array<int, 2> count = simulation.scene().cloth.particles;
   const Vec3 side =
@@ -75,17 +78,17 @@ double twistAtRest(const Scene& scene) {
 
 constexpr double kTilt = 1e-3;
 
-/// Γ that a strip without stiffness against θ'' would have.
+/// Γ of an equivalent strip without stiffness against θ''.
 double asWithoutWarping(double gamma) {
   return gamma * std::pow(1.0 - kWidth * std::sqrt(1.0 / (24.0 * kTwistRatio)) / kLength, 3);
 }
 
-/// What lateralStiffness() gives exactly: tilt over (tilt + twist).
+/// Measured value of lateralStiffness(): tilt over (tilt + twist).
 double measuredStiffness(double gamma, int cells, Strategy strategy) {
   return kTilt / (kTilt + twistAtRest(blade(gamma, kTilt, cells, strategy)));
 }
 
-/// Γ at which the stiffness vanishes: the parabola Γ²(stiffness) through three loads, at zero.
+/// Γ at which the stiffness vanishes, by the parabola Γ²(stiffness) through three loads.
 template <class Stiffness>
 double critical(Stiffness stiffness) {
   const std::array<double, 3> gamma{9.0, 11.0, 12.0};
@@ -106,7 +109,7 @@ TEST(LateralSolution, MatchesTheLiterature) {
   EXPECT_NEAR(critical(lateralStiffness), criticalLateral(), tolerance(2e-3 * criticalLateral()));
 }
 
-/// Without the clamp's hold on the twist and with it, `slack` on either side.
+/// Expects a value between those without and with warping at the clamp, with `slack` on both sides.
 void expectBetween(double value, double without, double with, double slack) {
   EXPECT_NEAR(value, 0.5 * (without + with), tolerance(0.5 * std::abs(with - without) + slack));
 }
@@ -133,7 +136,8 @@ TEST_P(Blade, StaysUprightBelowAndTurnsOverAbove) {
   const double below = twistAtRest(blade(0.9 * criticalLateral(), kTilt, cells(), GetParam()));
   EXPECT_LT(std::abs(below), tolerance(0.01));
   EXPECT_GT(below, tolerance(0.0));
-  // Buckled: a hundred tilts. The branch leaves the upright one slowly, 0.24 rad at 1.1 times the load.
+  // Buckled: a hundred tilts. The branch leaves the upright one slowly, 0.24 rad at 1.1 times the
+  // load.
   Simulation simulation(blade(1.1 * criticalLateral(), kTilt, cells(), GetParam()));
   while (simulation.time() < 20.0 && twist(simulation) < 0.1) simulation.step();
   std::cout << "  tip twist " << name(GetParam()) << ": " << below << " below, " << twist(simulation)
@@ -142,7 +146,7 @@ TEST_P(Blade, StaysUprightBelowAndTurnsOverAbove) {
 }
 
 TEST_P(Blade, WithoutTwistTermNothingHoldsIt) {
-  // At 8 % of the load that the strip with its twist term carries, which then turns by 1 % of the tilt.
+  // At 8 % of the critical load the strip with its twist term turns by 1 % of the tilt.
   const double load = 1.0;
   Scene scene = blade(load, kTilt, cells(), GetParam());
   const double held = twistAtRest(scene);
@@ -156,7 +160,7 @@ TEST_P(Blade, WithoutTwistTermNothingHoldsIt) {
 }
 
 TEST(BladeOfShortCells, SeesTheClampHoldTheTwist) {
-  // Cells of 5 mm, ℓ = 2.9 mm.
+  // Cells are 5 mm long and ℓ is 2.9 mm.
   const double gamma = 9.0, exact = lateralStiffness(asWithoutWarping(gamma));
   const double value = measuredStiffness(gamma, 80, Strategy::Finest);
   record({"lateral buckling, short cells", "tilt / (tilt + tip twist)", "finest", gamma, value, exact, 1.0});

@@ -1,7 +1,7 @@
-/// Options taken over between two steps.
-/// Criteria: taken over before the first step they are the same, bit by bit, as a scene that had them from
-/// the start; taken over under load they lead to the same equilibrium; what is refused changes no bit; and
-/// the balance of energy holds over the change.
+/// Options changed between two steps.
+/// Criteria: changed before the first step they give the same bits as a scene that had them from
+/// the start; changed under load they lead to the same equilibrium; a refused change alters no bit;
+/// the energy balance holds over the change.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// A sheet held on all sides below a probe, its mesh free to change.
+/// Sheet held on all sides below a probe, on an adaptive mesh.
 Scene sheet() {
   LinearFabric linear;
   linear.stiffness = 1000.0;
@@ -30,7 +30,7 @@ Scene sheet() {
   return scene;
 }
 
-/// Waits 60 steps above the cloth, presses 23 mm deep within 0.1 s and goes on until `steps` are done.
+/// Waits 60 steps above the cloth, presses 23 mm deep within 0.1 s and continues up to `steps`.
 void press(Simulation& simulation, int steps) {
   for (int n = 0; n < steps; ++n) {
     const double way = std::clamp((n - 60) / 100.0, 0.0, 1.0);
@@ -112,7 +112,8 @@ TEST(LiveOptions, AnotherCouplingUnderLoadComesToItsOwnEquilibrium) {
   const double after = changed.probe().force.z();
   EXPECT_GT(after, 1.02 * before) << "a stiffer coupling presses harder";
   EXPECT_NEAR(after, wanted.probe().force.z(), tolerance(0.005 * after));
-  // What the change puts into the spring is the device's work: none of it may look like energy from nowhere.
+  // Energy that the change puts into the spring is work of the device and must not appear from
+  // nowhere.
   EXPECT_GT(least, -1e-9);
 }
 
@@ -137,7 +138,7 @@ TEST(LiveOptions, WhatIsRefusedChangesNothing) {
   expect("air_damping = -1: must be >= 0", [](Scene& s) { s.air_damping = -1.0; });
   expect("adapt.coarsen_below = 0.7: must be below adapt.refine_above = 0.6", [](Scene& s) {
     s.adapt.coarsen_below = 0.7;
-    s.solver.minimizer.tolerance = 0.5;  // good by itself, but of the same set
+    s.solver.minimizer.tolerance = 0.5;  // valid by itself, but in the same set
   });
   expect("solver.time_step: cannot change", [](Scene& s) { s.solver.time_step = 2e-3; });
   expect("solver.cost: cannot change", [](Scene& s) { s.solver.cost = Cost::Joint; });

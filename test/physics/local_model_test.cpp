@@ -1,11 +1,12 @@
-/// The tick's force for poses the solver has not seen, against the solver's own force at these poses. The
-/// hand moves at 0.2 m/s; snapshots reach the tick every 1, 5, 10 or 20 ms. Criteria, over the running mean
-/// of the force's norm over 0.1 s: rms error at most 5 %, a step of the force at a new snapshot below 7 %,
-/// the least change of a force that a hand tells apart [Jones 1989; Pang, Tan & Durlach 1991]. What the
-/// solver's own force does from one solve to the next is no step of the model. Reference: the same scene,
-/// each millisecond, solved to a fifth of the tolerance. The rms error is reached at 1 and 5 ms; at 10 and 20
-/// ms only where the hand presses on held cloth. What is measured there is printed and stands in
-/// decision 0015.
+/// Force of the tick for poses that the solver has not seen, compared with the solver's own force
+/// at these poses. The hand moves at 0.2 m/s; snapshots reach the tick every 1, 5, 10 or 20 ms.
+/// Criteria, relative to the running mean of the force's norm over 0.1 s: rms error at most 5 %; a
+/// step of the force at a new snapshot below 7 %, the smallest change of a force that a hand
+/// perceives [Jones 1989; Pang, Tan & Durlach 1991]. Changes of the solver's own force between
+/// solves do not count as steps of the model. Reference: the same scene, each millisecond, solved
+/// to a fifth of the tolerance.
+/// The rms error is reached at 1 and 5 ms; at 10 and 20 ms only where the hand presses on held
+/// cloth. The other values are printed; decision 0015 lists them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,11 +25,11 @@ namespace haptic_cloth {
 namespace {
 
 constexpr double kTick = 1e-3;
-constexpr double kSpeed = 0.2;      ///< of the hand [m/s]
-constexpr double kMoving = 0.75;    ///< the hand has come down and begins to move [s]
-constexpr double kMeasured = 0.82;  ///< from here on, when the start is over [s]
+constexpr double kSpeed = 0.2;      ///< speed of the hand [m/s]
+constexpr double kMoving = 0.75;    ///< the hand is down and begins to move [s]
+constexpr double kMeasured = 0.82;  ///< end of the start-up; measurement begins [s]
 constexpr double kEnd = 1.45;       ///< [s]
-constexpr double kMeanTime = 0.1;   ///< of the running mean [s]
+constexpr double kMeanTime = 0.1;   ///< length of the running mean [s]
 
 using Path = std::function<Vec3(double)>;
 
@@ -37,19 +38,19 @@ double smooth(double time, double from, double to) {
   return s * s * (3.0 - 2.0 * s);
 }
 
-/// Strokes of 36 mm to either side at kSpeed, turned round in 0.1 s.
+/// Strokes of 36 mm to either side at kSpeed, reversed within 0.1 s.
 double stroke(double time) {
   constexpr double kTurn = 0.05, kHalf = 0.2;
   const double t = time - kMoving;
   if (t <= 0.0) return 0.0;
   if (t < 1.5 * kTurn) return t < kTurn ? 0.5 * kSpeed * t * t / kTurn : kSpeed * (t - 0.5 * kTurn);
   const auto triangle = [](double s) { return std::abs(std::remainder(s - kHalf, 4.0 * kHalf)) - kHalf; };
-  double mean = 0.0;  // corners rounded by the mean over the time of the turn
+  double mean = 0.0;  // the mean over the reversal rounds the corners
   for (int k = -10; k <= 10; ++k) mean += triangle(t - 0.5 * kTurn + k * kTurn / 10.0) / 21.0;
   return -kSpeed * mean;
 }
 
-/// To and fro five times a second, kSpeed at most.
+/// Oscillation at 5 Hz with a largest speed of kSpeed.
 double beat(double time) {
   const double omega = 2.0 * EIGEN_PI * 5.0;
   return kSpeed / omega * std::sin(omega * std::max(0.0, time - kMoving));
@@ -80,7 +81,7 @@ Obstacle box(const Vec3& size, const Vec3& position) {
   return box;
 }
 
-/// Over the gap between two tables, held at both ends.
+/// Cloth over the gap between two tables, held at both ends.
 Scene overGap() {
   Scene scene = suiting(0.105);
   scene.obstacles = {box(Vec3(0.1, 0.3, 0.05), Vec3(0.1, 0, 0.07)),
@@ -90,7 +91,7 @@ Scene overGap() {
   return scene;
 }
 
-/// Hung by its corners.
+/// Cloth hung by its corners.
 Scene hammock() {
   Scene scene = suiting(0.105);
   for (const int i : {0, 40})
@@ -98,7 +99,7 @@ Scene hammock() {
   return scene;
 }
 
-/// Draped over a box: the probe has a hard bed.
+/// Cloth draped over a box, so that the probe has hard support.
 Scene overBox() {
   Scene scene = suiting(0.105);
   scene.obstacles = {box(Vec3(0.15, 0.15, 0.1), Vec3(0, 0, 0.05))};
@@ -117,17 +118,17 @@ std::vector<Case> cases() {
   };
 }
 
-/// What one run of the solver gives, a value a tick.
+/// Results of one solver run, one value per tick.
 struct Solved {
   std::vector<ProbeSnapshot> snapshots;
   std::vector<DeviceSample> devices;
-  std::vector<Vec3> velocities;  ///< of the proxy [m/s]
+  std::vector<Vec3> velocities;  ///< velocities of the proxy [m/s]
   std::vector<Vec3> forces;
 };
 
 enum class Role { Snapshots, Reference };
 
-/// As the node does it, or to a finer tolerance.
+/// Solves as the node does, or to a finer tolerance for the reference.
 Solved solve(Scene scene, const Path& path, Role role) {
   const bool reference = role == Role::Reference;
   if (reference) {
@@ -155,7 +156,7 @@ Solved solve(Scene scene, const Path& path, Role role) {
   return solved;
 }
 
-/// The extrapolation that the local model has to beat: proxy and velocity, nothing of the device's motion
+/// Extrapolation that the local model has to beat: proxy and velocity, without the device's motion
 /// since.
 Vec3 plainForce(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot,
                 const Vec3& velocity) {
@@ -166,7 +167,7 @@ Vec3 plainForce(const HapticOptions& options, const DeviceSample& device, const 
 
 enum class Rule { Plain, Model, ModelAndController };
 
-/// What the tick gives when a snapshot arrives every `interval` ticks.
+/// Forces of the tick if a snapshot arrives every `interval` ticks.
 std::vector<Vec3> ticked(const Solved& solved, int interval, Rule rule) {
   HapticOptions options;
   if (rule == Rule::Model) options.passivity.damping = options.passivity.debt = 0.0;
@@ -189,11 +190,11 @@ std::vector<Vec3> ticked(const Solved& solved, int interval, Rule rule) {
 }
 
 struct Errors {
-  double rms = 0.0, largest = 0.0;  ///< over the running mean [-]
-  double step = 0.0;                ///< the largest at a new snapshot [-]
+  double rms = 0.0, largest = 0.0;  ///< relative to the running mean [-]
+  double step = 0.0;                ///< largest step at a new snapshot [-]
 };
 
-/// @param own the force of the run whose snapshots were used: what the solver itself did in a tick is no step
+/// @param own force of the run that the snapshots came from; its change in a tick is not a step
 Errors errorsOf(const std::vector<Vec3>& forces, const std::vector<Vec3>& reference,
                 const std::vector<Vec3>& own, int interval) {
   Errors errors;
@@ -234,8 +235,7 @@ TEST_P(LocalModel, GivesTheSolversForce) {
         drape.name, interval, 100 * model.rms, 100 * plain.rms, 100 * whole.rms, 100 * model.largest,
         100 * plain.largest, 100 * whole.largest, 100 * model.step, 100 * plain.step, 100 * whole.step);
     EXPECT_LT(model.step, tolerance(0.07)) << interval << " ms";
-    if (interval > 5)
-      continue;  // 10 and 20 ms fall short of 5 % but where the cloth is pressed: decision 0015
+    if (interval > 5) continue;  // they miss 5 % except where cloth is pressed: decision 0015
     EXPECT_LE(model.rms, tolerance(0.05)) << interval << " ms";
     EXPECT_LE(whole.rms, tolerance(0.05)) << interval << " ms: the controller is felt where nothing buzzes";
   }

@@ -1,10 +1,11 @@
-/// What a change of the mesh does to a cloth that is at rest, and to what is seen of one that moves.
-/// Criteria. A chord differs from its arc by the sagitta κL²/8, a turning angle of 0.25 rad (where cells may
-/// merge) over 8 of a cell's length, 3.1 %: so nothing at rest may drift, and nothing seen may jump, by more
-/// than 5 % of the spacing of the coarser cells, for what lies between them was never known better. After a
-/// split half of the particles lie on chords: all curvature sits in the others, twice as large, so the energy
-/// stored is at most twice and the residual at most the second difference of moments 2M, 0, 2M over the finer
-/// spacing l, 4M/(l² ρ) in acceleration, besides gravity. At rest the mesh stays as it is.
+/// Effect of mesh changes on cloth at rest, and on what is displayed of moving cloth.
+/// Criteria: a chord differs from its arc by the sagitta κL²/8, for a turning angle of 0.25 rad
+/// (where cells may merge) 0.25/8 = 3.1 % of a cell's length. So nothing at rest may drift, and
+/// nothing displayed may jump, by more than 5 % of the spacing of the coarser cells, which limits
+/// the accuracy anyway. After a split half of the particles lie on chords, and the others have all
+/// the curvature, twice as large. So the stored energy at most doubles, and the residual is at most
+/// the second difference of moments 2M, 0, 2M over the finer spacing l, an acceleration of 4M/(l²
+/// ρ), besides gravity. At rest the mesh does not change.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,10 +20,10 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kVisible = 0.05;    // of the local spacing
+constexpr double kVisible = 0.05;    // in units of the local spacing
 constexpr double kRestSpeed = 1e-4;  // [m/s]
 
-/// Displayed positions of all finest particles, as Simulation::positions() gives them.
+/// Displayed positions of all finest particles, as in Simulation::positions().
 std::vector<Vec3> displayed(const ActiveMesh& mesh, const ParticleState& state) {
   std::vector<Vec3> positions = state.position;
   for (const Patch& patch : mesh.patches) {
@@ -31,7 +32,7 @@ std::vector<Vec3> displayed(const ActiveMesh& mesh, const ParticleState& state) 
   return positions;
 }
 
-/// Spacing of the coarsest leaf that touches each particle [m].
+/// Spacing of the coarsest leaf at each particle [m].
 std::vector<double> spacings(const ActiveMesh& mesh) {
   std::vector<double> spacing(mesh.grid.particles(), 0.0);
   for (const Patch& patch : mesh.patches) {
@@ -50,16 +51,17 @@ double larger(const std::vector<double>& a, const std::vector<double>& b, std::s
   return std::max(a[p], b[p]);
 }
 
-/// What a change does before anything moves.
+/// Effect of a change before anything moves.
 struct Change {
   int merged = 0, split = 0;
-  double jump = 0.0;  ///< largest move of a displayed particle over its spacing, the coarser of both meshes'
-  double stored = 0.0;    ///< energy of the fabric over that before [-]
-  double residual = 0.0;  ///< rms_m of the acceleration it leaves over gravity [-]
-  double moment = 0.0;    ///< largest of the fabric before [N·m/m]
+  /// Largest jump of a displayed particle over its spacing, the coarser of both meshes'.
+  double jump = 0.0;
+  double stored = 0.0;    ///< fabric energy after / before [-]
+  double residual = 0.0;  ///< rms_m of the resulting acceleration over gravity [-]
+  double moment = 0.0;    ///< largest moment before the change [N·m/m]
 };
 
-/// Makes the change that a world's next step will make, on copies of mesh, state and memory.
+/// Makes the change of a world's next step, on copies of mesh, state and memory.
 class Shadow {
  public:
   explicit Shadow(const ClothWorld& world) : adaptation_(world.scene.adapt, world.grid) {}
@@ -69,7 +71,7 @@ class Shadow {
   /// Particles of the nodes after the last change: those of the world after its step.
   const std::vector<int>& particles() const { return particles_; }
 
-  /// To be called once before each step. @return nothing where the mesh stays as it is
+  /// Called once before each step. @return nothing if the mesh does not change
   std::optional<Change> change(const ClothWorld& world, const FineRegions& fine = {}) {
     if (!adaptation_.plan(world.steps, world.nodes(), world.internal, fine, world.leaves, world.mesh,
                           world.state, [](const Cell&, int) { return 0.0; })) {
@@ -159,7 +161,8 @@ Scene clampedStrip(Strategy strategy) {
   return scene;
 }
 
-/// One look that splits everything, merges whatever may merge, or, finest, changes nothing.
+/// Options for one decision that splits everything, merges all that may merge, or (finest) changes
+/// nothing.
 AdaptOptions oneWay(Strategy strategy, const AdaptOptions& shipped) {
   AdaptOptions options = shipped;
   options.strategy = strategy;
@@ -178,7 +181,7 @@ bool comesToRest(ClothWorld& world, double max_time) {
   return quiet == 20;
 }
 
-/// Largest distance of a displayed particle from where it was, over its spacing.
+/// Largest displacement of a displayed particle over its spacing.
 double distance(const ClothWorld& world, const std::vector<Vec3>& from, const std::vector<double>& spacing) {
   const std::vector<Vec3> now = displayed(world.mesh, world.state);
   double largest = 0.0;
@@ -242,7 +245,7 @@ TEST(MeshChange, RestSurvivesRoundTrips) {
   makeTrip("clamped strip", clampedStrip(Strategy::Finest), Legs{c, r, c});
 }
 
-/// Where the probe asks for the finest cells, as docs/model.md says.
+/// Regions of finest cells around the probe, as in docs/model.md.
 FineRegions moveProbe(ClothWorld& world) {
   const double h = world.scene.solver.time_step, t = world.time();
   const Vec3 from = pathPosition(world.scene.probes[0].path, t),
@@ -254,8 +257,8 @@ FineRegions moveProbe(ClothWorld& world) {
 }
 
 struct Shipped {
-  std::string scene, particles;  ///< fewer than shipped where that is many
-  double time;                   ///< how long it runs [s]
+  std::string scene, particles;  ///< fewer particles than shipped if those are many
+  double time;                   ///< duration of the run [s]
   bool adapts;
 };
 
@@ -296,7 +299,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, ShippedScene,
                                          Shipped{"free_fall", "[21, 21]", 0.3, true}),
                          [](const auto& info) { return info.param.scene; });
 
-/// At rest the mesh has nothing to do: no change in a thousand steps.
+/// Expects no mesh change in a thousand steps at rest.
 void expectNoChatter(Scene scene, const std::string& name) {
   scene.cloth.fabric = suiting();
   scene.air_damping = 2.0;

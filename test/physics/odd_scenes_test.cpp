@@ -1,7 +1,7 @@
-/// Scenes at the edge of what a scene may be: the smallest and thinnest meshes, nothing free, all inside a
-/// solid, a probe on a particle, solids on top of each other, extreme steps, laws that are not there.
-/// Criteria: every step ends with finite values and none fails; the state has equal bits for 1, 2 and 4
-/// threads, as decision 0008 promises.
+/// Scenes at the limits: the smallest and thinnest meshes, nothing free, everything inside a solid,
+/// a probe on a particle, overlapping solids, extreme steps, missing laws.
+/// Criteria: every step ends with finite values and none fails; equal bits for 1, 2 and 4 threads,
+/// as decision 0008 promises.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -34,7 +34,7 @@ void suiting(Scene& scene) {
   scene.cloth.fabric = loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/winter_suiting.yaml");
 }
 
-/// A light linear fabric just above a ball, with no more than that changed.
+/// Light linear fabric just above a ball, changed as the case says.
 Scene build(const OddScene& odd) {
   LinearFabric linear;
   linear.rigidity = 1e-5;
@@ -48,7 +48,8 @@ Scene build(const OddScene& odd) {
   return scene;
 }
 
-/// Comes down from 12 mm above the cloth's start by 10 mm, goes away, comes back.
+/// Moves the device down by 10 mm from 12 mm above the cloth's start, removes it and brings it
+/// back.
 void moveDevice(Simulation& simulation, int step) {
   if (step == 60) {
     simulation.removeDevice();
@@ -154,8 +155,8 @@ INSTANTIATE_TEST_SUITE_P(All, OddScenes, testing::ValuesIn(kScenes),
                          [](const auto& info) { return std::string(info.param.name); });
 
 TEST(OddScenes, AProbeCentredOnAParticleIsLetOut) {
-  // Its sphere's normal is undefined there. It begins inside the cloth, so nothing touches until it has been
-  // clear once; then it stands on the cloth and is carried.
+  // The normal of its sphere is undefined there. It starts inside the cloth, so it touches nothing
+  // until it has been clear once; then it stands on the cloth and is carried.
   Scene scene = build({"", 17, 17, 2, nullptr});
   scene.gravity.setZero();
   scene.obstacles.clear();

@@ -1,7 +1,7 @@
-/// A probe pressed into a square membrane held on its four sides.
-/// Criteria: balance of forces (supports carry weight and probe), and a table computed with finite elements,
-/// good to 0.5 %, of a frictionless sphere of radius Rs pressed δ deep into a membrane of side 2a, ν = 0:
-/// F/(E a) for some G/E, Rs/a and δ/a.
+/// Probe pressed into a square membrane held on its four sides.
+/// Criteria: balance of forces (supports carry weight and probe), and a finite-element table,
+/// accurate to 0.5 %, for a frictionless sphere of radius Rs pressed δ deep into a membrane of side
+/// 2a, ν = 0: F/(E a) for some G/E, Rs/a and δ/a.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -31,7 +31,8 @@ Scene membrane(Strategy strategy, double shear = 0.5, double radius = kRadius) {
   return scene;
 }
 
-/// Lowers the device to `depth` [m] of its lowest point below the flat sheet in 0.2 s and waits for rest.
+/// Lowers the device until its lowest point is `depth` [m] below the flat sheet, in 0.2 s, and
+/// waits for rest.
 void press(Simulation& simulation, double depth) {
   const double h = simulation.scene().solver.time_step, duration = 0.2;
   const double radius = simulation.scene().probes[0].radius;
@@ -67,7 +68,7 @@ INSTANTIATE_TEST_SUITE_P(Strategies, PressedMembrane,
                          testing::Values(Strategy::Finest, Strategy::Amrc, Strategy::Coarsest),
                          [](const auto& info) { return name(info.param); });
 
-/// Of the table: F/(E a) at `depth`, and at another one for the power by which it grows.
+/// Row of the table: F/(E a) at `depth`, and at another depth for the exponent of its growth.
 struct Press {
   const char* label;
   double shear, radius;  // G/E, Rs/a
@@ -80,23 +81,23 @@ class MembranePress : public testing::TestWithParam<std::tuple<Press, Strategy>>
 TEST_P(MembranePress, MatchesFiniteElements) {
   const auto [press_case, strategy] = GetParam();
   Scene scene = membrane(strategy, press_case.shear, press_case.radius * kHalfSide);
-  scene.gravity = Vec3(0.0, 0.0, -1e-3);  // the tolerance is measured in |g|: not zero
+  scene.gravity = Vec3(0.0, 0.0, -1e-3);  // not zero, because the tolerance is relative to |g|
   scene.solver.minimizer.tolerance = 10.0;
   Simulation simulation(scene);
   press(simulation, press_case.depth * kHalfSide);
   const ProbeReport probe = simulation.probe();
-  // Depth of the sheet's middle: the contact's finite gap belongs to the contact, not to the membrane.
+  // Depth of the sheet's middle: the finite gap of contact is not part of the membrane.
   const double depth = -particle(simulation, 32, 32).z() / kHalfSide;
   const double force = probe.force.z() / (1000.0 * kHalfSide);
-  // F grows as a power of δ between the two entries of the table.
+  // F grows as a power of δ between two rows of the table.
   const double power = std::log(press_case.other_force / press_case.force) /
                        std::log(press_case.other_depth / press_case.depth);
   const double exact = press_case.force * std::pow(depth / press_case.depth, power);
   record({std::string("membrane under a sphere, ") + press_case.label, "force/(E a) [-]", name(strategy),
           press_case.depth, force, exact, exact});
-  // Finest spacing 0.03 a, and 0.5 % of the table itself. At δ = 0.1 a the smaller sphere touches less than a
-  // cell: with twice the cells 4.5 % become 1.4. The coarsest cells are 0.125 a wide, wider than that sphere:
-  // there the force is only bounded.
+  // The finest spacing is 0.03 a; the table adds 0.5 %. At δ = 0.1 a the smaller sphere touches
+  // less than a cell: twice the cells reduce 4.5 % to 1.4. The coarsest cells are 0.125 a wide,
+  // wider than that sphere, so there the force is only bounded.
   const bool coarse = strategy == Strategy::Coarsest, small = press_case.depth * press_case.radius < 0.015;
   EXPECT_NEAR(depth, press_case.depth, (coarse ? 0.1 : 0.05) * press_case.depth);
   EXPECT_NEAR(force, exact, tolerance((coarse ? 0.3 : small ? 0.07 : 0.03) * exact));
@@ -127,9 +128,10 @@ long iterationsOfASlide(double friction) {
   return iterations;
 }
 
-/// Stuck to the cloth a probe is 10⁶ N/m stiff, sliding it meets a force that hardly changes: a solve that
-/// starts where the probe slides has no more to find than one without friction (1.03 times as many iterations
-/// here); one that starts stuck has (1.8 times). Criterion: a quarter more.
+/// A probe that sticks to the cloth feels a stiffness of 10⁶ N/m; a sliding probe feels an almost
+/// constant force. A solve with a sliding initial guess needs no more iterations than one without
+/// friction (1.03 times here); a sticking guess needs more (1.8 times). Criterion: at most a
+/// quarter more.
 TEST(Probe, SlidesWithFrictionAboutAsCheaplyAsWithout) {
   const long smooth = iterationsOfASlide(0.0), rough = iterationsOfASlide(0.3);
   std::printf("20 mm at 0.2 m/s: %ld iterations without friction, %ld with\n", smooth, rough);

@@ -1,6 +1,6 @@
-/// Torque on a probe about its proxy, by a solve.
-/// Criteria: a force at a known place is a torque by its lever arm; a sphere without friction feels none;
-/// what hangs from a probe turns it by its weight at its mass centre.
+/// Torque on a probe about its proxy, from a solve.
+/// Criteria: a force at a known place gives a torque by its lever arm; a sphere without friction
+/// has none; cloth that hangs from a probe turns it by its weight at its mass centre.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kGravity = 9.81;
 
-/// Runs for `time` with the device moving from where it was last by `velocity` [m/s].
+/// Runs for `time` [s]; the device moves from its last position with `velocity` [m/s].
 void move(Simulation& simulation, Vec3& device, const Vec3& velocity, double time,
           const Quat& orientation = Quat::Identity()) {
   const double h = simulation.scene().solver.time_step;
@@ -28,8 +28,8 @@ void move(Simulation& simulation, Vec3& device, const Vec3& velocity, double tim
 
 class TorqueOfAStrip : public testing::TestWithParam<Strategy> {};
 
-/// A strip of 40 mm presses on a longer capsule that lies across it, whose origin is 15 mm beside the strip's
-/// middle: by symmetry the force acts in the strip's middle.
+/// A strip of 40 mm presses on a longer capsule across it, whose origin is 15 mm beside the middle
+/// of the strip. By symmetry the force acts in the middle of the strip.
 TEST_P(TorqueOfAStrip, IsTheForceAtTheStripsMiddle) {
   constexpr double kHalfSpan = 0.08, kWidth = 0.04, kRadius = 0.01, kAside = 0.015;
   LinearFabric linear;
@@ -58,7 +58,7 @@ TEST_P(TorqueOfAStrip, IsTheForceAtTheStripsMiddle) {
   record({"strip under a cylinder, off its middle", "torque [N m]", name(GetParam()), kAside,
           report.torque.x(), expected.x(), expected.x()});
   EXPECT_NEAR(report.proxy.y(), kAside, 1e-3);
-  // The pressure is even across the strip as far as the solve has settled: 1e-3 of it.
+  // The pressure is even across the strip as far as the solve has converged: 1e-3.
   EXPECT_LT((report.torque - expected).norm(), tolerance(1e-3 * expected.norm()))
       << report.torque.transpose() << " for " << expected.transpose();
 }
@@ -66,7 +66,7 @@ TEST_P(TorqueOfAStrip, IsTheForceAtTheStripsMiddle) {
 INSTANTIATE_TEST_SUITE_P(Strategies, TorqueOfAStrip, testing::Values(Strategy::Finest, Strategy::Amrc),
                          [](const auto& info) { return name(info.param); });
 
-/// A cloth on a table, and a sphere that presses on it and slides.
+/// Cloth on a table, and a sphere that presses on it and slides.
 Scene tableScene(double friction) {
   LinearFabric linear;
   linear.rigidity = 1e-5;
@@ -92,16 +92,16 @@ ProbeReport slide(double friction) {
   return simulation.probe();
 }
 
-/// Rounding alone: 1e-16 of force times radius a sample, some hundred samples.
+/// Only rounding: 1e-16 of force times radius for each of some hundred samples.
 TEST(TorqueOfASphere, WithoutFrictionIsZero) {
   const ProbeReport report = slide(0.0);
   ASSERT_GT(report.force.z(), 0.3);
   EXPECT_LT(report.torque.norm(), tolerance(1e-13 * report.force.norm() * 0.01));
 }
 
-/// The cloth drags at its middle plane, between the sphere's radius and a thickness more from its centre.
-/// Where it lies on the table nearly all of it presses from straight below: within the angle φ of the patch,
-/// cos φ = 1 - 2 t/R.
+/// The cloth drags at its middle plane, between the sphere's radius and a thickness more from its
+/// centre. On the table nearly all of it presses from straight below, within the angle φ of the
+/// patch, cos φ = 1 - 2 t/R.
 TEST(TorqueOfASphere, WithFrictionIsTheDragAtTheRadius) {
   const ProbeReport report = slide(0.3);
   const Scene scene = tableScene(0.3);
@@ -116,7 +116,7 @@ TEST(TorqueOfASphere, WithFrictionIsTheDragAtTheRadius) {
   EXPECT_LT((report.torque - ratio * expected).norm(), tolerance(0.05 * expected.norm()));
 }
 
-/// A sheet that hangs from the capsule which has grasped it near its corner, at rest in the air.
+/// Sheet at rest in the air, hanging from the capsule that grasped it near its corner.
 TEST(TorqueOfAGrasp, IsTheWeightAtTheMassCentre) {
   Scene scene = tableScene(0.3);
   setStrategy(scene, Strategy::Finest, 0);
@@ -136,7 +136,8 @@ TEST(TorqueOfAGrasp, IsTheWeightAtTheMassCentre) {
   simulation.positions(positions);
   Vec3 centre = Vec3::Zero();
   double shares = 0.0;
-  for (std::size_t p = 0; p < positions.size(); ++p) {  // half a cell at a side, a quarter in a corner
+  for (std::size_t p = 0; p < positions.size(); ++p) {  // half a cell at a side, a quarter in a
+                                                        // corner
     const int i = static_cast<int>(p) % 33, j = static_cast<int>(p) / 33;
     const double share = (i % 32 == 0 ? 0.5 : 1.0) * (j % 32 == 0 ? 0.5 : 1.0);
     centre += share * positions[p];
@@ -147,7 +148,8 @@ TEST(TorqueOfAGrasp, IsTheWeightAtTheMassCentre) {
   const Vec3 expected = (centre - report.proxy).cross(weight);
   record({"sheet that hangs from a grasp", "torque [N m]", "finest", 0.0, report.torque.norm(),
           expected.norm(), expected.norm()});
-  // As the weight itself (Grasp.LiftsTheClothAndFeelsItsWeight): it still swings a little.
+  // Same tolerance as for the weight (Grasp.LiftsTheClothAndFeelsItsWeight): it still swings a
+  // little.
   EXPECT_LT((report.torque - expected).norm(), tolerance(0.02 * expected.norm()))
       << report.torque.transpose() << " for " << expected.transpose();
 }

@@ -1,6 +1,6 @@
-/// The reference solutions themselves, before anything is compared with them.
-/// Criterion: the tables computed with high-order shooting and finite elements that docs/validation.md
-/// quotes, to the digits printed there (half a unit of the last digit, plus that of a rounded input).
+/// Checks of the reference solutions themselves.
+/// Criterion: the tables in docs/validation.md, computed with high-order shooting and finite
+/// elements, to the printed digits (half a unit of the last digit, plus that of a rounded input).
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,7 +1,8 @@
-/// Cloth at rest sleeps.
-/// Criteria: it ends where it would without sleep, within what rest may hide: a particle sleeps when it was
-/// slower than v = 0.3 mm/s for 50 steps, so accelerations below v/(50 h) = 0.6 mm/s² = 6e-4 g are lost;
-/// asleep it takes no iteration; touched, it answers as if it had never slept.
+/// Sleep of cloth at rest.
+/// Criteria: the cloth ends where it would without sleep, within what sleep may hide. A particle
+/// sleeps after 50 steps slower than v = 0.3 mm/s, so accelerations below v/(50 h) = 0.6 mm/s² =
+/// 6e-4 g are lost. Sleeping cloth takes no iteration; when touched, it responds as if it had never
+/// slept.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +16,7 @@
 namespace haptic_cloth {
 namespace {
 
-/// A suiting held by two sides: it sags, and its hysteresis brings it to rest.
+/// Suiting held by two sides; it sags, and its hysteresis brings it to rest.
 Scene sagging(double sleep_speed) {
   Scene scene = sheetScene(loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/winter_suiting.yaml"), 33, 33,
                            0.16, 0.16);
@@ -32,7 +33,8 @@ void run(Simulation& simulation, double seconds) {
   for (const double end = simulation.time() + seconds; simulation.time() < end;) simulation.step();
 }
 
-/// Comes down in the middle within 0.1 s, as far as 4 mm below where the cloth hangs. @return force on it [N]
+/// Lowers the probe in the middle within 0.1 s to 4 mm below the hanging cloth. @return force on it
+/// [N]
 Vec3 press(Simulation& simulation) {
   const double top = particle(simulation, 16, 16).z() + 0.0115;
   for (int step = 0; step < 150; ++step) {
@@ -72,7 +74,7 @@ TEST(Rest, SleepsWhereItWouldRestAndWakesWhenTouched) {
   EXPECT_NEAR(felt.z(), expected.z(), tolerance(0.03 * expected.z()));
 }
 
-/// Sleeps with a device that stands still in it, until steps are not taken at all.
+/// Waits with a device that stands still in the cloth until steps are skipped.
 void pressAndSleep(Simulation& simulation, Vec3& device) {
   run(simulation, 0.5);
   press(simulation);
@@ -86,8 +88,8 @@ void pressAndSleep(Simulation& simulation, Vec3& device) {
 }
 
 TEST(Rest, ADeviceThatGoesAndComesBackWithinAStepLeavesNoDent) {
-  // The probe that comes back is a new one: it begins inside the cloth and touches nothing, so the cloth must
-  // rise from 12 mm below where it hung without any; 1.1 mm of that its hysteresis keeps.
+  // The returning probe is a new one: it starts inside the cloth and touches nothing, so the cloth
+  // must rise from 12 mm below its position without a probe. Hysteresis keeps 1.1 mm of that.
   Simulation simulation(sagging(3e-4));
   run(simulation, 0.5);
   const double hanging = particle(simulation, 16, 16).z();
@@ -132,14 +134,15 @@ TEST(Rest, ResetFromSleepIsANewStart) {
 }
 
 TEST(Rest, EnergyIsThatOfAllElementsHoweverASolveEnds) {
-  // While some sleep, a solve looks at what is awake only. What is reported, and what the energy guard counts
-  // with, is all: to round-off what the elements store at the positions reported, also when time runs out.
+  // While some particles sleep, a solve covers only the others. Reports and energy guard cover all:
+  // they agree to round-off with what the elements store at the reported positions, also if time
+  // runs out.
   LinearFabric linear;
   linear.rigidity = 1e-5;
   Scene scene = sagging(3e-4);
   scene.cloth.fabric = makeFabric(linear);
   setStrategy(scene, Strategy::Coarsest, 1);
-  scene.solver.minimizer.time_budget = 1e-9;  // an iteration each
+  scene.solver.minimizer.time_budget = 1e-9;  // one iteration per step
   ClothWorld world(scene);
   for (int step = 0; step < 4000 && (step == 0 || world.maxSpeed() > 0.0); ++step) world.step();
   ASSERT_EQ(world.maxSpeed(), 0.0);
@@ -159,9 +162,9 @@ TEST(Rest, EnergyIsThatOfAllElementsHoweverASolveEnds) {
 }
 
 TEST(Rest, ACreepingProbeIsFelt) {
-  // At 0.01 mm/s no particle is ever faster than what may sleep. A sleeper hides a change of force of three
-  // times the tolerance, 0.3 g of its mass, and the two solves are wrong by a tolerance each; the contact is
-  // 6 mm wide, so at most 4 x 4 nodes feel it.
+  // At 0.01 mm/s no particle is ever faster than the sleep speed. A sleeping particle hides a
+  // change of force of three times the tolerance, 0.3 g of its mass, and each of the two solves has
+  // an error of one tolerance. The contact is 6 mm wide, so at most 4 × 4 nodes are affected.
   const Scene scene = sagging(3e-4);
   const double node_mass = scene.cloth.fabric.areal_density * 0.005 * 0.005;
   const double hidden = 16 * (3.0 + 2.0) * scene.solver.minimizer.tolerance * 9.81 * node_mass;

@@ -1,7 +1,8 @@
-/// What the hand feels while the probe slides over the mesh.
-/// Criterion: the force on a frictionless probe that slides at constant depth over a membrane varies
-/// smoothly; what is left of it beside a polynomial of fourth degree in the way is ripple of the mesh, below
-/// 3 % of the mean, less than half of the 7 % by which a person tells two forces apart.
+/// Force on the hand while the probe slides over the mesh.
+/// Criterion: the force on a frictionless probe that slides at constant depth over a membrane
+/// varies smoothly. The deviation from a polynomial of degree four in the position is ripple of the
+/// mesh. It must be below 3 % of the mean, less than half of the 7 % by which a person
+/// distinguishes two forces.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -19,12 +20,12 @@ struct Slide {
   Strategy strategy;
   int levels;
   double radius;     ///< [m]
-  double depth;      ///< of the device below first touch [m]
-  double direction;  ///< against warp [degrees]
-  double limit;      ///< of the ripple [-]
+  double depth;      ///< depth of the device below first touch [m]
+  double direction;  ///< angle to warp [degrees]
+  double limit;      ///< limit of the ripple [-]
 };
 
-/// Largest deviation of y(x) from its fit by a polynomial, over the mean.
+/// Largest deviation of y(x) from its polynomial fit, over the mean.
 double ripple(const std::vector<double>& x, const std::vector<double>& y, int degree) {
   const auto count = static_cast<Eigen::Index>(x.size());
   Eigen::MatrixXd powers(count, degree + 1);

@@ -1,14 +1,15 @@
 /// AMRC that starts with the coarsest mesh.
-/// Criteria. Flat cloth without strain has nothing to split: its mesh is the coarsest, but for the leaves
-/// that pins ask for, and stays so. Draped, it comes to rest where AMRC does that starts with the finest
-/// mesh, within AMRC's own error. Of a curvature κ, a leaf that comes from above is the largest with κl below
-/// `refine_above`, one that comes from below the largest with κl below `coarsen_below`, half of that here:
-/// the cells of the two meshes differ by a factor of two at most, and the error of elements with linear sides
-/// goes with the square of their length. So what starts coarsest is at most four times as far from the finest
-/// mesh's rest as what starts finest. The coarsest mesh itself is farther off, or that would say nothing.
-/// However coarse the mesh was before it met an obstacle, a board is no drape: it ends where the finest mesh
-/// does, within half of the finest spacing. (Two converged solves of the finest mesh at 1 and 0.5 ms end up
-/// to 0.6 spacings apart in such drapes.)
+/// Criteria: flat cloth without strain has nothing to split, so its mesh stays the coarsest except
+/// for leaves that pins require. Draped, it comes to rest where AMRC from the finest mesh does,
+/// within AMRC's own error. For a curvature κ, refinement stops at the largest leaf with κl below
+/// `refine_above`, coarsening at the largest with κl below `coarsen_below`, half of that here. So
+/// the cells of the two meshes differ by a factor of at most two, and the error of elements with
+/// linear sides grows with the square of their length: a coarse start ends at most four times as
+/// far from the rest position of the finest mesh as a fine start. The coarsest mesh itself must be
+/// farther off, or this would prove nothing. A board does not drape: however coarse its mesh was
+/// before it met an obstacle, it ends where the finest mesh does, within half of the finest
+/// spacing. (Two converged solves of the finest mesh at 1 and 0.5 ms end up to 0.6 spacings apart
+/// in such drapes.)
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +22,7 @@
 namespace haptic_cloth {
 namespace {
 
-/// Flat, held nowhere, with 16 x 8 coarsest cells of 8 finest ones a side; nothing pulls at it.
+/// Flat free cloth with 16 × 8 coarsest cells of 8 × 8 finest ones, without load.
 Scene flatCloth(Strategy strategy) {
   Scene scene = sheetScene(makeFabric({}), 129, 65, 0.256, 0.128);
   setStrategy(scene, strategy, 3);
@@ -37,8 +38,8 @@ TEST(Start, FlatClothIsTheCoarsestMesh) {
   EXPECT_EQ(simulation.activeParticles(), 17 * 9);
 }
 
-/// A pinned particle is a corner of all leaves that it touches: at the middle of a side of two coarsest cells
-/// it has them split, once, and no other.
+/// A pinned particle is a corner of all leaves that it touches. At the middle of a side of two
+/// coarsest cells it makes them split once, and no other cell.
 TEST(Start, PinsHaveLeavesSplit) {
   Scene scene = flatCloth(Strategy::Amrc);
   pin(scene, 0, 0, 0, 0);
@@ -51,8 +52,8 @@ TEST(Start, PinsHaveLeavesSplit) {
   std::vector<char> active;
   simulation.activeFlags(active);
   EXPECT_TRUE(active[32 * 129 + 44]);
-  // The two middles of those cells; those of their other sides hang, but the pinned one is all leaves'
-  // corner.
+  // The middles of those two cells, plus the pinned particle, which is a corner of all leaves. The
+  // middles of the other sides hang.
   EXPECT_EQ(simulation.activeParticles(), 17 * 9 + 2 + 1);
 }
 
@@ -82,7 +83,7 @@ Rest rest(const Scene& scene) {
   return rest;
 }
 
-/// rms distance of what is seen [m]
+/// Rms distance of the displayed positions [m].
 double distance(const Rest& a, const Rest& b) {
   double sum = 0.0;
   for (std::size_t p = 0; p < a.positions.size(); ++p) sum += (a.positions[p] - b.positions[p]).squaredNorm();
@@ -95,19 +96,19 @@ TEST(Start, DrapeComesToTheSameRest) {
              from_below = rest(drape(Strategy::Amrc, StartMesh::Finest)),
              from_above = rest(drape(Strategy::Amrc, StartMesh::Coarsest));
   const double below = distance(from_below, finest), above = distance(from_above, finest);
-  EXPECT_LT(from_above.first, 10 * 10);  // 7 x 7, and cells that the box's edges are near to
+  EXPECT_LT(from_above.first, 10 * 10);  // 7 × 7, and cells near the edges of the box
   EXPECT_LT(from_above.most, finest.first);
   EXPECT_LT(above, tolerance(4.0) * below);
   EXPECT_GT(distance(coarsest, finest), 4.0 * below);
 }
 
-/// A sheet of suiting that is let go above a box, whose sides it hangs down in the end.
+/// Sheet of suiting that is dropped onto a box and finally hangs down its sides.
 struct Board {
   std::string label;
   int particles, levels;
   double size, drop;  ///< [m]
   StartMesh start;
-  int coarsest;  ///< particles of its coarsest mesh on the way, at most
+  int coarsest;  ///< upper bound for the smallest number of particles on the way
 };
 
 class BoardOnABox : public testing::TestWithParam<Board> {};

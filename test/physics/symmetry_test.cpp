@@ -1,6 +1,6 @@
-/// A scene and its mirror image have mirrored meshes. Criterion: the same leaves after every step,
-/// whichever side is looked at first. Nothing pulls at the cloth, so no number is near a threshold
-/// and rounding decides nothing.
+/// Mirror symmetry of the mesh. Criterion: a scene and its mirror image have the same leaves after
+/// every step, whichever side is processed first. Nothing loads the cloth, so no number is near a
+/// threshold and rounding decides nothing.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ constexpr int kColumns = 33, kRows = 17;
 
 using Leaves = std::set<std::array<int, 3>>;  ///< column and row of the lower left corner, level
 
-/// @param sides -1 along x or y where that coordinate is mirrored, else 1
+/// @param sides -1 along x or y if that coordinate is mirrored, else 1
 Leaves leaves(const Simulation& simulation, const std::array<int, 2>& sides) {
   std::vector<CellView> cells;
   simulation.cells(cells);
@@ -33,7 +33,7 @@ Leaves leaves(const Simulation& simulation, const std::array<int, 2>& sides) {
 class Mirrored : public testing::TestWithParam<std::array<int, 2>> {};
 
 TEST_P(Mirrored, MeshesMergeAlike) {
-  // Near the probe cells are finest; when it is gone they merge, level by level, next to coarser
+  // Cells near the probe are finest. After its removal they merge level by level, beside coarser
   // ones that may only merge after them.
   const std::array<int, 2> sides = GetParam();
   Scene scene = sheetScene(makeFabric({}), kColumns, kRows, 0.16, 0.08);

@@ -1,8 +1,8 @@
 /// Strips that hang over the edge of a table.
-/// Criteria: held at its inner end over a frictionless sharp edge, a strip's tip drops as that of two heavy
-/// elasticas joined at the edge, computed by shooting; held over a frictionless round edge, a limp strip
-/// pulls with w times the drop of its tip, exactly; loose with friction, a limp strip slides off beyond an
-/// overhang that the capstan gives (Euler 1769).
+/// Criteria: with its inner end held over a frictionless sharp edge, the tip of a strip drops as
+/// that of two heavy elasticas joined at the edge, computed by shooting. Held over a frictionless
+/// round edge, a limp strip pulls with exactly w times the drop of its tip. Loose with friction, a
+/// limp strip slides off beyond the overhang of the capstan (Euler 1769).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,12 +28,11 @@ Obstacle table(double friction) {
   return box;
 }
 
-constexpr double kScale = 0.02;  // c [m]
-constexpr int kPerScale = 12;    // finest cells a length of c
-constexpr double kThickness =
-    1e-4;  // c/200: how far above the table, and how round the edge is, to the cloth
+constexpr double kScale = 0.02;      // c [m]
+constexpr int kPerScale = 12;        // finest cells per length c
+constexpr double kThickness = 1e-4;  // c/200: height above the table, radius of the edge
 
-/// @param overhang over the edge [c]
+/// @param overhang length beyond the edge [c]
 Scene heldStrip(double overhang, Strategy strategy) {
   LinearFabric linear;
   linear.rigidity = kWeight * std::pow(kScale, 3);
@@ -53,9 +52,10 @@ Scene heldStrip(double overhang, Strategy strategy) {
 class HeldOverEdge : public testing::TestWithParam<Strategy> {};
 
 TEST_P(HeldOverEdge, TipDropsAsJoinedElasticas) {
-  // A particle lies on the edge. The solid is sampled there and pushes straight up, where a smooth strip
-  // would be pushed at right angles to itself: the tip's drop is that of the sharp edge while its angle there
-  // is small (0.11 rad), the tension behind the edge is not, see LimpStripOverRoundEdge.
+  // A particle lies on the edge. The solid is sampled there and pushes straight up, whereas a
+  // smooth strip is pushed at right angles to itself. The drop of the tip is that of a sharp edge
+  // while its angle there is small (0.11 rad); the tension behind the edge is not, see
+  // LimpStripOverRoundEdge.
   const double overhang = 1.0;
   const OverEdge exact = stripOverEdge(overhang);
   Simulation simulation(heldStrip(overhang, GetParam()));
@@ -66,7 +66,8 @@ TEST_P(HeldOverEdge, TipDropsAsJoinedElasticas) {
       (kThickness - particle(simulation, simulation.scene().cloth.particles[kWarp] - 1, 2).z()) / kScale;
   record({"strip over a sharp edge", "drop of the tip [c]", name(GetParam()), overhang, drop, exact.drop,
           overhang});
-  // 12 cells a length of c, or 3 on a mesh that merged, where κ is φ²/24 low and the strip is a chain.
+  // 12 cells per length c, or 3 on a mesh that merged, where κ is lower by φ²/24 and the strip is a
+  // chain.
   EXPECT_NEAR(drop, exact.drop, tolerance(GetParam() == Strategy::Finest ? 0.01 : 0.04));
 }
 
@@ -75,7 +76,7 @@ INSTANTIATE_TEST_SUITE_P(Strategies, HeldOverEdge,
                          [](const auto& info) { return name(info.param); });
 
 TEST(OverEdgeSolution, MatchesTable) {
-  // Computed by shooting at higher order.
+  // Values computed by shooting at higher order.
   const struct {
     double overhang, lift, degrees, drop;
   } rows[] = {{1.0, 1.39336, 15.72, .23175}, {2.0, 2.15343, 64.53, 1.61264}};
@@ -92,11 +93,11 @@ TEST(OverEdgeSolution, MatchesTable) {
   }
 }
 
-constexpr double kRadius = 0.01;    // of the rounded edge [m]
-constexpr double kFlat = 0.12;      // on the table [m]
-constexpr double kSpacing = 0.002;  // [m]: 8 cells round the edge
+constexpr double kRadius = 0.01;    // radius of the rounded edge [m]
+constexpr double kFlat = 0.12;      // length on the table [m]
+constexpr double kSpacing = 0.002;  // [m]; 8 cells around the edge
 
-/// A limp strip lies on a table with a round edge, `overhang` [m] below the round.
+/// Limp strip on a table with a round edge; `overhang` [m] is the length below the round part.
 Scene looseStrip(double overhang, double friction, Strategy strategy) {
   LinearFabric linear;
   linear.stiffness = 500.0;
@@ -118,7 +119,7 @@ Scene looseStrip(double overhang, double friction, Strategy strategy) {
   return scene;
 }
 
-/// Speed [m/s] at which the inner end moves off half a second after the strip has fallen over the edge.
+/// Speed [m/s] at which the inner end moves half a second after the strip has fallen over the edge.
 double slidingSpeed(const Scene& scene) {
   Simulation simulation(scene);
   while (simulation.time() < 0.5) EXPECT_FALSE(simulation.step().failed);
@@ -139,10 +140,10 @@ TEST_P(LimpStripOverRoundEdge, PullsWithWeightTimesDrop) {
   const int last = scene.cloth.particles[kWarp] - 1;
   const double drop = particle(simulation, 4, 2).z() - particle(simulation, last, 2).z();
   std::vector<float> tension, bending;
-  simulation.cellLoads(tension, bending);  // the first cell is one at the pins
+  simulation.cellLoads(tension, bending);  // the first cell is at the pins
   record({"limp strip over a frictionless round edge", "tension [w · drop]", name(GetParam()), 0.0,
           tension[0] / (kWeight * drop), 1.0, 1.0});
-  // The coarsest cells are 8 mm long beside a radius of 10 mm: two or three turn the strip by 90°.
+  // The coarsest cells are 8 mm long at a radius of 10 mm: two or three turn the strip by 90°.
   const double allowed = GetParam() == Strategy::Coarsest ? 0.06 : 0.02;
   EXPECT_NEAR(tension[0], kWeight * drop, tolerance(allowed * kWeight * drop));
 }
@@ -155,14 +156,14 @@ class LooseOverEdge : public testing::TestWithParam<Strategy> {};
 
 TEST_P(LooseOverEdge, SlidesBeyondCapstanOverhang) {
   const double friction = 0.2, most = heldOverhang(kFlat, kRadius, friction);
-  // The coarsest mesh hangs 24 mm of cloth on three cells of 8 mm.
+  // On the coarsest mesh 24 mm of cloth hang on three cells of 8 mm.
   const double half_bracket = GetParam() == Strategy::Coarsest ? 0.10 : 0.05;
   const double holds = 1.0 - half_bracket, slides = 1.0 + half_bracket;
   const double held = slidingSpeed(looseStrip(holds * most, friction, GetParam()));
   const double sliding = slidingSpeed(looseStrip(slides * most, friction, GetParam()));
-  // Friction that holds creeps below the speed at which it is smoothed, 0.3 mm/s. An excess of 5 % of the
-  // hanging weight moves the strip, against the air, at about 0.05 g / 20 s⁻¹ times the share that hangs: 5
-  // mm/s.
+  // Held cloth creeps below the smoothing speed of friction, 0.3 mm/s. An excess of 5 % of the
+  // hanging weight moves the strip against the air at about 0.05 g / 20 s⁻¹ times the hanging
+  // share: 5 mm/s.
   EXPECT_LT(held, tolerance(6e-4));
   EXPECT_GT(sliding, 3e-3);
   record({"limp strip over a round edge, friction 0.2",

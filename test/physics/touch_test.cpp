@@ -1,7 +1,8 @@
-/// The probe touches the surface, not the particles.
-/// Criteria: a probe far thinner than a cell stays on its side of held cloth wherever and however fast it
-/// comes; the first force is small and force never changes faster than the coupling spring alone could make
-/// it; Coulomb's law on the probe; no point of any cell is deeper in a box than the cloth is thick.
+/// Contact of the probe with the surface, not with the particles.
+/// Criteria: a probe far thinner than a cell stays on its side of held cloth at any place and
+/// speed; the first force is small, and the force never changes faster than the coupling spring
+/// alone could change it; Coulomb's law on the probe; no point of any cell is deeper in a box than
+/// the cloth is thick.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,7 +27,7 @@ Scene heldSheet(Strategy strategy) {
   return scene;
 }
 
-/// Moves the device on a line; what is looked at after each step.
+/// Moves the device along a line and calls `look` after each step.
 template <class Look>
 void drive(Simulation& simulation, const Vec3& from, const Vec3& to, double speed, const Look& look) {
   const double h = simulation.scene().solver.time_step;
@@ -49,9 +50,9 @@ void hold(Simulation& simulation, const Vec3& device, double time) {
 struct Stab {
   std::string label;
   Strategy strategy;
-  double x, y;   ///< in spacings from the middle, which is a particle
+  double x, y;   ///< in spacings from the middle particle
   double speed;  ///< [m/s]
-  int side;      ///< 1 from above, -1 from below
+  int side;      ///< 1: from above, -1: from below
 };
 
 class ThinProbe : public testing::TestWithParam<Stab> {};
@@ -71,8 +72,8 @@ TEST_P(ThinProbe, DoesNotGetThrough) {
     lost = lost || (touched && !contact && simulation.probe().force.dot(out) < 0.0);
   });
   hold(simulation, end, 0.05);
-  // Held 30 mm deep by a spring of 400 N/m, on a membrane that gives way by less: one that has come through
-  // feels nothing and stands where its device does.
+  // The probe is pressed 30 mm deep by a spring of 400 N/m, on a membrane that yields by less. A
+  // probe that had passed through would have no force and stand at its device.
   const ProbeReport probe = simulation.probe();
   EXPECT_TRUE(touched);
   EXPECT_FALSE(lost);
@@ -110,7 +111,7 @@ TEST_P(FirstTouch, BeginsWithoutAJump) {
   double largest = 0.0;
   for (auto next = first + 1; next != forces.end(); ++next)
     largest = std::max(largest, std::abs(*next - *(next - 1)));
-  // The spring's own change in a step, k v h; the damper's part comes while the proxy is slowed down.
+  // The spring changes by k v h in a step; the damper adds its part while the proxy is slowed down.
   const double h = scene.solver.time_step, spring = options.coupling_stiffness * kSpeed * h;
   const double damper = options.coupling_damping * kSpeed;
   record({"probe meets the cloth at 0.1 m/s", "first force [mN]", name(GetParam()), kSpeed, 1e3 * *first, 0.0,
@@ -132,7 +133,7 @@ struct Rub {
 
 class RubbingProbe : public testing::TestWithParam<Rub> {};
 
-/// A held sheet on a table, a probe pressed on it.
+/// Held sheet on a table, with a probe that presses on it.
 Scene onTable(const Rub& rub) {
   Scene scene = heldSheet(rub.strategy);
   Obstacle table;
@@ -155,14 +156,14 @@ TEST_P(RubbingProbe, SticksThenSlidesAtCoulombsRatio) {
   hold(simulation, pressed, 0.1);
   const double normal = simulation.probe().force.z();
   ASSERT_GT(normal, 0.5);
-  // Half of what would make it slip: the proxy creeps by less than the cloth itself may give way.
+  // At half of the slip force the proxy creeps by less than the cloth itself may yield.
   const Vec3 start = simulation.probe().proxy;
   const double slip = rub.friction * normal / options.coupling_stiffness;
   const Vec3 half = pressed + Vec3(0.5 * slip, 0.0, 0.0);
   drive(simulation, pressed, half, 0.02, [] {});
   const double crept = (simulation.probe().proxy - start).x();
   EXPECT_LT(crept, 0.1 * 0.5 * slip);
-  // Ten times as far: it slides. The device is drawn on, so its force is that of sliding.
+  // At ten times that distance it slides. The device moves on, so its force is that of sliding.
   const Vec3 far = pressed + Vec3(10.0 * slip, 0.0, 0.0);
   double ratio = 0.0;
   int count = 0;
@@ -184,7 +185,7 @@ INSTANTIATE_TEST_SUITE_P(Rubs, RubbingProbe,
                                          Rub{"amrc_rough", Strategy::Amrc, 0.6}),
                          [](const auto& info) { return info.param.label; });
 
-/// Depth of the deepest point of the surface, each cell taken at 9 x 9 points, in a box [m].
+/// Depth of the deepest point of the surface in a box [m]; each cell is sampled at 9 × 9 points.
 double deepestPoint(const Simulation& simulation, const Obstacle& box) {
   std::vector<Vec3> positions;
   std::vector<CellView> cells;
