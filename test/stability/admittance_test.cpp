@@ -1,12 +1,13 @@
-/// A hand on a robot of the admittance kind: its force moves the tool, the robot follows the tool late.
-/// Criterion 1: quiet, as in z_width_test.cpp, wherever b > K_hand t, with t all of the loop's delay: for a
-/// mass m with damper b and a spring K that acts t late, -m ω² + i b ω + K exp(-iωt) = 0 needs b ω = K sin ωt
-/// <= K ω t, whatever m and whatever spring without delay, the cloth, stands beside it. Far inside, with a
-/// tenth of that damping, it buzzes.
-/// Criterion 2: at rest hand and cloth balance, and the tool stands F/k, the coupling's length, behind the
-/// proxy.
-/// Criterion 3: passive. Whatever the hand does, the work it has put in never falls below zero by more than
-/// the coupling holds at the force of kSlack, and hand and robot end with a loss.
+/// A hand on an admittance robot: its force moves the tool, and the robot follows the tool with a
+/// delay.
+/// Criterion 1: the loop is quiet, as in z_width_test.cpp, if b > K_hand t, where t is the total
+/// delay. For a mass m with damper b and a spring K that acts t late, -m ω² + i b ω + K exp(-iωt) =
+/// 0 needs b ω = K sin ωt <= K ω t, for any m and any additional spring without delay (the cloth).
+/// Far below, with a tenth of that damping, it buzzes.
+/// Criterion 2: at rest hand and cloth balance, and the tool is F/k, the stretch of the coupling,
+/// behind the proxy.
+/// Criterion 3: passivity. Whatever the hand does, its work never falls below zero by more than the
+/// energy of the coupling at the force kSlack, and hand and robot end with a loss.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,32 +23,35 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kBuzz = 1.5e-4;  ///< half of peak to peak [m]
-constexpr double kLag = 0.002;    ///< of the robot's own position controller [s]
-constexpr double kSlack = 0.05;   ///< a force nobody feels [N]
+constexpr double kBuzz = 1.5e-4;  ///< half of the peak-to-peak motion [m]
+constexpr double kLag = 0.002;    ///< lag of the robot's position controller [s]
+constexpr double kSlack = 0.05;   ///< imperceptible force [N]
 
 struct AdmittanceRun {
   HapticOptions options;
   double delay = 0.0;  ///< half on the way to the robot, half from the sensor [s]
-  double noise = 0.0;  ///< of the sensor, uniform, to either side [N]
+  double noise = 0.0;  ///< uniform noise of the sensor to either side [N]
   HandModel hand;
-  std::function<Vec3(double)> push;  ///< in place of the hand: a force over time [N]
+  std::function<Vec3(double)> push;  ///< force over time that replaces the hand [N]
   SolverModel solver;
-  double lost_at = 1e9;  ///< no force arrives any more [s]
+  double lost_at = 1e9;  ///< time after which no force arrives [s]
   double time = 2.0, measured = 0.5;
 
-  /// What the loop has of delay: transport, the robot's lag, the tick's holding and the tool's step.
+  /// Total delay of the loop: transport, lag of the robot, hold of the tick and step of the tool.
   double allDelay() const { return delay + kLag + 1.5 / options.rate; }
 };
 
 struct AdmittanceResult {
-  double amplitude = 0.0;             ///< of the robot, half of peak to peak, in the last part [m]
-  Vec3 hand = Vec3::Zero();           ///< mean force of the hand in the last part [N]
-  Vec3 reaction = Vec3::Zero();       ///< mean of the cloth's force on the tool [N]
-  Vec3 stretch = Vec3::Zero();        ///< mean of proxy - tool [m]
-  double work = 0.0, least_work = 0;  ///< put in by the hand: in the end, and its minimum over the run [J]
-  double at_rest_since = 1e9;         ///< the tool stands still from here to the end [s]
-  double most_speed = 0.0, most_change = 0.0;  ///< of the tool: [m/s], and from tick to tick [m/s]
+  /// Half of the robot's peak-to-peak motion in the last part [m].
+  double amplitude = 0.0;
+  Vec3 hand = Vec3::Zero();      ///< mean force of the hand in the last part [N]
+  Vec3 reaction = Vec3::Zero();  ///< mean force of the cloth on the tool [N]
+  Vec3 stretch = Vec3::Zero();   ///< mean of proxy - tool [m]
+  /// Work of the hand: final value, and minimum over the run [J].
+  double work = 0.0, least_work = 0;
+  double at_rest_since = 1e9;  ///< time from which the tool stands still [s]
+  /// Largest speed of the tool [m/s], and its largest change from tick to tick [m/s].
+  double most_speed = 0.0, most_change = 0.0;
   bool finite = true;
 };
 
@@ -60,7 +64,7 @@ Vec3 handForce(const AdmittanceRun& run, double time, const Vec3& robot, const V
   return run.hand.stiffness * (target - robot) + run.hand.damping * (target_velocity - velocity);
 }
 
-/// Means, range and work of a run, taken in step by step.
+/// Means, range and work of a run, updated step by step.
 class Record {
  public:
   explicit Record(const AdmittanceRun& run) : run_(run) {}
@@ -136,11 +140,11 @@ AdmittanceRun handRun() {
   AdmittanceRun run;
   run.options.soft_start = 0.1;
   run.options.admittance.workspace_low = Vec3(-0.1, -0.1, -0.1);
-  run.hand.damping = 0.0;  // the bound's hand
+  run.hand.damping = 0.0;  // the bound assumes a hand without damping
   return run;
 }
 
-/// Limits hold in every run.
+/// Runs the loop and checks its limits, which hold in every run.
 AdmittanceResult checked(const AdmittanceRun& run, ProbeWorld& world) {
   const AdmittanceResult result = runAdmittance(run, world);
   const AdmittanceOptions& tool = run.options.admittance;
@@ -155,7 +159,7 @@ AdmittanceResult pushWall(const AdmittanceRun& run, double stiffness = 1e9) {
   return checked(run, wall);
 }
 
-/// Calls visit(run) for hands, delays and masses, each with `share` of the damping that the bound asks for.
+/// Calls visit(run) for hands, delays and masses, each with `share` of the damping of the bound.
 void forHands(double share, const std::function<void(const AdmittanceRun&)>& visit) {
   for (const double stiffness : {100.0, 300.0, 1000.0}) {
     for (const double delay : {0.0, 0.002, 0.005, 0.010}) {
@@ -177,8 +181,8 @@ std::string words(const AdmittanceRun& run) {
          std::to_string(run.options.admittance.damping) + " N·s/m";
 }
 
-/// Time in which some millimetres have died down below kBuzz: five times 2 m/b, where half of b is used up by
-/// the delay, or b/K for a tool that creeps.
+/// Time in which some millimetres decay below kBuzz: five times 2 m/b, where the delay takes half
+/// of b, or b/K for a tool that creeps.
 double settling(const AdmittanceRun& run) {
   const AdmittanceOptions& tool = run.options.admittance;
   return 1.0 + 5.0 * (4.0 * tool.mass / tool.damping + tool.damping / run.hand.stiffness);
@@ -222,7 +226,7 @@ TEST(Admittance, IsQuietWhileTheSolverIsSlowOrStalls) {
   }
 }
 
-/// The default tool in a hand of 300 N/m, 4 ms late and noisy, on the cloth.
+/// Default tool in a hand of 300 N/m, with a delay of 4 ms and noise, on the cloth.
 AdmittanceRun clothRun() {
   AdmittanceRun run = handRun();
   run.delay = 0.004;
@@ -237,7 +241,8 @@ TEST(Admittance, BalancesTheHandOnTheCloth) {
   const AdmittanceResult result = checked(run, world);
   EXPECT_EQ(world.failed(), 0);
   EXPECT_LT(result.amplitude, kBuzz);
-  // Two springs in a row, hand and coupling, 6 mm apart; cloth and contact give way by some of that.
+  // Hand and coupling are two springs in series, 6 mm apart; cloth and contact take up some of
+  // that.
   const double a = run.hand.stiffness, b = run.options.coupling_stiffness;
   const double springs = a * b / (a + b) * -run.hand.pressed.z();
   EXPECT_GT(-result.hand.z(), 0.8 * springs);
@@ -258,7 +263,7 @@ TEST(Admittance, IsQuietOnTheClothWhileTheSolverIsSlow) {
   EXPECT_LT(checked(run, world).amplitude, kBuzz);
 }
 
-/// Pushes of up to 2 N, three times into what lies below and out again, and along it.
+/// Pushes of up to 2 N: three times into the surface below and out again, and along it.
 AdmittanceRun pushedRun() {
   AdmittanceRun run = handRun();
   run.hand.start.z() = 0.003;
@@ -266,7 +271,7 @@ AdmittanceRun pushedRun() {
     const double turn = 2.0 * M_PI * time;
     return Vec3(0.3 * std::sin(3.0 * turn), 0.0, -std::sin(1.5 * turn) - std::sin(2.5 * turn));
   };
-  run.options.admittance.damping = 1.0;  // little, so that not all is lost there
+  run.options.admittance.damping = 1.0;  // low, so that it does not dissipate everything
   run.options.admittance.mass = 0.2;
   return run;
 }
@@ -291,7 +296,7 @@ TEST(Admittance, MakesNoEnergy) {
 }
 
 TEST(Admittance, ALostForceBringsItToRest) {
-  for (const double lost_at : {0.12, 0.2, 1.0}) {  // on its way, at the wall, pressed
+  for (const double lost_at : {0.12, 0.2, 1.0}) {  // moving, at the wall, pressed
     AdmittanceRun run = clothRun();
     run.lost_at = lost_at;
     run.time = lost_at + 0.5;

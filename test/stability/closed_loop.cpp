@@ -10,9 +10,9 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kVelocityTimeConstant = 0.005;  ///< as the node's default [s]
+constexpr double kVelocityTimeConstant = 0.005;  ///< default of the node [s]
 
-/// Extremes of a vector over time.
+/// Range of a vector over time.
 struct Range {
   Vec3 low = Vec3::Constant(1e9), high = Vec3::Constant(-1e9);
   void add(const Vec3& value) {
@@ -28,7 +28,7 @@ Vec3 targetAt(const HandModel& hand, double time, Vec3& velocity) {
   return hand.start + s * s * (3.0 - 2.0 * s) * (hand.pressed - hand.start);
 }
 
-/// One step of the mechanism in the hand.
+/// Makes one step of the mechanism in the hand.
 void moveDevice(const LoopRun& run, double time, const Vec3& force, Vec3& position, Vec3& velocity) {
   Vec3 target_velocity;
   const Vec3 target = targetAt(run.hand, time, target_velocity);

@@ -1,6 +1,6 @@
-/// The closed loop with the real solver: a hand presses on a small cloth over a box.
-/// Criteria as in devices_test.cpp. The force at rest is that of hand and coupling, two springs in a row,
-/// which the give of cloth and contact can only lessen; a fifth is allowed for them.
+/// Closed loop with the real solver: a hand presses on a small cloth over a box.
+/// Criteria as in devices_test.cpp. The force at rest is that of hand and coupling, two springs in
+/// series. The compliance of cloth and contact can only reduce it; a fifth is allowed for them.
 #include <gtest/gtest.h>
 
 #include "stability/closed_loop.h"
@@ -33,7 +33,7 @@ LoopResult press(const LoopRun& run) {
   return result;
 }
 
-/// Hand and coupling in a row, 6 mm apart [N].
+/// Force of hand and coupling in series, 6 mm apart [N].
 double springsInARow(const LoopRun& run) {
   const double a = run.hand.stiffness, b = run.options.coupling_stiffness;
   return a * b / (a + b) * -run.hand.pressed.z();

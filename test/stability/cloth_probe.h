@@ -1,4 +1,4 @@
-/// What is touched in the closed loops with the real solver.
+/// World of the closed loops with the real solver.
 #pragma once
 
 #include "haptic_cloth/simulation.h"
@@ -7,7 +7,7 @@
 
 namespace haptic_cloth {
 
-constexpr double kTop = 0.05;  ///< of the box [m]
+constexpr double kTop = 0.05;  ///< height of the top of the box [m]
 
 inline Scene smallDrape(double coupling, double damping) {
   Scene scene = boxDrape(13);
@@ -20,7 +20,8 @@ inline Scene smallDrape(double coupling, double damping) {
   return scene;
 }
 
-/// A small cloth over a box and the probe's device, its pole z = 0 where the probe rests on the cloth.
+/// Small cloth over a box, and the device of the probe. z = 0 is where the probe rests on the
+/// cloth.
 class ClothWorldProbe : public ProbeWorld {
  public:
   explicit ClothWorldProbe(const Scene& scene)

@@ -1,10 +1,10 @@
-/// Every device within its published limits, on a rigid wall, while the solver does what it may.
-/// Criteria: no buzz, as in z_width_test.cpp, or two quanta of the encoder where that is more; a finite force
-/// within force and rate limit, always; exactly zero 50 ms after the timeout of the poses of a device that
-/// has died, and it stays so. Limits of force, stiffness and damping: the makers' data sheets and drivers (3D
-/// Systems Touch, Phantom Omni and Premium 1.5, Force Dimension omega, Novint Falcon). Delay: up to 1 ms, or
-/// what the bound allows. Mechanism and hand: 0.05 to 0.2 kg, 0.2 N·s/m, and a light grip of 100 to 1000 N/m
-/// and 2 N·s/m [Hajian & Howe 1997].
+/// Devices within their published limits, on a rigid wall, with disturbances of the solver.
+/// Criteria: no buzz, as in z_width_test.cpp, or at most two quanta of the encoder if that is more;
+/// a finite force within force and rate limit at any time; a force of exactly zero from 50 ms after
+/// the pose timeout of a dead device on. Limits of force, stiffness and damping: the makers' data
+/// sheets and drivers (3D Systems Touch, Phantom Omni and Premium 1.5, Force Dimension omega,
+/// Novint Falcon). Delay: up to 1 ms, or what the bound allows. Mechanism and hand: 0.05 to 0.2 kg,
+/// 0.2 N·s/m, and a light grip of 100 to 1000 N/m and 2 N·s/m [Hajian & Howe 1997].
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,14 +18,16 @@ namespace {
 LoopRun runOf(const PublishedDevice& device, double stiffness, double damping, double delay) {
   LoopRun run;
   run.options.max_force = device.max_force;
-  run.options.max_force_rate = std::max(200.0, 0.5 * device.stiffness);  // 0.5 m/s into the stiffest wall
+  run.options.max_force_rate = std::max(200.0, 0.5 * device.stiffness);  // 0.5 m/s into the
+                                                                         // stiffest wall
   run.options.soft_start = 0.1;
   run.options.coupling_stiffness = stiffness;
   run.options.coupling_damping = damping;
   run.device.damping = 0.2;
   run.device.quantum = device.resolution;
   run.device.noise = 0.5 * device.resolution;
-  // What the bound K < (b + B)/(T/2 + t_d) allows, at most (z_width_test.cpp); none where it allows none.
+  // Delay of at most what the bound K < (b + B)/(T/2 + t_d) allows (z_width_test.cpp), possibly
+  // zero.
   const double allowed = (run.device.damping + damping) / stiffness - 0.5 / run.options.rate;
   run.device.delay = std::clamp(allowed, 0.0, delay);
   run.time = 2.5;
@@ -51,8 +53,8 @@ class Devices : public testing::TestWithParam<PublishedDevice> {
     EXPECT_LE(result.most_change, run.options.max_force_rate / run.options.rate * (1.0 + 1e-9)) << what();
   }
 
-  /// Calls visit(run) for stiffness and damping within the limits, delays to 1 ms where the bound allows
-  /// them, hands and masses.
+  /// Calls visit(run) for stiffness and damping within the limits, delays up to 1 ms if the bound
+  /// allows them, hands and masses.
   template <class Visit>
   void forRuns(const Visit& visit) {
     const PublishedDevice& device = GetParam();

@@ -1,4 +1,4 @@
-/// Parts of the closed loops: what lies between a device, the tick and the solver.
+/// Parts of the closed loops between device, tick and solver.
 #pragma once
 
 #include <cmath>
@@ -9,9 +9,9 @@
 
 namespace haptic_cloth {
 
-constexpr double kStep = 5e-5;  ///< of a device's motion [s]
+constexpr double kStep = 5e-5;  ///< time step of the device's motion [s]
 
-/// A signal that arrives later.
+/// Signal with a delay.
 class DelayLine {
  public:
   explicit DelayLine(double delay) : steps_(static_cast<std::size_t>(std::lround(delay / kStep))) {}
@@ -28,7 +28,7 @@ class DelayLine {
   std::deque<Vec3> queue_;
 };
 
-/// The solver thread: takes the newest pose, and its snapshot comes a step's time later.
+/// Solver thread: takes the newest pose; its snapshot appears when the step ends.
 class SolverThread {
  public:
   SolverThread(const SolverModel& model, ProbeWorld& world) : model_(model), world_(world) {}

@@ -1,10 +1,10 @@
-/// The cloth where methods fail: compressed, overstretched, with laws, masses and time steps far apart,
-/// crumpled, as small as a cloth may be, cut off early.
-/// Criteria of every case (test/support/torture.h): each step ends with finite values and none is restored;
-/// one and two threads give equal bits; energy less the work of probes and obstacles never rises by more
-/// than a share of what was turned over that each case states. A converged step may leave a residual, and
-/// that may work on the way; kRoundOff is for cases where nothing else may.
-/// Strain: each case states its bound and where that comes from, or keeps to strainLimit().
+/// Cloth in hard cases: compressed, overstretched, crumpled, as small as possible, cut short, with
+/// laws, masses and time steps far apart.
+/// Criteria of every case (test/support/torture.h): each step ends with finite values and none is
+/// restored; one and two threads give equal bits; energy minus the work of probes and obstacles
+/// never rises by more than a share of the turnover. A converged step may leave a residual, which
+/// may do work; kRoundOff applies where nothing else can.
+/// Strain: each case states its bound with the reason, or uses strainLimit().
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kGravity = 9.81;
 
-/// A strip held at x0, gripped at its other end by a probe that comes down in 0.01 s and then follows
-/// `ways`, counted from there: time since [s], way along x [m].
+/// Strip held at x0 and gripped at its other end by a probe, which comes down in 0.01 s and then
+/// follows `ways`: time from then on [s], displacement along x [m].
 Torture grippedStrip(const std::string& name, const std::string& fabric, double stiffness,
                      const std::vector<std::array<double, 2>>& ways) {
   Torture strip = tortureSheet(name, fabric, 41, 5, 0.2, 0.02);
@@ -34,8 +34,8 @@ Torture grippedStrip(const std::string& name, const std::string& fabric, double 
 }
 
 TEST(Torture, StripPushedEndToEndAndBack) {
-  // 10 cm of 20 at 0.2 m/s. It buckles, so it is never longer than it was but for the 4 mm (2 %) that the
-  // grip reaches down.
+  // Pushed together by 10 cm of 20 at 0.2 m/s. It buckles, so it is never longer than at first
+  // except for the 4 mm (2 %) that the grip reaches down.
   LinearFabric linear;
   linear.rigidity = 1e-5;
   for (const bool weightless : {true, false}) {
@@ -56,8 +56,8 @@ TEST(Torture, SuitingPushedEndToEndAndBack) {
 }
 
 TEST(Torture, StretchedToThreeTimesTheKesRangeAndReleased) {
-  // 3 x 6.03 % of 0.2 m, over the 0.19 m between pins and grip. Let go, what an edge stored can push it
-  // together.
+  // Stretched by 3 × 6.03 % of 0.2 m, over the 0.19 m between pins and grip. After release, an edge
+  // may be compressed by the energy that it stored.
   const double strain = 3.0 * 0.0603;
   Torture strip = grippedStrip("stretch", shippedFabric("winter_suiting"), 5e4,
                                {{0.0, 0.0}, {0.3, 0.2 * strain}, {0.35, 0.2 * strain}, {0.36, 0.2 * strain}});
@@ -70,8 +70,8 @@ TEST(Torture, StretchedToThreeTimesTheKesRangeAndReleased) {
 class TortureStiffness : public testing::TestWithParam<double> {};
 
 TEST_P(TortureStiffness, HangsAsItsStiffThreadsSay) {
-  // Warp `ratio` times as stiff as shear and as bending over a cell: B / l². Dropped into its own weight a
-  // bar stretches by at most twice w L / E.
+  // The warp is `ratio` times as stiff as shear, and as bending over a cell: B / l². A bar that is
+  // suddenly loaded by its own weight stretches by at most twice w L / E.
   const double ratio = GetParam(), length = 0.2, cell = length / 16;
   LinearFabric linear;
   linear.stiffness = 1e4;
@@ -89,7 +89,8 @@ TEST_P(TortureStiffness, HangsAsItsStiffThreadsSay) {
 INSTANTIATE_TEST_SUITE_P(Ratios, TortureStiffness, testing::Values(1e2, 1e4, 1e6));
 
 TEST(Torture, MassRatiosOverLevels) {
-  // Cells of five levels at once: 1024 to 1 in mass, where a probe presses on a coarse sheet.
+  // Cells of five levels at once: a mass ratio of 1024 to 1, where a probe presses on a coarse
+  // sheet.
   LinearFabric linear;
   linear.rigidity = 1e-5;
   Torture sheet = tortureSheet("mass_ratio", writeFabric(linear), 65, 65, 0.26, 0.26);
@@ -158,8 +159,9 @@ TEST(Torture, GravityHundredfoldAndNone) {
     sheet.scene.cloth.pins = {{0, 0, 0, 0}, {16, 16, 0, 0}, {0, 0, 16, 16}, {16, 16, 16, 16}};
     sheet.scene.probes[0].path = {{0.0, Vec3(0.0, 0.0, 0.015)}, {0.1, Vec3(0.0, 0.0, -0.01)}};
     sheet.scene.stop.time = 0.3;
-    // All of its weight, twice as it is sudden, on the two threads of half a cell each at its four corners;
-    // the probe's spring, drawn by its way below the cloth, on as many threads as the probe is wide.
+    // The whole weight, twice as it is sudden, acts on the two threads of half a cell each at the
+    // four corners. The spring of the probe, stretched by its distance below the cloth, acts on
+    // threads of the probe's width.
     const double weight = linear.areal_density * size * size * times * kGravity;
     const ProbeOptions& probe = sheet.scene.probes[0];
     sheet.limits.strain = 2.0 * weight / 4.0 / (linear.stiffness * 0.5 * cell) +
@@ -192,8 +194,8 @@ TEST(Torture, OneCellAndOneLine) {
 class TortureBudget : public testing::TestWithParam<int> {};
 
 TEST_P(TortureBudget, OfAlmostNothing) {
-  // 0: no time at all, which buys one iteration. A step that is cut short is no solution; it must still be
-  // harmless.
+  // 0 means no time, which allows one iteration. A step that is cut short is no solution, but it
+  // must be harmless.
   const int iterations = GetParam();
   LinearFabric linear;
   linear.rigidity = 1e-5;

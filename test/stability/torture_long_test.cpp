@@ -1,8 +1,9 @@
-/// What shows only after a while: small cycles inside the loops, hours under the probe, the damping of the
-/// time stepping. scripts/torture.sh runs these for as long as issue and patience ask; here they are short.
-/// Criteria: those of every case (test/support/torture.h); cycles must close (play operator [Visintin 1994]:
-/// inner loops do not ratchet): same place and force at the same phase, within a share of the cycle's own
-/// amplitude; backward Euler's amplitude over a period, from its pole z = 1/(1 - iωh).
+/// Effects that appear only after a while: small cycles inside the loops, hours under the probe,
+/// damping by the time integration. scripts/torture.sh makes long runs; here they are short.
+/// Criteria: those of every case (test/support/torture.h). Cycles must close (play operator
+/// [Visintin 1994]: inner loops do not ratchet): equal position and force at equal phase, within a
+/// share of the cycle's own amplitude. The amplitude over a period is that of backward Euler, from
+/// its pole z = 1/(1 - iωh).
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -17,26 +18,27 @@
 namespace haptic_cloth {
 namespace {
 
-/// The strip of the cycles is the smallest that stretches and bends between two grips: of its four cells
-/// along warp the first is clamped (two columns of pins), the last lies under the grip; two edges a row
-/// stretch freely, and three triples a row bend, at the clamp, in the middle and at the grip. The grip is as
-/// thick as the default probe: with half its radius, sampled four times as densely, a cycle costs half as
-/// much again. It costs 0.2 to 0.3 ms, against 8 to 30 ms of 17 x 3 particles in 20 steps: a million can run.
+/// Smallest strip that stretches and bends between two grips. Of its four cells along warp the
+/// first is clamped (two columns of pins), and the last lies under the grip. Two edges in each row
+/// stretch freely; three triples in each row bend, at the clamp, in the middle and at the grip. The
+/// grip is as thick as the default probe: with half its radius and four times as many samples a
+/// cycle takes half as long again. A cycle takes 0.2 to 0.3 ms, against 8 to 30 ms for 17 × 3
+/// particles in 20 steps, so a million cycles are possible.
 constexpr int kColumns = 5, kRows = 2;
 constexpr double kCell = 0.01, kGrip = 0.008;  // [m]
 
-/// Play knows no time and forgets all of a monotone way but its turning points [Visintin 1994]: steps that
-/// meet both of these, at 1/4 and 3/4 of a cycle, close the same loops as any number of steps.
+/// Play does not depend on time, and remembers only the turning points of a path [Visintin 1994].
+/// Steps at both turning points, ¼ and ¾ of a cycle, close the same loops as any number of steps.
 constexpr int kStepsPerCycle = 4;
 
-/// What is compared at the same phase of each cycle.
+/// Values that are compared at the same phase of each cycle.
 struct Phase {
-  Vec3 middle = Vec3::Zero();  ///< of the strip [m]
-  double force = 0.0;          ///< on the grip [N]
+  Vec3 middle = Vec3::Zero();  ///< middle of the strip [m]
+  double force = 0.0;          ///< force on the grip [N]
 };
 
-/// A strip of suiting, one end held, the other in a grip that goes to `bias` and then moves by
-/// ± `amplitude` around it.
+/// Strip of suiting with one end held and the other in a grip that moves to `bias`, then by ±
+/// `amplitude` around it.
 Torture cycledStrip(const std::string& name, const Vec3& bias, const Vec3& amplitude) {
   Torture strip = tortureSheet(name, shippedFabric("winter_suiting"), kColumns, kRows, (kColumns - 1) * kCell,
                                (kRows - 1) * kCell);
@@ -65,8 +67,8 @@ Torture cycledStrip(const std::string& name, const Vec3& bias, const Vec3& ampli
   return strip;
 }
 
-/// What the cycles do to a strip: how far it ever was, at the end of a cycle, from where it was after the
-/// first ones, beside a cycle's own extent.
+/// Drift over the cycles: largest deviation at the end of a cycle from the state after the first
+/// ones, relative to the extent of one cycle.
 class Drift {
  public:
   static constexpr long kSettle = 20, kStart = 150;  // [cycles], [steps]
@@ -103,8 +105,8 @@ class Drift {
   using Vec1 = Eigen::Matrix<double, 1, 1>;
   std::string name_;
   Phase settled_;
-  Eigen::AlignedBox<double, 1> force_;  ///< of one cycle [N]
-  Eigen::AlignedBox3d middle_;          ///< the same [m]
+  Eigen::AlignedBox<double, 1> force_;  ///< range over one cycle [N]
+  Eigen::AlignedBox3d middle_;          ///< range over one cycle [m]
   double moved_ = 0.0, changed_ = 0.0;
   long next_ = 1000;
 };
@@ -132,7 +134,7 @@ TEST(Torture, BendCyclesDoNotRatchet) {
 }
 
 TEST(Torture, Soak) {
-  // A draped box under a probe that wanders over it, through its sides, and away.
+  // Cloth draped over a box, under a probe that wanders over it, through its sides, and away.
   Torture drape = tortureSheet("soak", shippedFabric("winter_suiting"), 17, 17, 0.2, 0.2);
   setStrategy(drape.scene, Strategy::Amrc, 2);
   Obstacle box, floor;
@@ -150,11 +152,12 @@ TEST(Torture, Soak) {
         {t, Vec3(0.08 * share(generator), 0.08 * share(generator), 0.01 + 0.02 * share(generator))});
   }
   drape.scene.stop.time = time;
-  drape.limits.pushed = true;  // against the corners of the box: 3 N on a probe's width shorten cells by 30 %
+  drape.limits.pushed = true;  // 3 N on a probe's width against the corners of the box shorten
+                               // cells by 30 %
   torture(drape);
 }
 
-/// A strip that swings a little about its rest, one end held, and how it does so.
+/// Small swing of a strip about its rest position, with one end held.
 Oscillation swing(double h, double residual) {
   constexpr int kCells = 10;
   constexpr double kLength = 0.2, kSwing = 0.02;  // [m], [rad]

@@ -1,5 +1,5 @@
-/// The mesh and the state where methods fail: pins where coarse cells have no particle, cells that split and
-/// merge at random in every step, particles all at one point, options and inputs that change in every step.
+/// Mesh and state in hard cases: pins where coarse cells have no particle, random splits and merges
+/// in every step, all particles in one point, options and inputs that change in every step.
 /// Criteria: those of every case (test/support/torture.h).
 #include <gtest/gtest.h>
 
@@ -23,13 +23,14 @@ Torture heldSheet(const std::string& name, const std::string& fabric, int levels
   return sheet;
 }
 
-/// Numbers that depend on the step alone: every run of a case sees the same.
+/// Random numbers that depend only on the step, so that every run of a case has the same.
 double random(long step, int which) {
   std::mt19937 generator(static_cast<unsigned>(7919 * step + 104729 * which + 1));
   return std::uniform_real_distribution<double>()(generator);
 }
 
-/// All cells that may split do, or all that may merge do, or what a random threshold picks.
+/// Options with which all cells that may split or merge do so, or those that a random threshold
+/// picks.
 AdaptOptions randomThresholds(AdaptOptions options, long step) {
   const double turn = std::pow(10.0, -4.0 + 4.0 * random(step, 0));
   options.strategy = random(step, 1) < 0.5 ? Strategy::Refine : Strategy::Coarsen;
@@ -54,7 +55,7 @@ TEST(Torture, RefinedAndCoarsenedAtRandomInEveryStep) {
 }
 
 TEST(Torture, PinsWhereCoarseCellsHaveNoParticle) {
-  // On sides and insides of the coarsest cells, of all three finer levels.
+  // Pins on sides and inside of the coarsest cells, on all three finer levels.
   for (const Strategy strategy : {Strategy::Coarsest, Strategy::Amrc}) {
     Torture sheet = heldSheet("pins_on_ghosts_" + name(strategy), lightFabric(), 3);
     sheet.scene.adapt.strategy = strategy;
@@ -64,7 +65,7 @@ TEST(Torture, PinsWhereCoarseCellsHaveNoParticle) {
   }
 }
 
-/// Where the degenerate cloth begins: at a point, nearly so, on a line, folded onto itself, mirrored.
+/// Degenerate initial positions: in one point, nearly so, on a line, folded onto itself, mirrored.
 Vec3 collapsed(const std::string& kind, const Vec3& x) {
   if (kind == "all_at_a_point") return Vec3::Zero();
   if (kind == "all_near_a_point") return 1e-9 * x;
@@ -75,7 +76,7 @@ Vec3 collapsed(const std::string& kind, const Vec3& x) {
   return {-x.x(), x.y(), 0.0};
 }
 
-/// Of the mass centre [m/s].
+/// Velocity of the mass centre [m/s].
 Vec3 meanVelocity(const ClothWorld& world) {
   Vec3 momentum = Vec3::Zero();
   for (int n = 0; n < world.mesh.active(); ++n)
@@ -83,9 +84,10 @@ Vec3 meanVelocity(const ClothWorld& world) {
   return momentum / world.mass();
 }
 
-/// Inner forces add up to nothing, whatever the elements do, so the mass centre falls as backward Euler has a
-/// free particle fall: v ← (v + g h)/(1 + c h). A step that ends at its tolerance may leave a net force of
-/// tolerance · |g| · mass, as |Σ r| ≤ rms_m(r/m) · mass [Cauchy and Schwarz]; one that is cut short no more.
+/// Expects the mass centre to fall like a free particle under backward Euler, v ← (v + g h)/(1 + c
+/// h), because inner forces have no resultant. A step that ends at its tolerance may leave a net
+/// force of tolerance · |g| · mass, as |Σ r| ≤ rms_m(r/m) · mass [Cauchy and Schwarz]; a step that
+/// was cut short leaves no more.
 void expectFreeFall(const ClothWorld& world, const Vec3& before, long step) {
   const SolverOptions& solver = world.scene.solver;
   const double h = solver.time_step, g = world.scene.gravity.norm();
@@ -94,10 +96,10 @@ void expectFreeFall(const ClothWorld& world, const Vec3& before, long step) {
       << world.scene.cloth.fabric.name << ", step " << step;
 }
 
-/// A free sheet that the first step finds like that.
+/// Free sheet with collapsed positions at the first step.
 Torture collapsedSheet(const std::string& kind) {
   Torture sheet = tortureSheet(kind, lightFabric(), 9, 9, 0.1, 0.1);
-  // The state is put there before the mesh refines for the first time, when it is read anew.
+  // The positions are set before the mesh refines for the first time and reads the state again.
   setStrategy(sheet.scene, Strategy::Refine, 1);
   sheet.scene.adapt.interval = 1;
   sheet.scene.adapt.coarsen_below = 0.0;
@@ -118,8 +120,8 @@ TEST(Torture, ParticlesAllAtOnePoint) {
        {"all_at_a_point", "all_near_a_point", "all_on_a_line", "folded_flat", "mirrored"}) {
     SCOPED_TRACE(kind);
     Torture sheet = collapsedSheet(kind);
-    // Nothing is shorter than a point. What that stores, E/20 an area and direction, is a stretch of √0.1,
-    // twice that in a quarter.
+    // No edge can be shorter than a point. The energy that this stores, E/20 per area and
+    // direction, gives a stretch of √0.1, or twice that in a quarter of the sheet.
     sheet.limits.strain = 1.0 + 1e-9;
     Vec3 velocity;
     sheet.after = [&velocity, &sheet](const ClothWorld& world, long step) {
@@ -131,8 +133,8 @@ TEST(Torture, ParticlesAllAtOnePoint) {
 }
 
 TEST(Torture, ShrunkClothFallsFreelyWhileItUnfolds) {
-  // No energy balance here: in cloth as crumpled as this one normals that turn between steps make energy
-  // (docs/stability.md).
+  // The energy balance is not checked: in cloth crumpled like this, normals that turn between steps
+  // create energy (docs/stability.md).
   for (const std::string kind : {"shrunk_1e6", "shrunk_1e3"}) {
     SCOPED_TRACE(kind);
     const Torture sheet = collapsedSheet(kind);
@@ -145,7 +147,7 @@ TEST(Torture, ShrunkClothFallsFreelyWhileItUnfolds) {
       if (step >= sheet.set_up) expectFreeFall(world, velocity, step);
       velocity = meanVelocity(world);
     }
-    // It began at a strain of -1. The other may take longer.
+    // It began at a strain of -1. The other case may take longer.
     if (kind == "shrunk_1e3") {
       EXPECT_LT(world.internal.maxStrain(world.nodes()), 0.5) << "it did not unfold";
     }
@@ -153,7 +155,8 @@ TEST(Torture, ShrunkClothFallsFreelyWhileItUnfolds) {
 }
 
 TEST(Torture, EverythingChangesInEveryStep) {
-  // Devices come, go, close, open and jump, an obstacle is thrown about, thresholds change.
+  // Devices appear, vanish, close, open and jump, an obstacle is thrown about, and thresholds
+  // change.
   Torture sheet = heldSheet("all_inputs_random", shippedFabric("winter_suiting"), 3);
   Obstacle ball;
   ball.name = "ball";
@@ -164,7 +167,8 @@ TEST(Torture, EverythingChangesInEveryStep) {
   sheet.scene.probes.resize(2);
   sheet.scene.probes[1].name = "second";
   sheet.scene.stop.time = 0.15;
-  // An edge between a pin and the farthest that the ball, 0.1 m to each side, gets: nothing else holds back.
+  // Length of an edge between a pin and the farthest position of the ball, 0.1 m to each side;
+  // nothing else limits it.
   sheet.limits.strain = Vec3(0.18, 0.18, 0.13).norm() / (0.1 / 16.0);
   sheet.limits.any_speed = "devices and ball at 110 m/s explain any";
   sheet.before = [](ClothWorld& world, long step) {
@@ -188,7 +192,7 @@ TEST(Torture, EverythingChangesInEveryStep) {
 }
 
 TEST(Torture, SavedSceneReplaysTheSameBits) {
-  // What a failed case leaves behind is worth something only then.
+  // A failed case must leave files that reproduce it.
   Torture sheet = heldSheet("replay", shippedFabric("winter_suiting"), 2);
   hangDown(sheet.scene);
   Obstacle box;

@@ -1,8 +1,8 @@
-/// The probe where methods fail: in the cloth from the start, too fast, not there any more, at the edge,
-/// pulling as if to tear, ten at a time.
-/// Criteria: those of every case (test/support/torture.h). Where a probe ends in the open the proxy must
-/// stand with its device, or the probe would hang in the cloth or behind it. Strain: a thread of one cell
-/// that carries all of the force that the coupling's spring can give.
+/// Probe in hard cases: inside the cloth from the start, too fast, absent, at the edge, pulling as
+/// if to tear, ten at a time.
+/// Criteria: those of every case (test/support/torture.h). Where a probe ends in free space its
+/// proxy must be at the device; otherwise it would be caught in or behind the cloth. Strain: that
+/// of a thread of one cell that carries the largest force of the coupling's spring.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ constexpr double kGravity = 9.81;
 constexpr int kParticles = 17;
 constexpr double kCell = kSize / (kParticles - 1);
 
-/// A sheet on an AMRC mesh, held along all sides.
+/// Sheet on an AMRC mesh, held on all sides.
 Torture heldSheet(const std::string& name, const std::string& fabric) {
   Torture sheet = tortureSheet(name, fabric, kParticles, kParticles, kSize, kSize);
   setStrategy(sheet.scene, Strategy::Amrc, 2);
@@ -25,13 +25,14 @@ Torture heldSheet(const std::string& name, const std::string& fabric) {
   return sheet;
 }
 
-/// Bound of the strain where the device is at most `way` from its proxy and the cloth's stiffness is E.
+/// Bound of the strain if the device is at most `way` from its proxy and the cloth has the
+/// stiffness E.
 double mostStrain(const ProbeOptions& probe, double way, double stiffness) {
   return probe.coupling_stiffness * way / (stiffness * kCell);
 }
 
 TEST(Torture, ClothInsideAnObstacle) {
-  // A ball larger than the cloth, a thick box, a floor above it.
+  // Ball larger than the cloth, thick box, floor above the cloth.
   const char* const names[] = {"inside_ball", "inside_box", "inside_floor"};
   for (int k = 0; k < 3; ++k) {
     Torture sheet = tortureSheet(names[k], lightFabric(), 17, 17, 0.1, 0.1);
@@ -43,9 +44,9 @@ TEST(Torture, ClothInsideAnObstacle) {
     solid.pose.position = k == 0 ? Vec3(0.005, 0.01, -0.05) : k == 1 ? Vec3(0, 0, -0.02) : Vec3(0, 0, 0.02);
     sheet.scene.obstacles = {solid};
     sheet.scene.stop.time = 0.5;
-    // Pushed with 500 Pa (docs/stability.md): round a ball that is a tension p R at most, on a plane none.
+    // Pushed with 500 Pa (docs/stability.md), a ball gives a tension of at most p R, a plane none.
     if (k == 0) sheet.limits.strain = 500.0 * solid.radius / 1000.0;
-    // It is let out by the range of contact in a step at most.
+    // Cloth is ejected by at most the range of contact in a step.
     sheet.limits.thrown = sheet.scene.cloth.fabric.thickness / sheet.scene.solver.time_step;
     torture(sheet);
   }
@@ -73,14 +74,14 @@ TEST(Torture, ProbeAtTenMetresASecond) {
     sheet.limits.strain = mostStrain(probe, 0.1, 1000.0);
     const TortureResult result = torture(sheet);
     EXPECT_LT(result.left, 1e-3);
-    // So fast it is still a motion, and no jump: it is held back.
+    // This is the fastest motion that is not a jump, so the probe is held back.
     EXPECT_GT(result.force, 1.0);
   }
 }
 
 TEST(Torture, ProbeTeleportsByAMetre) {
-  // In one step, along the cloth, back, across it and back. It has not moved there, so it touches nothing on
-  // the way: the cloth does what it would do alone.
+  // The device jumps in one step along the cloth, back, across it and back. The probe does not move
+  // between, so it touches nothing: the cloth does what it would do alone.
   Torture sheet = heldSheet("probe_teleport", lightFabric());
   ProbeOptions& probe = sheet.scene.probes[0];
   const Vec3 home(0.0, 0.0, 0.02), across(0.05, 0.05, -0.98), along(1.0, 0.0, 0.02);
@@ -88,7 +89,8 @@ TEST(Torture, ProbeTeleportsByAMetre) {
   probe.path = {{0.0, home},  {0.02, home},       {0.02 + h, along}, {0.04, along},    {0.04 + h, home},
                 {0.06, home}, {0.06 + h, across}, {0.09, across},    {0.09 + h, home}, {0.25, home}};
   sheet.scene.stop.time = 0.25;
-  // A thread under its load q and taut sags until T³ = q² L² E/24; let go at once, 4^(1/3) times as far.
+  // A taut thread under a load q sags until T³ = q² L² E/24; if released at once, 4^(1/3) times as
+  // far.
   const double load = 0.15 * kGravity, tension = std::cbrt(load * load * kSize * kSize * 1000.0 / 24.0);
   sheet.limits.strain = std::pow(4.0, 2.0 / 3.0) * tension / 1000.0;
   const TortureResult result = torture(sheet);
@@ -97,8 +99,8 @@ TEST(Torture, ProbeTeleportsByAMetre) {
 }
 
 TEST(Torture, ProbeTeleportsFromAPressAndBackIntoTheCloth) {
-  // Open, and closed so that it holds what it presses on. Away it lets go; back inside the cloth it touches
-  // nothing until it has been clear of it; then it is felt as ever.
+  // The probe is open, or closed so that it holds the pressed cloth. A jump away releases it. Back
+  // inside the cloth it touches nothing until it has been clear of it; then it acts as before.
   for (const bool closed : {false, true}) {
     Torture sheet = heldSheet(closed ? "probe_teleport_closed" : "probe_teleport_pressed", lightFabric());
     ProbeOptions& probe = sheet.scene.probes[0];
@@ -125,7 +127,7 @@ TEST(Torture, ProbeTeleportsFromAPressAndBackIntoTheCloth) {
 }
 
 TEST(Torture, ProbeThroughTheEdge) {
-  // In the plane of a hanging sheet, through its free side, in and out.
+  // The probe moves in the plane of a hanging sheet, in and out through its free side.
   Torture sheet = tortureSheet("probe_edge", lightFabric(), kParticles, kParticles, kSize, kSize);
   setStrategy(sheet.scene, Strategy::Amrc, 2);
   hangDown(sheet.scene);
@@ -138,12 +140,12 @@ TEST(Torture, ProbeThroughTheEdge) {
 }
 
 TEST(Torture, PinchAndPullAgainstPins) {
-  // Two fingers take the middle of a sheet held at its corners between them, pull it 15 cm up and away, and
-  // let go.
+  // Two fingers pinch the middle of a sheet held at its corners, pull it 15 cm up and away, and
+  // release it.
   Torture sheet =
       tortureSheet("pinch_pull", shippedFabric("winter_suiting"), kParticles, kParticles, kSize, kSize);
   setStrategy(sheet.scene, Strategy::Amrc, 2);
-  const int last = kParticles - 1;  // of each side
+  const int last = kParticles - 1;  // last index of each side
   sheet.scene.cloth.pins = {{0, 0, 0, 0}, {last, last, 0, 0}, {0, 0, last, last}, {last, last, last, last}};
   sheet.scene.probes.resize(2);
   for (int k = 0; k < 2; ++k) {
@@ -162,7 +164,7 @@ TEST(Torture, PinchAndPullAgainstPins) {
 }
 
 TEST(Torture, TornAtAPin) {
-  // A grip beside a pinned corner pulls along the threads, at once.
+  // A grip beside a pinned corner pulls suddenly along the threads.
   Torture sheet =
       tortureSheet("tear_at_pin", shippedFabric("winter_suiting"), kParticles, kParticles, kSize, kSize);
   setStrategy(sheet.scene, Strategy::Amrc, 2);

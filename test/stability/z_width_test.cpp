@@ -1,14 +1,16 @@
-/// The closed loop of hand, mechanism, delay, tick, solver and wall over stiffness, delay and damping.
-/// Criterion 1: without the controller half of the bound K < (b + B)/(T/2 + t_d) is quiet and 2.5 times the
-/// bound is not [Gil, Sánchez, Hulin, Preusche & Hirzinger 2009, "Stability boundary for haptic rendering:
-/// influence of damping and delay"; Colgate & Schenkel 1994 for t_d = 0]: the loop simulated here is the one
-/// the theory knows. The bound is linear and for a free mechanism; what the hand damps helps a little.
+/// Closed loop of hand, mechanism, delay, tick, solver and wall over stiffness, delay and damping.
+/// Criterion 1: without the controller the loop is quiet at half of the bound K < (b + B)/(T/2 +
+/// t_d) and not quiet at 2.5 times the bound [Gil, Sánchez, Hulin, Preusche & Hirzinger 2009,
+/// "Stability boundary for haptic rendering: influence of damping and delay"; Colgate & Schenkel
+/// 1994 for t_d = 0], so the simulated loop is that of the theory. The bound is linear and for a
+/// free mechanism; the damping of the hand helps a little.
 /// Criterion 2: with the controller nothing buzzes, at any stiffness and delay.
-/// A buzz is a swing of more than kBuzz in the end: five quanta of the encoder, below which the quantiser has
-/// limit cycles of its own, and of the order of what a hand feels below 30 Hz, where these loops swing (from
-/// memory of the literature on vibration thresholds).
-/// Criterion 2 is reached with mechanisms of 1 N·s/m and more. With 0.2 N·s/m 17 of 200 points of the full
-/// grid, most of them just above the bound, swing by up to 0.75 mm; they are held to kNearQuiet.
+/// A buzz is a final swing of more than kBuzz: five quanta of the encoder. Below that the quantiser
+/// has limit cycles of its own. It is also about what a hand perceives below 30 Hz, where these
+/// loops swing (from memory of the literature on vibration thresholds).
+/// Criterion 2 is reached with mechanisms of 1 N·s/m and more. With 0.2 N·s/m 17 of 200 points of
+/// the full grid, most of them just above the bound, swing by up to 0.75 mm; they must stay below
+/// kNearQuiet.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,12 +24,12 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kCouplingDamping = 1.0;  ///< B, the scene's default [N·s/m]
+constexpr double kCouplingDamping = 1.0;  ///< B, default of a scene [N·s/m]
 constexpr double kMass = 0.1;             ///< [kg]
-constexpr double kBuzz = 1.5e-4;          ///< half of peak to peak [m]
+constexpr double kBuzz = 1.5e-4;          ///< half of the peak-to-peak motion [m]
 constexpr double kNearQuiet = 1e-3;       ///< with a mechanism of 0.2 N·s/m [m]
 
-/// K of the bound [N/m].
+/// Stiffness K of the bound [N/m].
 double bound(const HapticOptions& options, const DeviceModel& device) {
   return (device.damping + options.coupling_damping) / (0.5 / options.rate + device.delay);
 }
@@ -82,7 +84,7 @@ TEST(ZWidth, NothingBuzzesWithTheController) {
   }
 }
 
-/// The whole grid into a file, for bench/z_width; the drawing's columns.
+/// Writes the whole grid to a file for bench/z_width; these are the columns of its plot.
 TEST(ZWidth, WritesTheGrid) {
   const char* file = std::getenv("HAPTIC_CLOTH_Z_WIDTH");
   std::ofstream stream(file != nullptr ? file : "/dev/null");
