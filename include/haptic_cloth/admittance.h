@@ -16,8 +16,8 @@ struct AdmittanceOptions {
   double max_speed = 0.5;          ///< [m/s]
   double max_acceleration = 20.0;  ///< largest acceleration, also for braking [m/s²]
   Vec3 start{0.0, 0.0, 0.2};       ///< initial position, if the device does not report its own [m]
-  Vec3 workspace_low{-0.3, -0.3, 0.0}, workspace_high{0.3, 0.3, 0.4};  ///< corners of the workspace
-                                                                       ///< box [m]
+  /// Corners of the workspace box [m].
+  Vec3 workspace_low{-0.3, -0.3, 0.0}, workspace_high{0.3, 0.3, 0.4};
 };
 
 /// Measurement of a force sensor.

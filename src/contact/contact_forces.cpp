@@ -81,8 +81,8 @@ double ContactSet::curvature(int begin, int end, const Field& d, const std::vect
 }
 
 double ContactSet::maxStep(const Field& d, const std::vector<Vec3>& d_proxies) const {
-  constexpr double kShareOfGap = 0.9;  // the distance is convex, so its tangent bounds it along the
-                                       // step
+  // The distance is convex, so its tangent bounds it along the step.
+  constexpr double kShareOfGap = 0.9;
   double step = 1e300;
   forGroups(0, size(), [&](const Group& group, int first, int last) {
     if (!isProbe(group.solid)) return;

@@ -9,10 +9,10 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr int kChunk = 512;            // growth of the arrays of points [points]
-constexpr double kCut = 0.5;           ///< depth in ranges that a sharp edge may cut into a cell
-constexpr double kProbeSpacing = 3.0;  ///< smallest number of samples across half the width of a
-                                       ///< probe
+constexpr int kChunk = 512;   // growth of the arrays of points [points]
+constexpr double kCut = 0.5;  ///< depth in ranges that a sharp edge may cut into a cell
+/// Smallest number of samples across half the width of a probe.
+constexpr double kProbeSpacing = 3.0;
 
 }  // namespace
 
@@ -88,9 +88,8 @@ void ContactSet::collect(const ActiveMesh& mesh, const Field& nodes, const std::
     sampleProbe(mesh, nodes, reach, probe);
     endGroup();
   }
-  for (Field* field : {&gradient_, &change_})
-    field->resize(size());  // each evaluation writes all
-                            // of it
+  // Each evaluation writes all entries.
+  for (Field* field : {&gradient_, &change_}) field->resize(size());
   buildRows(mesh.nodes());
 }
 

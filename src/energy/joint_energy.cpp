@@ -29,8 +29,8 @@ void JointEnergy::begin(const Field& x, double* forces) {
     const double floor = kLeast * laws_.law(k, 1e9).slope;
     const double slope = std::max(law.slope, floor);
     elements_[k].area = laws_.area(k);
-    elements_[k].scale = elements_[k].area / (slope > 0.0 ? slope : 1.0);  // no law: the force
-                                                                           // stays zero
+    // No law: the force stays zero.
+    elements_[k].scale = elements_[k].area / (slope > 0.0 ? slope : 1.0);
     forces[k] = law.force;
   }
 }

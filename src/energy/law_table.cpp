@@ -20,8 +20,8 @@ LawTable::LawTable(const Loop& law) : kind_(law.hasMemory() ? LawView::Kind::Loo
 /// do.
 /// @return whether this one does
 bool LawTable::joinLines(const Curve& curve) {
-  constexpr double kRounding = 1e-12;  // relative to the largest forces; far above the errors of
-                                       // their differences
+  // Relative to the largest forces; far above the errors of their differences.
+  constexpr double kRounding = 1e-12;
   const std::vector<Curve::Interval>& all = curve.intervals();
   if (all.size() == 1 && all.front().begin == 0.0 && all.front().force == 0.0) {
     append(curve);

@@ -91,8 +91,8 @@ class Counter : public YAML::EventHandler {
   bool begun_ = false;  ///< a document has begun
   std::size_t values_ = 0;
   std::vector<Open> open_;
-  std::unordered_map<YAML::anchor_t, std::size_t> sizes_;  ///< number of values that an anchor
-                                                           ///< names, once complete
+  /// Number of values that an anchor names, once complete.
+  std::unordered_map<YAML::anchor_t, std::size_t> sizes_;
 };
 
 }  // namespace

@@ -63,18 +63,18 @@ class ActiveMesh {
   int active() const { return free + pinned; }
 
   Grid grid;
-  int free = 0;                 ///< nodes 0 .. free-1, the unknowns
-  int pinned = 0;               ///< nodes free .. free+pinned-1, which stay
-  std::vector<int> particle;    ///< finest-grid index of each node
-  std::vector<int> node;        ///< node of each finest-grid particle, -1: none
-  std::vector<double> mass;     ///< mass of each node [kg]; hanging nodes have none
-  std::vector<Ghost> ghosts;    ///< hanging nodes, coarse sides first: masters before their
-                                ///< dependents
+  int free = 0;               ///< nodes 0 .. free-1, the unknowns
+  int pinned = 0;             ///< nodes free .. free+pinned-1, which stay
+  std::vector<int> particle;  ///< finest-grid index of each node
+  std::vector<int> node;      ///< node of each finest-grid particle, -1: none
+  std::vector<double> mass;   ///< mass of each node [kg]; hanging nodes have none
+  /// Hanging nodes, coarse sides first: masters before their dependents.
+  std::vector<Ghost> ghosts;
   std::vector<Edge> edges;      ///< warp first, each direction in the order of its nodes a
   std::vector<Triple> triples;  ///< warp first, each direction in the order of its centres
   std::vector<Patch> patches;
-  std::vector<PatchCorners> patch_corners;  ///< patch corners in packs; unused lanes refer to node
-                                            ///< 0
+  /// Patch corners in packs; unused lanes refer to node 0.
+  std::vector<PatchCorners> patch_corners;
 
   /// Sets each hanging node to the mean of its masters.
   void interpolateGhosts(Field& values) const {

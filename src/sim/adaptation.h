@@ -77,10 +77,10 @@ class Adaptation {
 
   AdaptOptions options_;
   Grid grid_;
-  std::vector<double> curvature_;              ///< largest |κ| at a node [1/m]
-  std::array<std::vector<double>, 2> strain_;  ///< mean strain of a node's edges by direction, 0 if
-                                               ///< slack [-]
-  std::vector<int> edges_;                     ///< edges at each node, scratch of measureStrain()
+  std::vector<double> curvature_;  ///< largest |κ| at a node [1/m]
+  /// Mean strain of a node's edges by direction, 0 if slack [-].
+  std::array<std::vector<double>, 2> strain_;
+  std::vector<int> edges_;  ///< edges at each node, scratch of measureStrain()
   std::vector<long> born_;  ///< step in which a leaf was created, at its lower left finest cell
   std::vector<Cell> leaves_, marked_, merged_, split_;
   MergeTransfer merge_transfer_;

@@ -32,8 +32,8 @@ void ClothObjective::forcesAtRest(const Field& velocities, Field& forces) const 
 }
 
 bool ClothObjective::wake(const Rest& rest) {
-  constexpr int kRings = 3;  // rings of cells woken around what moves: pushed cloth pushes its
-                             // neighbours
+  // Rings of cells woken around what moves: pushed cloth pushes its neighbours.
+  constexpr int kRings = 3;
   // Share of awake nodes above which all are woken.
   constexpr double kWorthwhile = 0.6;
   bool more = false;

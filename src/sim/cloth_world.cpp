@@ -325,8 +325,8 @@ void ClothWorld::accept(StepReport& report) {
   rest_.update(
       mesh, velocities_, [this](int n) { return objective.isAwake(n); },
       [this](int n) { return let_out_nodes_[n] != 0; });
-  contacts.calm(velocities_);  // ejected cloth is stopped after each step, but does not count as
-                               // resting
+  // Ejected cloth is stopped after each step, but does not count as resting.
+  contacts.calm(velocities_);
 
   Sums parts;
   const double spent =

@@ -126,9 +126,9 @@ class ClothWorld {
   Minimizer minimizer_;
   /// State of a probe that is kept between steps.
   struct ProbeMemory {
-    bool entered = false;  ///< has been clear of the cloth since it appeared; touches nothing
-                           ///< before
-    bool closed = false;   ///< holds the cloth that it touches
+    /// Has been clear of the cloth since it appeared; touches nothing before.
+    bool entered = false;
+    bool closed = false;  ///< holds the cloth that it touches
     /// Orientation at the start and at the end of the current step.
     Quat before = Quat::Identity(), after = Quat::Identity();
     double coupling = 0.0;  ///< energy of the coupling at the end of the last step [J]
@@ -142,11 +142,11 @@ class ClothWorld {
   std::vector<ProbeStep> probe_steps_;
   std::vector<ProbeMemory> memories_;
   std::vector<HeldParticle> held_;
-  std::vector<HeldNode> held_nodes_;          ///< held_ by node, for the current step
-  std::vector<std::vector<int>> touched_by_;  ///< particles that pressed on a closed probe in the
-                                              ///< last step
-  std::vector<int> touched_;                  ///< scratch of acceptProbe()
-  std::vector<double> proxy_reach_;           ///< largest expected displacement of the proxies [m]
+  std::vector<HeldNode> held_nodes_;  ///< held_ by node, for the current step
+  /// Particles that pressed on a closed probe in the last step.
+  std::vector<std::vector<int>> touched_by_;
+  std::vector<int> touched_;         ///< scratch of acceptProbe()
+  std::vector<double> proxy_reach_;  ///< largest expected displacement of the proxies [m]
   std::vector<ContactSet::Reach> touching_;
   FineRegions fine_;
   double initial_ = 0.0;        ///< energy at the start [J]
@@ -158,8 +158,8 @@ class ClothWorld {
   Field nodes_, velocities_;
   std::vector<double> reach_;  ///< expected displacement of each node in the current step [m]
   Vector x_, start_, motion_, gradient_, joint_x_;
-  std::array<Vector, 2> ways_;  ///< directions of the initial guess: inertial motion, and the
-                                ///< motion that gravity adds
+  /// Directions of the initial guess: inertial motion, and the motion that gravity adds.
+  std::array<Vector, 2> ways_;
 };
 
 }  // namespace haptic_cloth

@@ -93,8 +93,8 @@ double JointObjective::residualForces() {
     }
     return sums;
   })[0];
-  forPresent([&](int k, int) {  // A proxy has no mass; it answers over a step like the mass h²
-                                // times its coupling stiffness.
+  // A proxy has no mass; it answers over a step like the mass h² times its coupling stiffness.
+  forPresent([&](int k, int) {
     const Vec3 force = step_.couplingGradient(k, proxies_[k]) + contacts_.proxyGradient(k) + hold_[k];
     proxy_residuals_[k] = proxy_weight_[k] * force;
     cost += 0.5 * force.dot(proxy_residuals_[k]);

@@ -87,8 +87,8 @@ LoadEstimate::Points LoadEstimate::points(const View& view, const Cell& cell, in
 /// under the cell, part of the cell will have to carry itself soon.
 double LoadEstimate::load(const View& view, const Cell& cell, const Points& points) const {
   constexpr double kEven = 0.5, kTouches = 1.5;  // in ranges of contact
-  constexpr double kApart = 0.36;  // largest distance of a place in the cell to the nearest point,
-                                   // in cell lengths
+  // Largest distance of a place in the cell to the nearest point, in cell lengths.
+  constexpr double kApart = 0.36;
   const auto corners = cell.corners(grid_);
   Vec3 velocity = Vec3::Zero();
   double weight = 0.0;

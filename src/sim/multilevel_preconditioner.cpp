@@ -52,8 +52,8 @@ void MultilevelPreconditioner::fit(const InternalEnergy& internal, const Contact
 }
 
 void MultilevelPreconditioner::addElements(const InternalEnergy& internal) {
-  const int parts = mesh_.nodes() < kWorthParts ? 1 : kParts;  // depends on size alone, because the
-                                                               // bits of the result depend on it
+  // Depends on size alone, because the bits of the result depend on it.
+  const int parts = mesh_.nodes() < kWorthParts ? 1 : kParts;
   team_.forTasks(parts, [&](int part) {
     elements_[part].clear(mesh_.nodes());
     internal.addBlocks(part, parts, elements_[part]);

@@ -16,8 +16,8 @@ void Rest::setSpeed(double speed) {
 
 /// Tells whether a node was slow for long enough and the force on it is that when it fell asleep.
 bool Rest::isCalm(const ActiveMesh& mesh, int node, const Vec3& force, double tolerance) {
-  constexpr double kDisturbed = 3.0;  // change of force that wakes, relative to what a solve may
-                                      // leave
+  // Change of force that wakes, relative to what a solve may leave.
+  constexpr double kDisturbed = 3.0;
   Particle& p = particles_[mesh.particle[node]];
   if (p.still < kSteps) return false;
   if (!p.known) p.force = force;

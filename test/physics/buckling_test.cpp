@@ -117,8 +117,8 @@ TEST_P(TiltedColumn, LeansLikeTheElastica) {
   const std::string what = "standing strip, gravity tilted by 0.02";
   record({what, "tip deflection / L", name(strategy), lambda, tip.deflection, exact.deflection, 1.0});
   record({what, "tip height / L", name(strategy), lambda, tip.height, exact.height, 1.0});
-  const double shortened = 0.5 * kWeight * kLength / kStiffness;  // shortening of the length under
-                                                                  // its own weight [-]
+  // Shortening of the length under its own weight [-].
+  const double shortened = 0.5 * kWeight * kLength / kStiffness;
   const double bound = std::hypot(limit.deflection - exact.deflection, limit.height - exact.height);
   EXPECT_LE(std::hypot(tip.deflection - exact.deflection, tip.height - exact.height),
             tolerance(bound + 2.0 * shortened));
@@ -295,8 +295,8 @@ class PostBuckling : public testing::TestWithParam<std::tuple<Strategy, Ends>> {
     const Settled settled = settle(simulation, 1e-5, 10.0);
     EXPECT_TRUE(settled.at_rest);
     EXPECT_EQ(settled.failed_steps, 0);
-    EXPECT_EQ(simulation.step().minimizer.why, Termination::Converged);  // the first steps need not
-                                                                         // converge
+    // The first steps need not converge.
+    EXPECT_EQ(simulation.step().minimizer.why, Termination::Converged);
     const PostBuckled exact = postBuckled(shortening);
     // Both directions are minima of the first steps' potential, and round-off may choose.
     const double middle = std::abs(particle(simulation, scene.cloth.particles[kWarp] / 2, 1).z()) / kLength;

@@ -70,8 +70,8 @@ INSTANTIATE_TEST_SUITE_P(Strategies, FreeFall,
 TEST(FreeFall, NeedsNoTighterSolverThanTheDefaultAtAnyTimeStep) {
   // The initial guess of each solve includes the fall, so the fall is exact at any tolerance.
   for (const double time_step : {0.001, 0.01, 0.05}) {
-    LinearFabric stiff;  // not uniform: without the guess it cannot fall in one
-                         // iteration
+    // Its preconditioner is far from uniform: without the guess it cannot fall in one iteration.
+    LinearFabric stiff;
     stiff.rigidity = 1e-4;
     Scene scene = sheetScene(makeFabric(stiff), 33, 33, 0.1, 0.1);
     setStrategy(scene, Strategy::Finest, 0);

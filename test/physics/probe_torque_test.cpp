@@ -136,8 +136,8 @@ TEST(TorqueOfAGrasp, IsTheWeightAtTheMassCentre) {
   simulation.positions(positions);
   Vec3 centre = Vec3::Zero();
   double shares = 0.0;
-  for (std::size_t p = 0; p < positions.size(); ++p) {  // half a cell at a side, a quarter in a
-                                                        // corner
+  // Half a cell at a side, a quarter in a corner.
+  for (std::size_t p = 0; p < positions.size(); ++p) {
     const int i = static_cast<int>(p) % 33, j = static_cast<int>(p) / 33;
     const double share = (i % 32 == 0 ? 0.5 : 1.0) * (j % 32 == 0 ? 0.5 : 1.0);
     centre += share * positions[p];

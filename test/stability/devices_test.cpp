@@ -18,8 +18,8 @@ namespace {
 LoopRun runOf(const PublishedDevice& device, double stiffness, double damping, double delay) {
   LoopRun run;
   run.options.max_force = device.max_force;
-  run.options.max_force_rate = std::max(200.0, 0.5 * device.stiffness);  // 0.5 m/s into the
-                                                                         // stiffest wall
+  // 0.5 m/s into the stiffest wall.
+  run.options.max_force_rate = std::max(200.0, 0.5 * device.stiffness);
   run.options.soft_start = 0.1;
   run.options.coupling_stiffness = stiffness;
   run.options.coupling_damping = damping;

@@ -152,8 +152,8 @@ TEST(Torture, Soak) {
         {t, Vec3(0.08 * share(generator), 0.08 * share(generator), 0.01 + 0.02 * share(generator))});
   }
   drape.scene.stop.time = time;
-  drape.limits.pushed = true;  // 3 N on a probe's width against the corners of the box shorten
-                               // cells by 30 %
+  // 3 N on a probe's width against the corners of the box shorten cells by 30 %.
+  drape.limits.pushed = true;
   torture(drape);
 }
 

@@ -24,9 +24,9 @@ HangingMode hangingChainMode(int number, int intervals);
 HangingMode hangingStripMode(double gamma, int number, int intervals);
 
 /// Linear oscillation under backward Euler: pole z = 1/(1 - i ω h).
-double backwardEulerPhase(double omega_h);   ///< phase per step, atan(ω h) [rad]
-double backwardEulerEnergy(double omega_h);  ///< energy kept over one period of 2π / phase steps
-                                             ///< [-]
+double backwardEulerPhase(double omega_h);  ///< phase per step, atan(ω h) [rad]
+/// Energy kept over one period of 2π / phase steps [-].
+double backwardEulerEnergy(double omega_h);
 
 /// Tip of a strip clamped horizontally at one end under its own weight, for any monotonic bending
 /// law.

@@ -29,9 +29,9 @@ struct StateCase {
   Scene scene;
   std::function<void(Simulation&, int step)> drive;
   int steps;
-  std::vector<int> saves;                           ///< steps after which the state is saved
-  std::function<bool(const Exercised&)> exercises;  ///< tells whether the run exercised what the
-                                                    ///< case is for
+  std::vector<int> saves;  ///< steps after which the state is saved
+  /// Tells whether the run exercised what the case is for.
+  std::function<bool(const Exercised&)> exercises;
 };
 
 std::vector<StateCase> stateCases();

@@ -330,8 +330,8 @@ std::string writeFabric(const LinearFabric& linear) {
        << "}\ncompression_ratio: " << linear.compression << '\n';
   std::ostringstream name;
   name << testing::TempDir() << "haptic_cloth_fabric_" << std::hash<std::string>()(text.str()) << ".yaml";
-  const std::string partial = name.str() + std::to_string(getpid());  // another process may write
-                                                                      // the same file
+  // Another process may write the same file.
+  const std::string partial = name.str() + std::to_string(getpid());
   writeText(partial, text.str());
   fs::rename(partial, name.str());
   return name.str();

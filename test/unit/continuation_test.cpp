@@ -32,8 +32,8 @@ struct Reference {
     }
   }
   Exercised exercised;
-  std::vector<std::uint64_t> at_rest, after;  ///< readings before each step; readings with its
-                                              ///< report after it
+  /// Readings before each step; readings with its report after it.
+  std::vector<std::uint64_t> at_rest, after;
   std::map<int, std::string> saved;
 };
 

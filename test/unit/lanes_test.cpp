@@ -224,8 +224,8 @@ TEST(ShearLanes, AngleIsTheInverseSine) {
     for (PackIndices& nodes : pack.corners.at) nodes.finish();
     Field x(corners), slots;
     double energies[kPack];
-    for (int l = 0; l < kPack; ++l) {  // only one lane at a time has an area: the energy is that of
-                                       // the lane
+    // Only one lane at a time has an area: the energy is that of the lane.
+    for (int l = 0; l < kPack; ++l) {
       pack.area[l] = 1.0;
       slots.clear(2 * kPack);
       energies[l] =
@@ -342,8 +342,8 @@ TEST_P(PackTest, AddUpToTheElements) {
   poison(x);
   poison(gradient);
   double energy = 0.0;
-  for (int begin = 0; begin < internal.size(); begin += 2 * kPack) {  // in parts, as for several
-                                                                      // threads
+  // In parts, as for several threads.
+  for (int begin = 0; begin < internal.size(); begin += 2 * kPack) {
     const auto e = internal.evaluate(begin, std::min(begin + 2 * kPack, internal.size()), x);
     energy += e.stretch + e.bend + e.shear;
   }

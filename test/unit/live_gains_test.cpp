@@ -119,8 +119,8 @@ TEST(LiveGains, TheRampIsSlowerThanTheLimit) {
   const GainRamp gains = GainRamp(first).onTo({600.0, 1.0, 1.0}, hand.time(), 0.5);
   for (int i = 0; i < 500; ++i) {
     const double next = hand.tick(gains.at(hand.time()));
-    EXPECT_LE(std::abs(next - force), 2.0 / 500 * (1.0 + 1e-6));  // the clock counts in binary
-                                                                  // fractions
+    // The clock counts in binary fractions.
+    EXPECT_LE(std::abs(next - force), 2.0 / 500 * (1.0 + 1e-6));
     force = next;
   }
 }

@@ -114,8 +114,8 @@ TEST_P(LoopTest, WorkIsNeverLessThanWhatIsStored) {
   for (int k = 0; k < path.size(); ++k) {
     const double to = at(c, path[k]);
     const double from = s;
-    for (int part = 1; part <= 100; ++part) {  // small steps, because a jump dissipates what it
-                                               // skips
+    // Small steps, because a jump dissipates what it skips.
+    for (int part = 1; part <= 100; ++part) {
       const double next = from + (to - from) * part / 100;
       const Loop::Step step = c.loop.begin(play);
       const double before = c.loop.stored(play, s);

@@ -126,8 +126,8 @@ TEST(MinimizerTest, KeepsToTheLargestStep) {
   Vector x = Vector::Zero(2);
   const MinimizerReport r = run(problem, x, {Preconditioner::None, 1e-8, 1, 0.0});
   EXPECT_EQ(r.iterations, 1);
-  EXPECT_NEAR(x[0], 1e-6 * 1.0, tolerance(1e-12));  // step times -gradient, which is 1 at zero for
-                                                    // stiffness 1
+  // Step times -gradient, which is 1 at zero for stiffness 1.
+  EXPECT_NEAR(x[0], 1e-6 * 1.0, tolerance(1e-12));
 }
 
 TEST(MinimizerTest, ReportsWhatIsNotFinite) {

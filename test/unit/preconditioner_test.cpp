@@ -139,8 +139,8 @@ TEST(Multilevel, InvertsTheBlockOfASingleFreeNode) {
 /// Iterations of one long step of a cloth that hangs from its upper edge. It has almost no inertia,
 /// so all of it must find its position at once.
 int iterations(Preconditioner preconditioner, int particles) {
-  LinearFabric isotropic;  // coarsening in both directions suits a fabric that is as stiff in shear
-                           // as in tension
+  // Coarsening in both directions suits a fabric that is as stiff in shear as in tension.
+  LinearFabric isotropic;
   isotropic.shear_modulus = 0.5 * isotropic.stiffness;
   Scene scene = sheetScene(makeFabric(isotropic), particles, particles, 0.2, 0.2);
   hangDown(scene);

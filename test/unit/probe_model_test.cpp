@@ -148,8 +148,8 @@ TEST(PassivityController, PaysWithABoundedDamperAndAWeakerForce) {
   EXPECT_EQ(controller.damping(), Vec3(Vec3::Zero()));
   controller.observe(Vec3::Zero(), {0.0, 0.0});
   controller.sent(Vec3(1.0, 0, 0));
-  controller.observe(Vec3(options.debt, 0, 0), {0.0, 1.0});  // 1 N over this distance: a debt of
-                                                             // exactly options.debt
+  // 1 N over this distance: a debt of exactly options.debt.
+  controller.observe(Vec3(options.debt, 0, 0), {0.0, 1.0});
   EXPECT_NEAR(controller.energy(), -options.debt, 1e-15);
   EXPECT_NEAR(controller.gain(), 0.5, 1e-12);
   EXPECT_NEAR(controller.damping().x(), -options.damping * controller.velocity().x(), 1e-12);

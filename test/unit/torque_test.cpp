@@ -12,9 +12,9 @@ namespace {
 constexpr double kTick = 1e-3;
 /// Rounding error: torques are at most 0.1 N·m and forces 10 N, products of a few doubles.
 constexpr double kRoundOff = 1e-12;
-const Vec3 kArm(0.02, -0.01, 0.0);    ///< from the proxy to the point of contact [m]
-const Vec3 kSpring(0.0, 0.0, 0.005);  ///< from the device to the proxy: 2 N with the default
-                                      ///< coupling [m]
+const Vec3 kArm(0.02, -0.01, 0.0);  ///< from the proxy to the point of contact [m]
+/// From the device to the proxy: 2 N with the default coupling [m].
+const Vec3 kSpring(0.0, 0.0, 0.005);
 
 DeviceSample deviceAt(const Vec3& position, double received) {
   DeviceSample sample;
