@@ -12,11 +12,10 @@ enum class StartMesh { Finest, Coarsest };
 /// Stopping rules of the minimizer.
 struct MinimizerOptions {
   Preconditioner preconditioner = Preconditioner::Multilevel;
-  double tolerance =
-      /// The solve stops when rms_m(|∇Φ|/m) <= tolerance · |gravity| [-]; without gravity |gravity|
-      /// is 9.80665 m/s².
-      0.1;
-  int max_iterations = 200;
+  /// The solve stops when rms_m(|∇Φ|/m) <= tolerance · |gravity| [-]; without gravity |gravity|
+  /// is 9.80665 m/s².
+  double tolerance = 0.1;
+  int max_iterations = 200;  ///< [-]
   /// Wall clock time from the start of a step to the end of its solve [s]; 0: no limit. At least
   /// one iteration is made, and the best state so far is kept. Work after the solve is not
   /// included.

@@ -88,11 +88,9 @@ class ContactSet {
   /// Number of samples: length of the range that evaluate() and curvature() divide in multiples of
   /// kPack.
   int size() const { return static_cast<int>(samples_.size()); }
-  int capacity() const {
-    return static_cast<int>(samples_.capacity());
-  }  ///< number of samples
-     ///< that memory is
-     ///< reserved for
+
+  /// Number of samples that memory is reserved for.
+  int capacity() const { return static_cast<int>(samples_.capacity()); }
 
   /// One node of the cell of sample k.
   int firstNode(int k) const { return samples_[k].nodes[0]; }

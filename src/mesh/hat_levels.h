@@ -48,10 +48,9 @@ class HatLevels {
   const std::vector<Level>& levels() const { return levels_; }  ///< finest first
   const std::vector<Child>& children() const { return children_; }
   const std::vector<Hat>& hats() const { return hats_; }
-  const std::vector<int>& tops() const {
-    return remaining_;
-  }  ///< points that are no children of
-     ///< any level
+
+  /// Points that are no children of any level.
+  const std::vector<int>& tops() const { return remaining_; }
 
   /// Placeholder for missing children in hats. @pre for the loops below: its value is zero
   int nowhere() const { return nowhere_; }

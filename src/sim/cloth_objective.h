@@ -77,10 +77,9 @@ class ClothObjective : public Objective {
   bool allAwake() const { return all_awake_; }
   int awake() const;  ///< number of free nodes that are awake
   bool isAwake(int node) const { return awake_[node] != 0; }
-  const Field& gradient() const {
-    return gradient_;
-  }  ///< gradient of all nodes at the last
-     ///< evaluated point [N]
+
+  /// Gradient of all nodes at the last evaluated point [N].
+  const Field& gradient() const { return gradient_; }
 
   int size() const override { return 3 * (mesh_.free + present_); }
   double evaluate(const Vector& x, Vector& gradient) override;
@@ -155,23 +154,20 @@ class ClothObjective : public Objective {
   const Field& nodes() const { return nodes_; }
   const Vec3& proxy(int probe) const { return proxies_[probe]; }
   const std::vector<ProbeStep>& probeSteps() const { return probes_; }  ///< as given to begin()
-  int proxyAt(const ProbeStep& probe) const {
-    return 3 * (mesh_.free + probe.unknown);
-  }  ///< first
-     ///< index
-     ///< in x
-  Vec3 holdForce(int probe) const {
-    return hold_forces_[probe];
-  }                                                                  ///< of its held nodes on the
-                                                                     ///< probe [N]
-  Vec3 holdTorque(int probe) const { return hold_torques_[probe]; }  ///< about its proxy [N·m]
+
+  /// First index of a probe's proxy in x.
+  int proxyAt(const ProbeStep& probe) const { return 3 * (mesh_.free + probe.unknown); }
+
+  /// Force of the held nodes on a probe [N], and its torque about the proxy [N·m].
+  Vec3 holdForce(int probe) const { return hold_forces_[probe]; }
+  Vec3 holdTorque(int probe) const { return hold_torques_[probe]; }
 
   /// Writes stretch, bending, shear and contact energy [J] to parts 0 … 3. @return their sum
   double internalEnergy(Sums& parts) const;
   double couplingEnergy() const;  ///< springs between devices and proxies [J]
   double couplingEnergy(int probe) const;
   double lossPotential() const;  ///< potential of friction and coupling dampers [J]
-  double motionCost() const;     ///< E^n = Σ h²/(2m) |residual|² [J]
+  double motionCost() const;     ///< E^n = Σ h²/(2m) |residual|² over the free nodes [J]
   Vec3 pinForce() const;         ///< force of the pins on the cloth [N]
 
  private:

@@ -62,10 +62,8 @@ class ClothWorld {
 
   double time() const { return steps * scene.solver.time_step; }
   double mass() const;
-  double created() const {
-    return created_;
-  }  ///< energy created by the mesh change of the last
-     ///< step [J]
+  /// Energy created by the mesh change of the last step [J].
+  double created() const { return created_; }
   EnergyReport energy() const;
   double maxSpeed() const;
   const Field& nodes() const { return nodes_; }
