@@ -1,5 +1,4 @@
-/// Numerical options. Every default stands here only; scene files, parameters and tests refer to
-/// it.
+/// Numerical options with their defaults, which scene files, parameters and tests use.
 #pragma once
 
 namespace haptic_cloth {

@@ -23,7 +23,7 @@ struct MinimizerReport {
   double seconds = 0.0;      ///< wall clock [s]
 };
 
-/// Energy by kind [J]; gravity's is zero at z = 0 of the world.
+/// Energy by kind [J]; that of gravity is zero at the origin of the world.
 struct EnergyReport {
   double kinetic = 0.0, gravity = 0.0, stretch = 0.0, bend = 0.0, shear = 0.0, contact = 0.0;
   double coupling = 0.0;    ///< energy of the springs between devices and proxies

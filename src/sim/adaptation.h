@@ -31,7 +31,7 @@ class Adaptation {
   /// Changes the options for the next decisions. @pre the same levels
   void setOptions(const AdaptOptions& options) { options_ = options; }
 
-  /// Saves or loads the age of the leaves. @param steps made so far
+  /// Saves or loads the age of the leaves. @param steps number of steps so far
   void serialize(Archive& archive, long steps) {
     archive.within("born", born_, -options_.minimum_age, steps);
   }

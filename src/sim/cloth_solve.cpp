@@ -35,8 +35,9 @@ void ClothWorld::solve(StepReport& report) {
         2.0 * h * (velocities_[n].norm() + h * scene.gravity.norm()) + 0.1 * std::min(grid.dx, grid.dy);
   }
   for (std::size_t k = 0; k < probes.size(); ++k) {
-    // Cloth usually keeps holding back a proxy whose device is far ahead. If it does not, and there
-    // is no time limit, the step is solved again.
+    // Cloth usually keeps holding back a proxy whose device is far ahead. Without a time limit the
+    // reach therefore leaves out most of that distance: if the cloth lets go, the step is solved
+    // again.
     double way = (probe_steps_[k].device - probe_steps_[k].proxy).norm();
     if (scene.solver.minimizer.time_budget == 0.0) way = std::min(way, scene.probes[k].radius);
     proxy_reach_[k] = way + 2.0 * h * probes[k].velocity.norm();

@@ -69,7 +69,7 @@ ClothWorld::ClothWorld(const Scene& s)
   let_out_nodes_.reserve(grid.particles());
   weight_.reserve(grid.particles());
   velocities_.reserve(grid.particles());
-  // These vectors are only reserved: pages that no mesh needs are never written and take no memory.
+  // Eigen does not initialise these vectors, so pages that no mesh needs take no memory.
   for (Vector* v : {&x_, &start_, &ways_[0], &ways_[1], &motion_, &gradient_})
     v->resize(objective.capacity());
   if (s.solver.cost == Cost::Joint) {
