@@ -5,9 +5,9 @@
 
 namespace haptic_cloth {
 
-/// Force f(s) of a deformation s (strain [-], curvature [1/m] or shear angle [rad]) as a piecewise linear
-/// function on equal intervals, continued linearly past both ends. Its integral ψ is C1 and ψ' = f exactly,
-/// so an energy built on it is consistent with its gradient to round-off.
+/// Force f(s) of a deformation s (strain [-], curvature [1/m] or shear angle [rad]) as a piecewise
+/// linear function on equal intervals, continued linearly beyond both ends. Its integral ψ is C1
+/// and ψ' = f exactly, so an energy built on it agrees with its gradient to round-off.
 class Curve {
  public:
   struct Point {

@@ -1,4 +1,4 @@
-/// Everything one simulation needs: cloth, world, probe and options. Format: docs/reference/scenes.md.
+/// Input of one simulation: cloth, world, probes and options. Format: docs/reference/scenes.md.
 #pragma once
 
 #include <array>

@@ -17,7 +17,7 @@ class ForceHistory {
  public:
   explicit ForceHistory(const Grid& grid);
 
-  /// Tension [N/m] of the sides of each leaf: warp sides below and above, weft sides left and right.
+  /// Tension [N/m] of the sides of a leaf: warp sides below and above, weft sides left and right.
   using Sides = std::array<double, 4>;
 
   Sides& sides(const Cell& cell) { return sides_[grid_.cell(cell.i, cell.j)]; }

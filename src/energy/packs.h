@@ -48,9 +48,9 @@ struct alignas(64) PatchPack {
 };
 
 // Kernels over packs begin..end:
-//   evaluate…     energy [J]. Forces go to slots first, first + 1, ..., kPack for each pack. `steps`
-//                 is the memory of the packs, null if the law has none. The falling side of a shear
-//                 lies `stride` slots after its rising side.
+//   evaluate…     energy [J]. Forces go to slots first, first + 1, ..., kPack for each pack.
+//                 `steps` is the memory of the packs, null if the law has none. The falling side of
+//                 a shear lies `stride` slots after its rising side.
 //   edgeStrains,  deformation at x as in evaluate…: [-], [1/m], [rad]; kPack values for each pack.
 //   …Curvatures,  Values of unused lanes have no meaning.
 //   shearAngles

@@ -12,7 +12,7 @@
 
 namespace haptic_cloth {
 
-constexpr double kLeastCosine = 1e-3;  // of γ; bounds the slope of a cell that is folded flat
+constexpr double kLeastCosine = 1e-3;  // bounds the slope of a cell that is folded flat
 
 struct ShearResult {
   double energy;     ///< [J]
@@ -35,7 +35,7 @@ inline double shearAngle(const std::array<Vec3, 4>& x) {
 template <class Law>
 inline ShearResult evaluateShear(const std::array<Vec3, 4>& x, double area, const Law& shear) {
   const Vec3 rising = x[3] - x[0], falling = x[1] - x[2];
-  const Vec3 u = rising + falling, v = rising - falling;  // twice the mean sides; only directions matter
+  const Vec3 u = rising + falling, v = rising - falling;  // twice the mean sides
   const double nu = u.norm(), nv = v.norm();
   const double scale = nu * nv;
   if (!(scale > 0.0)) return {0.0, 0.0, 0.0, Vec3::Zero(), Vec3::Zero()};

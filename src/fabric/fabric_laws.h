@@ -14,7 +14,8 @@ constexpr double kLargestTension = 490.3325;         ///< F_m = 500 gf/cm [N/m]
 constexpr double kBendingRigidity = 9.80665e-5;      ///< 1 gf·cm²/cm [N·m]
 constexpr double kHysteresisOfBending = 9.80665e-3;  ///< 1 gf·cm/cm [N]
 constexpr double kDegreesPerRadian = 57.2957795130823209;
-constexpr double kShearModulus = kForcePerWidth * kDegreesPerRadian;  ///< 1 gf/(cm·deg) [N/m per rad]
+/// 1 gf/(cm·deg) [N/m per rad]
+constexpr double kShearModulus = kForcePerWidth * kDegreesPerRadian;
 }  // namespace kes
 
 /// Row of a measured curve: deformation and force in SI units.

@@ -171,7 +171,7 @@ class Team {
   /// With fewer particles, threads mostly wait for each other.
   static constexpr int kParticlesPerThread = 300;
 #ifdef HAPTIC_CLOTH_SHARE_ALL
-  static constexpr bool kShareAll = true;  ///< for the thread sanitizer, which sees only shared loops
+  static constexpr bool kShareAll = true;  ///< for the thread sanitizer: it sees only shared loops
 #else
   static constexpr bool kShareAll = false;
 #endif

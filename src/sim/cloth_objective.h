@@ -33,10 +33,14 @@ struct ProbeStep {
 
 using Proxies = std::vector<Vec3>;  ///< position or displacement for each probe of the scene [m]
 
-/// Φ(X, y) = Σ m (1 + c h)/(2h²) |x - x⁰ - h v⁰/(1 + c h)|² - m g · (x - x⁰)            motion, air, gravity
-///         + Σ A ψ_s(ε) + Σ A ψ_b(κ) + Σ A ψ_h(γ)                                       internal energy
-///         + contact and friction + ½ k |y - device|² + ½ (b/h) |y - y⁰ - h v_device|²  probe, proxy at y
-/// over the free nodes X and the proxies y. Its gradient is the negative of Newton's residual [N].
+/// Incremental potential of one step over the free nodes X and the proxies y:
+///
+///     Φ(X, y) = Σ m (1 + c h)/(2h²) |x - x⁰ - h v⁰/(1 + c h)|² - m g · (x - x⁰)   motion, air, gravity
+///             + Σ A ψ_s(ε) + Σ A ψ_b(κ) + Σ A (ψ_h(γ) + B_t κ_xy²)                internal energy
+///             + contact and friction
+///             + Σ ½ k |y - device|² + ½ (b/h) |y - y⁰ - h v_device|²              probes
+///
+/// Its gradient is the negative of Newton's residual [N].
 class ClothObjective : public Objective {
  public:
   ClothObjective(const Scene& scene, const ActiveMesh& mesh, InternalEnergy& internal, ContactSet& contacts,

@@ -26,7 +26,8 @@ class Simulation::Implementation {
 
 Simulation::Simulation(const Scene& scene) {
   validateScene(scene, "scene");
-  instructionSet();  // throws where HAPTIC_CLOTH_SIMD names none that can be used, before any kernel runs
+  // Throws if HAPTIC_CLOTH_SIMD names no usable set, before any kernel runs.
+  instructionSet();
   try {
     implementation_ = std::make_unique<Implementation>(scene);
   } catch (const std::bad_alloc&) {

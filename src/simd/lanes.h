@@ -125,7 +125,7 @@ static HAPTIC_CLOTH_INLINE Lanes logarithm(const Lanes& x) {
   constexpr double kFit[] = {6.666666666666735130e-01, 3.999999999940941908e-01, 2.857142874366239149e-01,
                              2.222219843214978396e-01, 1.818357216161805012e-01, 1.531383769920937332e-01,
                              1.479819860511658591e-01};
-  const Bits bits = Bits(x), magic = Bits{} + 0x4330000000000000ull;  // 2⁵²: an integer in its last bits
+  const Bits bits = Bits(x), magic = Bits{} + 0x4330000000000000ull;  // 2⁵²: integers in its last bits
   const Lanes biased = Lanes((bits >> 52) | magic) - 4503599627370496.0;
   const Lanes mantissa = Lanes((bits & (Bits{} + 0x000fffffffffffffull)) | (Bits{} + 0x3ff0000000000000ull));
   const Lanes limit = all(1.4142135623730951), half = all(0.5), one = all(1.0);

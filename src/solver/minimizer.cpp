@@ -130,9 +130,10 @@ void Minimizer::direction(Objective& objective, Team& team, bool restart, Minimi
 }
 
 /// Takes the Newton step along d, then backtracks (Armijo). If Φ changes less than its rounding
-/// error, the slope decides [Hager & Zhang 2005, approximate Wolfe]. kRounding is far above that of
-/// a sum: curvatures are second differences of positions with an error of ε x/l². On success the
-/// iterate, its value and its gradient are the new ones. @return whether a step was accepted
+/// error, the slope decides [Hager & Zhang 2005, approximate Wolfe]. That error, kRounding, is far
+/// above the rounding of a sum: curvatures are second differences of positions with an error of
+/// ε x/l². On success the iterate, its value and its gradient are the new ones.
+/// @return whether a step was accepted
 bool Minimizer::lineSearch(Objective& objective, Team& team, Vector& x, double& value,
                            MinimizerReport& report) {
   constexpr double kSufficient = 1e-4, kRounding = 1e-10;

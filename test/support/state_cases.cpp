@@ -268,7 +268,8 @@ std::uint64_t advance(const StateCase& run, Simulation& simulation, int step, Ex
 namespace {
 
 constexpr char kMagic[] = "haptic_cloth state\n";
-constexpr std::size_t kHeader = sizeof(kMagic) - 1 + 24;  ///< magic, byte order, version, size, checksum
+/// Size of the header: magic, byte order, version, size, checksum.
+constexpr std::size_t kHeader = sizeof(kMagic) - 1 + 24;
 
 template <class T>
 T take(const std::string& bytes, std::size_t& at) {

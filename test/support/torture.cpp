@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kStandardGravity = 9.80665;  // [m/s²], unit of residuals if a scene has no gravity
-constexpr double kRoundOff = 1e-10;           // sums of 10³ terms, each rounded by 1e-16, over 10³ steps
+constexpr double kRoundOff = 1e-10;           // 10³ terms, rounded by 1e-16, over 10³ steps
 constexpr double kMostGained = 0.1;           // of the turnover, whatever residuals explain
 
 fs::path outputDirectory() {

@@ -310,7 +310,8 @@ Reference sumOfElements(const Fabric& fabric, const ActiveMesh& mesh, const Inte
   return sum;
 }
 
-class PackTest : public ::testing::TestWithParam<std::array<int, 4>> {};  // columns, rows, levels, splits
+// Parameters: columns, rows, levels, splits.
+class PackTest : public ::testing::TestWithParam<std::array<int, 4>> {};
 
 TEST_P(PackTest, AddUpToTheElements) {
   const auto [columns, rows, levels, splits] = GetParam();
