@@ -12,11 +12,11 @@ namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
 
-constexpr double kHanging = 2.0;        ///< without news [s]
-constexpr double kRateShare = 0.9;      ///< of the wanted rate that is good enough [-]
-constexpr double kLatenessGood = 1e-3;  ///< 99 % of ticks are less late [s]
-constexpr double kNow = 0.5;            ///< messages of a device come closer together [s]
-constexpr double kLately = 5.0;         ///< a fault that is over is a warning no longer than this [s]
+constexpr double kHanging = 2.0;        ///< older statistics mean that the thread hangs [s]
+constexpr double kRateShare = 0.9;      ///< share of the wanted rate that is good enough [-]
+constexpr double kLatenessGood = 1e-3;  ///< 99 % of the ticks must be less late than this [s]
+constexpr double kNow = 0.5;            ///< longest interval between good messages [s]
+constexpr double kLately = 5.0;         ///< time for which a past fault remains a warning [s]
 
 void add(DiagnosticStatus& status, const std::string& key, const std::string& value) {
   diagnostic_msgs::KeyValue entry;
@@ -42,7 +42,7 @@ void judge(DiagnosticStatus& status, int level, const std::string& message) {
 
 using DropReason = std::pair<const char*, std::uint64_t>;
 
-/// Why messages were dropped, and how many for that.
+/// Reasons for dropping messages, each with its count.
 std::array<DropReason, 6> dropReasons(const InputCounters& counters) {
   return {DropReason{"not finite", counters.not_finite}, {"unknown frame", counters.unknown_frame},
           {"out of order", counters.out_of_order},       {"late", counters.late},
