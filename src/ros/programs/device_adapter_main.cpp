@@ -1,5 +1,5 @@
-/// The adapter as a node. Ends with 0 when asked to, 2 for bad parameters, 1 for anything else; force zero
-/// always last.
+/// The adapter as a node. Exit status: 0 if asked to end, 2 for bad parameters, 1 for any other
+/// error. The last force is always zero.
 #include <ros/ros.h>
 
 #include <string>
@@ -13,7 +13,7 @@
 
 namespace {
 
-constexpr long kLook = 10;  ///< between two looks [ms]
+constexpr long kLook = 10;  ///< interval between two calls of ForceAdapter::look() [ms]
 
 int run(int argc, char** argv) {
   ros::init(argc, argv, "device_adapter", ros::init_options::NoSigintHandler);
@@ -36,7 +36,7 @@ int run(int argc, char** argv) {
   }
   haptic_cloth::PoseAdapter poses(node, options);
   haptic_cloth::ForceAdapter forces(node, options);
-  // Two threads: a pose waits for no force.
+  // Two threads, so that a pose does not wait for a force.
   ros::AsyncSpinner spinner(2);
   spinner.start();
   while (!asked && ros::ok() && !signals.wait(kLook)) forces.look();

@@ -1,4 +1,5 @@
-/// The node. Ends with 0 when asked to, 2 for bad parameters, 1 for anything else; force zero always last.
+/// The node. Exit status: 0 if asked to end, 2 for bad parameters, 1 for any other error. The last
+/// wrench is always zero.
 #include <ros/ros.h>
 
 #include <atomic>
@@ -13,8 +14,9 @@
 
 namespace {
 
-/// For a node that has not begun. Static objects stay: a thread that still waits for the file system may
-/// use them when it wakes. A master that does not answer is not waited for.
+/// Ends a node that has not started. Static objects are not destroyed, because a thread that still
+/// waits for the file system may use them when it wakes. A master that does not answer is waited
+/// for at most 2 s.
 [[noreturn]] void endAtOnce() {
   constexpr double kPatience = 2.0;  // [s]
   std::thread([] {
@@ -26,9 +28,10 @@ namespace {
 }
 
 int run(int argc, char** argv) {
-  // Waits for the master if there are parameters on the command line; until here a signal just ends it.
+  // init() waits for the master if there are parameters on the command line; until here a signal
+  // just ends the process.
   ros::init(argc, argv, "haptic_cloth", ros::init_options::NoSigintHandler);
-  std::signal(SIGXFSZ, SIG_IGN);  // a state that is too large for a file is no reason to end
+  std::signal(SIGXFSZ, SIG_IGN);  // a state too large for a file must not end the node
   const haptic_cloth::Signals signals;
   std::atomic<bool> asked{false};
   if (!haptic_cloth::waitForMaster(signals)) return 0;

@@ -1,6 +1,6 @@
-/// The nodelet: the node inside another process, for instance beside a device driver. The manager closes its
-/// topics at once when it gets a signal; only an unload sends the last zero wrench. A driver without a
-/// command watchdog of its own is safer with the node.
+/// The nodelet: the node inside another process, for instance that of a device driver. A nodelet
+/// manager that gets a signal closes its topics at once, so only an unload sends the last zero
+/// wrench. A driver without its own watchdog is safer with the node.
 #include <nodelet/nodelet.h>
 
 #include <exception>
@@ -19,14 +19,15 @@ class HapticClothNodelet : public nodelet::Nodelet {
       server_ =
           std::make_unique<HapticClothServer>(getNodeHandle(), private_node, *readParameters(private_node));
     } catch (const std::exception& error) {
-      NODELET_FATAL_STREAM(error.what());  // the manager only says that it failed
+      NODELET_FATAL_STREAM(error.what());  // the manager reports only that loading failed
       throw;
     }
     timer_ = getNodeHandle().createWallTimer(ros::WallDuration(0.1),
                                              [this](const ros::WallTimerEvent&) { check(); });
   }
 
-  /// The nodelet's main: what ends a thread here must not end the manager with all its nodelets.
+  /// Checks the threads. An exception in one of them must not end the manager with all its
+  /// nodelets.
   void check() {
     try {
       if (server_) server_->check();

@@ -1,6 +1,6 @@
-/// A hand that does what the scene says: every probe of the node with a path follows it, and grasps in its
-/// times. Time starts with a reset of the cloth, once the node hears every probe, and is the cloth's: in slow
-/// motion the hand is slow as well.
+/// A hand that follows the scene: every probe with a path follows it and grasps at its times. Time
+/// starts with a reset of the cloth, once the node subscribes to every probe. It is the cloth's
+/// time: in slow motion the hand is slow as well.
 #include <geometry_msgs/PoseStamped.h>
 #include <haptic_cloth/ClothState.h>
 #include <ros/ros.h>
@@ -20,12 +20,13 @@ namespace {
 
 namespace topics = haptic_cloth::topics;
 
-/// Poses sent before the reset: the node must know where each probe is when the cloth starts anew [s].
+/// Duration of poses before the reset: the node must know the place of each probe when the cloth
+/// restarts [s].
 constexpr double kLead = 0.5;
 
 struct PathOptions {
-  std::string node = "haptic_cloth";  ///< whose probes these are; its parameters say which
-  double rate = 1000.0;               ///< poses a second [Hz]
+  std::string node = "haptic_cloth";  ///< node whose parameters name the probes
+  double rate = 1000.0;               ///< poses per second [Hz]
 };
 
 PathOptions readPathOptions(haptic_cloth::ParameterGroup group) {
@@ -36,7 +37,7 @@ PathOptions readPathOptions(haptic_cloth::ParameterGroup group) {
   return options;
 }
 
-/// The cloth's time between two messages that tell it, at the pace of the last.
+/// Estimates the time of the cloth between two state messages, at the pace of the last interval.
 class ClothClock {
  public:
   void hear(double cloth_time) {
@@ -46,7 +47,7 @@ class ClothClock {
     heard_ = cloth_time;
     when_ = now;
   }
-  /// Never backwards, and never far ahead of what was heard.
+  /// Estimated time. It never decreases and is at most 0.1 s ahead of the last message.
   double read() {
     const double ahead = std::min(haptic_cloth::steadyNow() - when_, kAhead);
     time_ = std::max(time_, heard_ + pace_ * ahead);
@@ -113,7 +114,7 @@ int run(int argc, char** argv) {
   const double period = 1.0 / path.rate;
   ClothClock clock;
   bool started = false;
-  ros::Time start;  // what was said before is of the time before the reset
+  ros::Time start;  // states with an earlier stamp are from before the reset
   const ros::Subscriber state = node.subscribe<haptic_cloth::ClothState>(
       topics::kState, topics::kStateQueue, [&](const haptic_cloth::ClothState::ConstPtr& message) {
         if (started && message->header.stamp > start) clock.hear(message->time);
