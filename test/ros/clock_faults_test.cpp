@@ -1,6 +1,7 @@
-/// A simulated clock that jumps to and fro, stands still or never begins. The watchdog and the haptic thread
-/// live by another clock, so a jump must not cost more than the poses that were stamped before it. Criterion:
-/// as in pose_faults_test; the force is felt again without a hand on the node or on the device.
+/// A simulated clock that jumps back and forth, stands still or never starts. Watchdog and haptic
+/// thread use another clock, so a jump may cost no more than the poses stamped before it.
+/// Criterion: as in pose_faults_test; the force returns without any action on the node or the
+/// device.
 #include <geometry_msgs/TransformStamped.h>
 #include <rosgraph_msgs/Clock.h>
 #include <tf2_ros/static_transform_broadcaster.h>
@@ -46,14 +47,14 @@ class TestClock {
 
 class ClockFaultTest : public FaultTest {
  protected:
-  /// @return whether the pressed hand, which does nothing of its own, is felt again
+  /// @return whether the pressing hand, which does not move, feels a force again
   bool comesBack() {
-    sleepUntil(steadyNow() + 0.3);  // the fault is felt at once if at all
+    sleepUntil(steadyNow() + 0.3);  // if the fault is felt, it is felt at once
     return feels();
   }
 };
 
-// Before there is any clock; must be the first.
+// This test needs a node without any clock, so it must be the first.
 TEST_F(ClockFaultTest, WithoutAnyClockThereIsForceAllTheSame) { press(); }
 
 TEST_F(ClockFaultTest, JumpsToAndFro) {
@@ -64,11 +65,11 @@ TEST_F(ClockFaultTest, JumpsToAndFro) {
     SCOPED_TRACE(jump);
     clock.jump(jump);
     EXPECT_TRUE(comesBack());
-    EXPECT_TRUE(waitFor([&] {  // the stamps go on by the new clock
+    EXPECT_TRUE(waitFor([&] {  // the stamps continue with the new clock
       return std::abs((reaction_.last().stamp - ros::Time::now()).toSec()) < 0.05;
     }));
   }
-  // Each of the jumps back by less than a second costs 50 ms of poses at 500 Hz.
+  // Each jump back by less than a second costs 50 ms of poses at 500 Hz.
   EXPECT_TRUE(reaches("dropped: out of order", 10));
   RecordProperty("dropped", static_cast<int>(count("dropped")));
   RecordProperty("stops", static_cast<int>(count("force off: poses stopped")));

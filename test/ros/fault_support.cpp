@@ -17,10 +17,11 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kLateTicks = 5.0;  ///< periods of the rate limit that a late tick may make use of [-]
+constexpr double kLateTicks = 5.0;  ///< periods of the rate limit that a late tick may use [-]
 constexpr double kRoundOff = 1e-9;  ///< [N], [N·m]
-constexpr double kFelt = 0.1;       ///< a force that a hand tells from none [N]
-constexpr double kDownAndUp = 4.0;  ///< patience with one press before the hand is lifted again [s]
+constexpr double kFelt = 0.1;       ///< smallest force that a hand notices [N]
+/// Longest wait in one press before the hand is lifted again [s].
+constexpr double kDownAndUp = 4.0;
 
 }  // namespace
 
@@ -146,8 +147,8 @@ void FaultTest::press() {
 }
 
 bool FaultTest::recovers() {
-  // A probe must have been clear of the cloth to press on it. How long that takes the solver to see is the
-  // machine's business, so the hand tries again.
+  // A press starts with the probe clear of the cloth. The time that the solver needs to see this
+  // depends on the machine, so the hand tries again.
   return waitFor([this] {
     hand_->moveTo(kAbove);
     waitFor([this] { return hand_->arrived(); });

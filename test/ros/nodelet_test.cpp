@@ -31,7 +31,7 @@ TEST(Nodelet, LoadsIsFeltAndUnloadsWithoutForce) {
   TestDevice device(node, Vec3(0.0, 0.0, 0.125));
   ASSERT_TRUE(load("/cloth"));
   const Vec3 above(0.0, 0.0, 0.125), pressed(0.0, 0.0, 0.100);
-  const DiagnosticsListener diagnostics(node);  // a probe must have been clear of the cloth to press on it
+  const DiagnosticsListener diagnostics(node);  // a press starts with the probe clear of the cloth
   ASSERT_TRUE(waitFor([&] { return diagnostics.value("probe", "status") == "free"; }));
   device.moveTo(pressed);
   ASSERT_TRUE(waitFor([&] { return reaction.force().z() > 0.1; }));
@@ -49,7 +49,7 @@ TEST(Nodelet, LoadsIsFeltAndUnloadsWithoutForce) {
 }
 
 TEST(Nodelet, SaysWhyItDoesNotLoad) {
-  // A manager says no more than that it failed.
+  // The manager reports only that loading failed.
   Process alone({"rosrun", "nodelet", "nodelet", "standalone", "haptic_cloth/HapticCloth", "__name:=alone",
                  "_scene_file:=/nowhere.yaml"});
   EXPECT_NE(alone.wait(), 0);

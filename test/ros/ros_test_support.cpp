@@ -130,7 +130,7 @@ Process::Process(const std::vector<std::string>& command, const std::vector<std:
   output_file_ = name;
   pid_ = fork();
   if (pid_ == 0) {
-    dup2(file, STDOUT_FILENO);  // rosconsole sends warnings there
+    dup2(file, STDOUT_FILENO);  // rosconsole prints warnings there
     dup2(file, STDERR_FILENO);
     for (const std::string& entry : environment) {
       const std::size_t equals = entry.find('=');
