@@ -27,7 +27,7 @@ def legend_entries():
 
 
 def draw(path, rows):
-    # Force of the wall (coupling and hand's spring in series): the largest of the quiet rows of a K.
+    # Force of the wall (coupling and hand's spring in series): the largest of quiet rows of a K.
     for row in rows:
         row["full_force"] = max(other["mean_force"] for other in rows
                                 if other["stiffness"] == row["stiffness"] and other["stable"])
