@@ -37,6 +37,8 @@ HapticThread::HapticThread(const NodeOptions& options, const std::vector<ProbePu
 void HapticThread::run() {
   scheduling_ = requestRealTime();
   scheduling_ready_ = true;
+  // Zero comes first, whatever the other threads know by then.
+  tick(steadyNow(), true);
   double due = steadyNow() + period_;
   while (!shared_.stop) {
     sleepUntil(due);
