@@ -19,9 +19,9 @@ int run(int argc, char** argv) {
   ros::init(argc, argv, "device_adapter", ros::init_options::NoSigintHandler);
   const haptic_cloth::Signals signals;
   std::atomic<bool> asked{false};
+  haptic_cloth::answerShutdownCall(asked);
   if (!haptic_cloth::waitForMaster(signals)) return 0;
   ros::NodeHandle node, private_node("~");
-  haptic_cloth::answerShutdownCall(asked);
   XmlRpc::XmlRpcValue parameters;
   private_node.getParam(private_node.getNamespace(), parameters);
   const haptic_cloth::AdapterOptions options = haptic_cloth::readAdapterOptions(

@@ -31,9 +31,9 @@ int run(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a state that is too large for a file is no reason to end
   const haptic_cloth::Signals signals;
   std::atomic<bool> asked{false};
+  haptic_cloth::answerShutdownCall(asked);
   if (!haptic_cloth::waitForMaster(signals)) return 0;
   ros::NodeHandle node, private_node("~");
-  haptic_cloth::answerShutdownCall(asked);
   bool ended = false;
   const auto options = haptic_cloth::readParameters(private_node, [&] {
     ended = asked || !ros::ok() || signals.wait(0);

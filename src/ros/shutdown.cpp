@@ -4,6 +4,8 @@
 #include <ros/master.h>
 #include <ros/xmlrpc_manager.h>
 
+#include <stdexcept>
+
 namespace haptic_cloth {
 
 Signals::Signals() {
@@ -18,12 +20,12 @@ bool Signals::wait(long milliseconds) const {
 }
 
 void answerShutdownCall(std::atomic<bool>& asked) {
-  const auto& manager = ros::XMLRPCManager::instance();
-  manager->unbind("shutdown");
-  manager->bind("shutdown", [&asked](XmlRpc::XmlRpcValue&, XmlRpc::XmlRpcValue& result) {
+  const auto answer = [&asked](XmlRpc::XmlRpcValue&, XmlRpc::XmlRpcValue& result) {
     asked = true;
     result = ros::xmlrpc::responseInt(1, "", 0);
-  });
+  };
+  if (!ros::XMLRPCManager::instance()->bind("shutdown", answer))
+    throw std::logic_error("answerShutdownCall() comes before the first NodeHandle");
 }
 
 bool waitForMaster(const Signals& signals) {

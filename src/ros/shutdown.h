@@ -20,7 +20,9 @@ class Signals {
 };
 
 /// `rosnode kill`, and the master when another node takes this name: sets `asked`. roscpp's own answer would
-/// close the publishers before the last wrench is out.
+/// close the publishers before the last wrench is out. To be called before the first NodeHandle: roscpp then
+/// keeps this answer. Once its server runs, a thread that wants to change an answer has to catch the moment
+/// in which the server does not wait, which takes seconds on a busy machine.
 void answerShutdownCall(std::atomic<bool>& asked);
 
 /// Waits until the master answers. @return false if a signal came first
