@@ -149,6 +149,20 @@ TEST_F(LifecycleTest, ASceneThatCannotBeReadDoesNotKeepTheNodeFromEnding) {
   std::filesystem::remove_all(here);
 }
 
+TEST_F(LifecycleTest, NodesInTwoNamespacesAreToldApart) {
+  const DiagnosticsListener diagnostics(node_);
+  Process left(nodeCommand({"__ns:=left", "_scene_file:=" + kScene}));
+  Process right(nodeCommand({"__ns:=right", "_scene_file:=" + kScene}));
+  for (const std::string& name : {"left/cloth: probe", "right/cloth: probe", "left/cloth: solver"})
+    EXPECT_TRUE(waitFor([&] { return diagnostics.heard(name); })) << name;
+  for (Process* node : {&left, &right}) {
+    node->signal(SIGTERM);
+    EXPECT_EQ(node->wait(), 0) << node->output();
+  }
+  ros::param::del("/left");
+  ros::param::del("/right");
+}
+
 TEST_F(LifecycleTest, BadParametersAreNamed) {
   const std::string scene = "_scene_file:=" + kScene;
   expectRefused({}, "cloth");
