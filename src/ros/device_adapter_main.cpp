@@ -13,7 +13,8 @@
 
 namespace {
 
-constexpr long kLook = 10;  ///< between two looks [ms]
+constexpr long kLook = 10;    ///< between two looks [ms]
+constexpr double kEnd = 5.0;  ///< for the zeros, and for the master to hear of the end [s]
 
 int run(int argc, char** argv) {
   ros::init(argc, argv, "device_adapter", ros::init_options::NoSigintHandler);
@@ -40,6 +41,7 @@ int run(int argc, char** argv) {
   ros::AsyncSpinner spinner(2);
   spinner.start();
   while (!asked && ros::ok() && !signals.wait(kLook)) forces.look();
+  haptic_cloth::endWithin(kEnd);
   forces.end();
   spinner.stop();
   return 0;

@@ -4,23 +4,21 @@
 #include <atomic>
 #include <csignal>
 #include <cstdlib>
-#include <thread>
 
 #include "ros/program.h"
 #include "ros/server.h"
 #include "ros/shutdown.h"
-#include "ros/steady_clock.h"
 
 namespace {
 
+constexpr double kGoodbye = 2.0;  ///< for the master to hear of the end [s]
+/// For all of the end: the force ramps to zero within three seconds, a file is waited for one second.
+constexpr double kEnd = 5.0;  // [s]
+
 /// For a node that has not begun. Static objects stay: a thread that still waits for the file system may
-/// use them when it wakes. A master that does not answer is not waited for.
+/// use them when it wakes.
 [[noreturn]] void endAtOnce() {
-  constexpr double kPatience = 2.0;  // [s]
-  std::thread([] {
-    haptic_cloth::sleepUntil(haptic_cloth::steadyNow() + kPatience);
-    std::_Exit(0);
-  }).detach();
+  haptic_cloth::endWithin(kGoodbye);
   ros::shutdown();
   std::_Exit(0);
 }
@@ -43,6 +41,7 @@ int run(int argc, char** argv) {
   haptic_cloth::HapticClothServer server(node, private_node, *options);
   ROS_INFO("ready");
   while (!asked && ros::ok() && !signals.wait(100)) server.check();
+  haptic_cloth::endWithin(kEnd);
   server.stop();
   return 0;
 }

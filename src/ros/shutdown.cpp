@@ -4,7 +4,11 @@
 #include <ros/master.h>
 #include <ros/xmlrpc_manager.h>
 
+#include <cstdlib>
 #include <stdexcept>
+#include <thread>
+
+#include "ros/steady_clock.h"
 
 namespace haptic_cloth {
 
@@ -26,6 +30,14 @@ void answerShutdownCall(std::atomic<bool>& asked) {
   };
   if (!ros::XMLRPCManager::instance()->bind("shutdown", answer))
     throw std::logic_error("answerShutdownCall() comes before the first NodeHandle");
+}
+
+void endWithin(double seconds) {
+  const double end = steadyNow() + seconds;
+  std::thread([end] {
+    sleepUntil(end);
+    std::_Exit(0);
+  }).detach();
 }
 
 bool waitForMaster(const Signals& signals) {

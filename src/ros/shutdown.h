@@ -25,6 +25,11 @@ class Signals {
 /// in which the server does not wait, which takes seconds on a busy machine.
 void answerShutdownCall(std::atomic<bool>& asked);
 
+/// Ends the process with 0 after `seconds`, should what follows not have done so: a master that does not
+/// answer is waited for without end wherever roscpp asks it for something, also to say goodbye. Static
+/// objects stay.
+void endWithin(double seconds);
+
 /// Waits until the master answers. @return false if a signal came first
 bool waitForMaster(const Signals& signals);
 

@@ -153,7 +153,7 @@ TEST_F(LifecycleTest, NodesInTwoNamespacesAreToldApart) {
   const DiagnosticsListener diagnostics(node_);
   Process left(nodeCommand({"__ns:=left", "_scene_file:=" + kScene}));
   Process right(nodeCommand({"__ns:=right", "_scene_file:=" + kScene}));
-  for (const std::string& name : {"left/cloth: probe", "right/cloth: probe", "left/cloth: solver"})
+  for (const char* const name : {"left/cloth: probe", "right/cloth: probe", "left/cloth: solver"})
     EXPECT_TRUE(waitFor([&] { return diagnostics.heard(name); })) << name;
   for (Process* node : {&left, &right}) {
     node->signal(SIGTERM);
@@ -223,6 +223,19 @@ TEST_F(LifecycleTest, WaitsForTheMasterAndCanBeStoppedMeanwhile) {
   ASSERT_TRUE(waitFor([&] { return process.output().find("waiting") != std::string::npos; }));
   process.signal(SIGTERM);
   EXPECT_EQ(process.wait(), 0);
+}
+
+TEST_F(LifecycleTest, AMasterThatDoesNotAnswerDoesNotKeepTheNodeFromEnding) {
+  OwnMaster master;
+  std::vector<std::string> command = nodeCommand({"_scene_file:=" + kScene});
+  command.insert(command.begin(), {"stdbuf", "-oL"});  // what it says must be read while it runs
+  Process process(command, {"ROS_MASTER_URI=" + master.uri()});
+  ASSERT_TRUE(waitFor([&] { return process.output().find("ready") != std::string::npos; }))
+      << process.output();
+  sleepUntil(steadyNow() + 2.0);  // roscpp asks the master for a parameter while it says so
+  master.signal(SIGSTOP);
+  process.signal(SIGTERM);
+  EXPECT_EQ(process.wait(), 0) << process.output();
 }
 
 TEST_F(LifecycleTest, ANewMasterFindsTheNodeAgain) {

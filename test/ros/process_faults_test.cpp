@@ -176,6 +176,23 @@ TEST_F(ProcessFaultTest, AKilledNodeComesBackByItself) {
   }
 }
 
+TEST_F(ProcessFaultTest, ASlowRampIsNotCutShortByTheEnd) {
+  HapticOptions limits;
+  limits.max_force_rate = 0.4;  // [N/s]: from 0.25 N to zero takes 0.6 s
+  startNode("", "_haptics/max_force_rate:=0.4");
+  press();
+  ASSERT_TRUE(waitFor([this] { return reaction_.force().z() > 0.25; }));
+  reaction_.clear();
+  cloth_->signal(SIGTERM);
+  EXPECT_EQ(cloth_->wait(), 0) << cloth_->output();
+  EXPECT_TRUE(waitFor([this] { return reaction_.force().isZero(0.0); }));
+  const WrenchFindings found = examine(reaction_.all(), limits);
+  EXPECT_EQ(found.too_fast, 0) << "up to " << found.fastest << " N a tick";
+  ros::param::del("/cloth");
+  startNode();
+  press();
+}
+
 TEST_F(ProcessFaultTest, AStoppedNodeGoesOn) {
   startNode();
   press();

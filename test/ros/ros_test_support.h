@@ -114,6 +114,7 @@ class OwnMaster {
   OwnMaster();
   void start();
   void kill();
+  void signal(int number) const { process_->signal(number); }
   /// "http://…" of it.
   std::string uri() const;
   /// @return whether the master knows a node, and answers at all
