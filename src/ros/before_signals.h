@@ -6,8 +6,8 @@
 
 namespace haptic_cloth {
 
-/// While it lives, `rest` is called before SIGINT, SIGTERM or SIGHUP do in this process what they did before:
-/// roscpp closes all topics at once, and a driver would hold the last force for ever.
+/// While it lives, `rest` is called before SIGINT, SIGTERM or SIGHUP do in this process what they
+/// did before: roscpp closes all topics at once, and a driver would hold the last force for ever.
 class BeforeSignals {
  public:
   explicit BeforeSignals(std::function<void()> rest);

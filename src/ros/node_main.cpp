@@ -12,7 +12,8 @@
 namespace {
 
 constexpr double kGoodbye = 2.0;  ///< for the master to hear of the end [s]
-/// For all of the end: the force ramps to zero within three seconds, a file is waited for one second.
+/// For all of the end: the force ramps to zero within three seconds, a file is waited for one
+/// second.
 constexpr double kEnd = 5.0;  // [s]
 
 /// For a node that has not begun. Static objects stay: a thread that still waits for the file system may

@@ -1,6 +1,6 @@
-/// The nodelet: the node inside another process, for instance beside a device driver. An unload and a signal
-/// to the manager send the last zero wrench; `rosnode kill` of the manager closes its topics at once. A
-/// driver without a command watchdog of its own is safer with the node.
+/// The nodelet: the node inside another process, for instance beside a device driver. An unload and
+/// a signal to the manager send the last zero wrench; `rosnode kill` of the manager closes its
+/// topics at once. A driver without a command watchdog of its own is safer with the node.
 #include <nodelet/nodelet.h>
 
 #include <exception>

@@ -59,8 +59,8 @@ class ClothClock {
   double heard_ = 0.0, when_ = 0.0, pace_ = 0.0, time_ = 0.0;
 };
 
-/// Tells news of the cloth that has started anew from what was still under way when it did. By the cloth's
-/// time, since stamps may be of a clock that stands still or runs in a loop.
+/// Tells news of the cloth that has started anew from what was still under way when it did. By the
+/// cloth's time, since stamps may be of a clock that stands still or runs in a loop.
 class FirstNews {
  public:
   void hearBefore(double cloth_time) { before_ = cloth_time; }

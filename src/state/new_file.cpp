@@ -45,9 +45,10 @@ int createUnique(const fs::path& target, std::string& name) {
   return -1;
 }
 
-/// Keeps other runs from giving files in the same folders their names meanwhile: each run's would be whole,
-/// and yet the folder could hold some of either. Whoever holds such a lock for long, for instance flock(1)
-/// around this very program, is not waited for, nor is a file system without locks.
+/// Keeps other runs from giving files in the same folders their names meanwhile: each run's would
+/// be whole, and yet the folder could hold some of either. Whoever holds such a lock for long, for
+/// instance flock(1) around this very program, is not waited for, nor is a file system without
+/// locks.
 class FolderLocks {
  public:
   explicit FolderLocks(const std::set<fs::path>& folders) {  // in their order, the same in all programs

@@ -46,7 +46,8 @@ class TestClock {
   std::thread thread_;
 };
 
-/// What path_hand knows of a node: its parameters, the reset and the cloth's time. In a namespace of its own.
+/// What path_hand knows of a node: its parameters, the reset and the cloth's time. In a namespace
+/// of its own.
 class PathStage {
  public:
   PathStage() : node_("stage") {
@@ -113,7 +114,8 @@ TEST_F(ClockFaultTest, WithoutAnyClockThereIsForceAllTheSame) { press(); }
 
 TEST_F(ClockFaultTest, WithoutAnyClockAPathIsFollowedAllTheSame) {
   PathStage stage;
-  // The cloth's time before the reset, at which the path would be at its end, is not that of the path.
+  // The cloth's time before the reset, at which the path would be at its end, is not that of the
+  // path.
   ASSERT_TRUE(waitFor([&] {
     stage.tell(5.0);
     return stage.wasReset();

@@ -24,8 +24,9 @@ struct HeardWrench {
   boost::shared_ptr<const ros::M_string> connection;  ///< over which it came: another one for each process
 };
 
-/// Most that a node may send as its wrench of this number [N]: its first is zero, then the limit rises as the
-/// soft start lets it and the force at its rate, at most five periods' worth of either a tick (HapticLoop).
+/// Most that a node may send as its wrench of this number [N]: its first is zero, then the limit
+/// rises as the soft start lets it and the force at its rate, at most five periods' worth of either
+/// a tick (HapticLoop).
 double strongestAt(std::uint32_t number, const HapticOptions& limits);
 
 /// What was found in a row of wrenches.

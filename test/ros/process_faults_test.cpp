@@ -166,8 +166,9 @@ TEST_F(ProcessFaultTest, AKilledNodeComesBackByItself) {
     if (signal == SIGTERM) {
       EXPECT_TRUE(last->force.isZero(0.0)) << "zero must be the last";
     }
-    // Its very first wrench need not be heard: whoever listened to the old node connects some 200 ticks after
-    // the new one began, which feels the hand by then. So slow a start still tells it from a full force.
+    // Its very first wrench need not be heard: whoever listened to the old node connects some 200
+    // ticks after the new one began, which feels the hand by then. So slow a start still tells it
+    // from a full force.
     HapticOptions limits;
     limits.soft_start = 30.0;
     EXPECT_LE(first->force.norm(), strongestAt(first->number, limits))
