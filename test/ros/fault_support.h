@@ -20,8 +20,14 @@ struct HeardWrench {
   std::uint32_t number = 0;  ///< the node's count of wrenches: one for each tick, from its start
   ros::Time stamp;           ///< of the pose it answers
   Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
-  double received = 0.0;  ///< steady clock [s]
+  double received = 0.0;                              ///< steady clock [s]
+  boost::shared_ptr<const ros::M_string> connection;  ///< over which it came: another one for each process
 };
+
+/// Most that a node may send as its wrench of this number [N]: its first is zero, then the limit
+/// rises as the soft start lets it and the force at its rate, at most five periods' worth of either
+/// a tick (HapticLoop).
+double strongestAt(std::uint32_t number, const HapticOptions& limits);
 
 /// What was found in a row of wrenches.
 struct WrenchFindings {
@@ -29,6 +35,7 @@ struct WrenchFindings {
   long lost = 0;    ///< numbers that never came: newer ones replaced them in a queue of one
   long starts = 0;  ///< how often the numbers began anew: another process
   long not_finite = 0, too_strong = 0, too_fast = 0;  ///< by force or torque
+  long too_early = 0;                                 ///< starts with more than strongestAt()
   double strongest = 0.0;                             ///< [N]
   double fastest = 0.0;                               ///< largest change over ticks between [N a tick]
 };

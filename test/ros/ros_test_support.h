@@ -12,6 +12,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -77,11 +78,14 @@ class DiagnosticsListener {
   /// "" until it has been heard. @param part "solver", "haptic thread", "display", a probe's name
   std::string value(const std::string& part, const std::string& key) const;
   double number(const std::string& part, const std::string& key) const;
+  /// Whether something of that name, the node's in front, was ever heard of.
+  bool heard(const std::string& name) const;
   long count() const { return count_; }
 
  private:
   mutable std::mutex mutex_;
   std::map<std::string, std::string> values_;
+  std::set<std::string> names_;
   std::atomic<long> count_{0};
   ros::Subscriber subscriber_;  ///< last: its callback uses all above
 };
@@ -110,6 +114,7 @@ class OwnMaster {
   OwnMaster();
   void start();
   void kill();
+  void signal(int number) const { process_->signal(number); }
   /// "http://…" of it.
   std::string uri() const;
   /// @return whether the master knows a node, and answers at all

@@ -1,4 +1,5 @@
-/// What /diagnostics says (REP-107). Pure functions.
+/// What /diagnostics says (REP-107). Pure functions; names are those of the parts, without the
+/// node's.
 #pragma once
 
 #include <diagnostic_msgs/DiagnosticStatus.h>

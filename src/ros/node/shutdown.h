@@ -20,8 +20,15 @@ class Signals {
 };
 
 /// `rosnode kill`, and the master when another node takes this name: sets `asked`. roscpp's own answer would
-/// close the publishers before the last wrench is out.
+/// close the publishers before the last wrench is out. To be called before the first NodeHandle:
+/// roscpp then keeps this answer. Once its server runs, a thread that wants to change an answer has
+/// to catch the moment in which the server does not wait, which takes seconds on a busy machine.
 void answerShutdownCall(std::atomic<bool>& asked);
+
+/// Ends the process with 0 after `seconds`, should what follows not have done so: a master that
+/// does not answer is waited for without end wherever roscpp asks it for something, also to say
+/// goodbye. Static objects stay.
+void endWithin(double seconds);
 
 /// Waits until the master answers. @return false if a signal came first
 bool waitForMaster(const Signals& signals);

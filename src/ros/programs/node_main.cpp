@@ -4,23 +4,22 @@
 #include <atomic>
 #include <csignal>
 #include <cstdlib>
-#include <thread>
 
 #include "ros/node/server.h"
 #include "ros/node/shutdown.h"
-#include "ros/node/steady_clock.h"
 #include "ros/programs/program.h"
 
 namespace {
 
+constexpr double kGoodbye = 2.0;  ///< for the master to hear of the end [s]
+/// For all of the end: the force ramps to zero within three seconds, a file is waited for one
+/// second.
+constexpr double kEnd = 5.0;  // [s]
+
 /// For a node that has not begun. Static objects stay: a thread that still waits for the file system may
-/// use them when it wakes. A master that does not answer is not waited for.
+/// use them when it wakes.
 [[noreturn]] void endAtOnce() {
-  constexpr double kPatience = 2.0;  // [s]
-  std::thread([] {
-    haptic_cloth::sleepUntil(haptic_cloth::steadyNow() + kPatience);
-    std::_Exit(0);
-  }).detach();
+  haptic_cloth::endWithin(kGoodbye);
   ros::shutdown();
   std::_Exit(0);
 }
@@ -31,9 +30,9 @@ int run(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a state that is too large for a file is no reason to end
   const haptic_cloth::Signals signals;
   std::atomic<bool> asked{false};
+  haptic_cloth::answerShutdownCall(asked);
   if (!haptic_cloth::waitForMaster(signals)) return 0;
   ros::NodeHandle node, private_node("~");
-  haptic_cloth::answerShutdownCall(asked);
   bool ended = false;
   const auto options = haptic_cloth::readParameters(private_node, [&] {
     ended = asked || !ros::ok() || signals.wait(0);
@@ -43,6 +42,7 @@ int run(int argc, char** argv) {
   haptic_cloth::HapticClothServer server(node, private_node, *options);
   ROS_INFO("ready");
   while (!asked && ros::ok() && !signals.wait(100)) server.check();
+  haptic_cloth::endWithin(kEnd);
   server.stop();
   return 0;
 }
