@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "ros/steady_clock.h"
+#include "ros/node/steady_clock.h"
 
 namespace haptic_cloth {
 
