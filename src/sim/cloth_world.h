@@ -66,6 +66,9 @@ class ClothWorld {
   double maxSpeed() const;
   const Field& nodes() const { return nodes_; }
 
+  /// By which the next look at the mesh judges the load on its cells; holds until then.
+  LoadEstimate::View loadView();
+
  private:
   void takeStep(StepReport& report);
   bool isIdle() const;
@@ -141,7 +144,7 @@ class ClothWorld {
   std::vector<double> proxy_reach_;           ///< [m]
   std::vector<ContactSet::Reach> touching_;
   FineRegions fine_;
-  std::vector<LoadEstimate::Touch> touches_;  ///< as the last step left them, scratch of planMesh()
+  std::vector<LoadEstimate::Touch> touches_;  ///< of loadView()
   double initial_ = 0.0;                      ///< energy at the start [J]
   double supplied_ = 0.0;                     ///< that and what devices and obstacles have worked since [J]
   double created_ = 0.0;                      ///< by the mesh change of the step in hand [J]
