@@ -73,6 +73,7 @@ class NewFiles {
   NewFile& add(const std::filesystem::path& file) { return files_.emplace_back(file); }
 
   /// Gives all of them their names when all are complete, in the order in which they were added.
+  /// Sets of several programs follow one another: the last one stays, as a whole.
   /// @throws OutputError; then none of them is there
   void publish();
 

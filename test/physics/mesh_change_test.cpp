@@ -62,7 +62,9 @@ struct Change {
 /// Makes the change that a world's next step will make, on copies of mesh, state and memory.
 class Shadow {
  public:
-  explicit Shadow(const ClothWorld& world) : adaptation_(world.scene.adapt, world.grid) {}
+  explicit Shadow(const ClothWorld& world)
+      : adaptation_(world.scene.adapt, world.grid),
+        load_(world.scene.cloth.fabric, world.grid, world.scene.gravity) {}
 
   void setOptions(const AdaptOptions& options) { adaptation_.setOptions(options); }
 
@@ -70,9 +72,12 @@ class Shadow {
   const std::vector<int>& particles() const { return particles_; }
 
   /// To be called once before each step. @return nothing where the mesh stays as it is
-  std::optional<Change> change(const ClothWorld& world, const FineRegions& fine = {}) {
+  std::optional<Change> change(ClothWorld& world, const FineRegions& fine = {}) {
+    const LoadEstimate::View view = world.loadView();
+    load_.begin(view, std::min(world.scene.adapt.refine_above, world.scene.adapt.coarsen_below));
     if (!adaptation_.plan(world.steps, world.nodes(), world.internal, fine, world.leaves, world.mesh,
-                          world.state, [](const Cell&, int) { return 0.0; })) {
+                          world.state,
+                          [&](const Cell& cell, int parts) { return load_.turn(view, cell, parts); })) {
       return std::nullopt;
     }
     const Fabric& fabric = world.scene.cloth.fabric;
@@ -137,6 +142,7 @@ class Shadow {
   }
 
   Adaptation adaptation_;
+  LoadEstimate load_;
   std::vector<int> particles_;
 };
 

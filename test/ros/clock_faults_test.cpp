@@ -3,7 +3,9 @@
 /// Criterion: as in pose_faults_test; the force returns without any action on the node or the
 /// device.
 #include <geometry_msgs/TransformStamped.h>
+#include <haptic_cloth/ClothState.h>
 #include <rosgraph_msgs/Clock.h>
+#include <std_srvs/Empty.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
 #include "fault_support.h"
@@ -45,6 +47,60 @@ class TestClock {
   std::thread thread_;
 };
 
+/// What path_hand knows of a node: its parameters, the reset and the cloth's time. In a namespace
+/// of its own.
+class PathStage {
+ public:
+  PathStage() : node_("stage") {
+    node_.setParam("haptic_cloth/cloth/fabric", "linear");
+    XmlRpc::XmlRpcValue path;  // from x = 0 to 1 m in a second
+    for (int row = 0; row < 2; ++row) {
+      for (int column = 0; column < 4; ++column)
+        path[row][column] = column < 2 ? static_cast<double>(row) : 0.0;
+    }
+    node_.setParam("haptic_cloth/probe/path", path);
+    reset_ = node_.advertiseService("haptic_cloth/reset", &PathStage::reset, this);
+    state_ = node_.advertise<ClothState>("cloth/state", 1);
+    pose_ = node_.subscribe<geometry_msgs::PoseStamped>(
+        "probe/pose", 1,
+        [this](const geometry_msgs::PoseStamped::ConstPtr& pose) { place_ = pose->pose.position.x; });
+    hand_ = std::make_unique<Process>(
+        std::vector<std::string>{programDirectory() + "/path_hand", "__ns:=stage", "__name:=path_hand"});
+  }
+  ~PathStage() { node_.deleteParam("haptic_cloth"); }
+
+  /// Says the cloth's time.
+  void tell(double time) {
+    ClothState state;
+    state.header.stamp = ros::Time::now();
+    state.time = time;
+    state_.publish(state);
+  }
+  /// Says that time until the hand is there. @return whether it is
+  bool comesTo(double place, double time) {
+    return waitFor([&] {
+      tell(time);
+      return std::abs(place_ - place) < 1e-9;
+    });
+  }
+  bool wasReset() const { return reset_done_; }
+  double place() const { return place_; }
+  std::string said() const { return hand_->output(); }
+
+ private:
+  bool reset(std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
+    reset_done_ = true;
+    return true;
+  }
+  ros::NodeHandle node_;
+  ros::ServiceServer reset_;
+  ros::Publisher state_;
+  std::atomic<double> place_{-1.0};
+  std::atomic<bool> reset_done_{false};
+  ros::Subscriber pose_;
+  std::unique_ptr<Process> hand_;
+};
+
 class ClockFaultTest : public FaultTest {
  protected:
   /// @return whether the pressing hand, which does not move, feels a force again
@@ -56,6 +112,30 @@ class ClockFaultTest : public FaultTest {
 
 // This test needs a node without any clock, so it must be the first.
 TEST_F(ClockFaultTest, WithoutAnyClockThereIsForceAllTheSame) { press(); }
+
+TEST_F(ClockFaultTest, WithoutAnyClockAPathIsFollowedAllTheSame) {
+  PathStage stage;
+  // The cloth's time before the reset, at which the path would be at its end, is not that of the
+  // path.
+  ASSERT_TRUE(waitFor([&] {
+    stage.tell(5.0);
+    return stage.wasReset();
+  })) << stage.said();
+  EXPECT_EQ(stage.place(), 0.0);
+  EXPECT_TRUE(stage.comesTo(0.25, 0.25)) << stage.place();
+  EXPECT_TRUE(stage.comesTo(1.0, 1.5)) << stage.place();
+}
+
+TEST_F(ClockFaultTest, APathGoesOnWhenTheClockJumpsBack) {
+  TestClock clock(node_, 1000.0);
+  ASSERT_TRUE(waitFor([] { return ros::Time::now().toSec() > 999.0; }));
+  PathStage stage;
+  ASSERT_TRUE(waitFor([&] { return stage.wasReset(); })) << stage.said();
+  clock.jump(-500.0);
+  ASSERT_TRUE(waitFor([] { return ros::Time::now().toSec() < 600.0; }));
+  EXPECT_TRUE(stage.comesTo(0.25, 0.25)) << stage.place();
+  EXPECT_TRUE(stage.comesTo(1.0, 1.5)) << stage.place();
+}
 
 TEST_F(ClockFaultTest, JumpsToAndFro) {
   TestClock clock(node_, 1000.0);

@@ -25,6 +25,11 @@ constexpr double kDownAndUp = 4.0;
 
 }  // namespace
 
+double strongestAt(std::uint32_t number, const HapticOptions& limits) {
+  const double rate = std::min(limits.max_force_rate, limits.max_force / limits.soft_start);
+  return std::min(limits.max_force, number * kLateTicks * rate / limits.rate);
+}
+
 WrenchFindings examine(const std::vector<HeardWrench>& wrenches, const HapticOptions& limits) {
   WrenchFindings found;
   const double step = kLateTicks * limits.max_force_rate / limits.rate;
@@ -45,6 +50,7 @@ WrenchFindings examine(const std::vector<HeardWrench>& wrenches, const HapticOpt
       found.too_fast += change > step + kRoundOff || torque_change > torque_step + kRoundOff;
     } else {
       ++found.starts;
+      found.too_early += wrench.force.norm() > strongestAt(wrench.number, limits) + kRoundOff;
     }
     last = &wrench;
   }
@@ -52,16 +58,23 @@ WrenchFindings examine(const std::vector<HeardWrench>& wrenches, const HapticOpt
 }
 
 ReactionRecord::ReactionRecord(ros::NodeHandle& node, const std::string& topic) {
-  const auto keep = [this](const geometry_msgs::WrenchStamped::ConstPtr& message) {
-    const auto& [force, torque] = message->wrench;
+  using Event = ros::MessageEvent<const geometry_msgs::WrenchStamped>;
+  ros::SubscribeOptions options;
+  options.initByFullCallbackType<const Event&>(topic, 1000, [this](const Event& event) {
+    const geometry_msgs::WrenchStamped& message = *event.getMessage();
+    const auto& [force, torque] = message.wrench;
     const std::lock_guard<std::mutex> lock(mutex_);
-    last_ = {message->header.seq, message->header.stamp, Vec3(force.x, force.y, force.z),
-             Vec3(torque.x, torque.y, torque.z), steadyNow()};
+    last_ = {message.header.seq,
+             message.header.stamp,
+             Vec3(force.x, force.y, force.z),
+             Vec3(torque.x, torque.y, torque.z),
+             steadyNow(),
+             event.getConnectionHeaderPtr()};
     wrenches_.push_back(last_);
     ++count_;
-  };
-  subscriber_ = node.subscribe<geometry_msgs::WrenchStamped>(topic, 1000, keep, ros::VoidConstPtr(),
-                                                             ros::TransportHints().tcpNoDelay());
+  });
+  options.transport_hints = ros::TransportHints().tcpNoDelay();
+  subscriber_ = node.subscribe(options);
 }
 
 std::vector<HeardWrench> ReactionRecord::all() const {
@@ -177,6 +190,7 @@ WrenchFindings FaultTest::expectSound() {
   EXPECT_EQ(found.not_finite, 0);
   EXPECT_EQ(found.too_strong, 0) << "up to " << found.strongest << " N";
   EXPECT_EQ(found.too_fast, 0) << "up to " << found.fastest << " N a tick";
+  EXPECT_EQ(found.too_early, 0) << "a node must begin with zero";
   RecordProperty("wrenches", static_cast<int>(found.heard));
   RecordProperty("wrenches_lost", static_cast<int>(found.lost));
   RecordProperty("strongest_N", std::to_string(found.strongest));

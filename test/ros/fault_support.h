@@ -21,8 +21,14 @@ struct HeardWrench {
   std::uint32_t number = 0;  ///< the node's count of wrenches: one per tick since its start
   ros::Time stamp;           ///< stamp of the pose it answers
   Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
-  double received = 0.0;  ///< steady clock [s]
+  double received = 0.0;                              ///< steady clock [s]
+  boost::shared_ptr<const ros::M_string> connection;  ///< over which it came: another one for each process
 };
+
+/// Largest wrench that a node may send with this number [N]. Its first wrench is zero. Then the limit
+/// rises with the soft start and the force at its rate, by at most five periods of either per tick
+/// (HapticLoop).
+double strongestAt(std::uint32_t number, const HapticOptions& limits);
 
 /// Findings about a series of wrenches.
 struct WrenchFindings {
@@ -31,6 +37,7 @@ struct WrenchFindings {
   long lost = 0;
   long starts = 0;  ///< how often the numbers started again: another process
   long not_finite = 0, too_strong = 0, too_fast = 0;  ///< by force or by torque
+  long too_early = 0;                                 ///< starts with more than strongestAt()
   double strongest = 0.0;                             ///< [N]
   double fastest = 0.0;  ///< largest change, divided by the ticks between [N per tick]
 };

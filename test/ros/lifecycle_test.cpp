@@ -150,6 +150,20 @@ TEST_F(LifecycleTest, ASceneThatCannotBeReadDoesNotKeepTheNodeFromEnding) {
   std::filesystem::remove_all(here);
 }
 
+TEST_F(LifecycleTest, NodesInTwoNamespacesAreToldApart) {
+  const DiagnosticsListener diagnostics(node_);
+  Process left(nodeCommand({"__ns:=left", "_scene_file:=" + kScene}));
+  Process right(nodeCommand({"__ns:=right", "_scene_file:=" + kScene}));
+  for (const char* const name : {"left/cloth: probe", "right/cloth: probe", "left/cloth: solver"})
+    EXPECT_TRUE(waitFor([&] { return diagnostics.heard(name); })) << name;
+  for (Process* node : {&left, &right}) {
+    node->signal(SIGTERM);
+    EXPECT_EQ(node->wait(), 0) << node->output();
+  }
+  ros::param::del("/left");
+  ros::param::del("/right");
+}
+
 TEST_F(LifecycleTest, BadParametersAreNamed) {
   const std::string scene = "_scene_file:=" + kScene;
   expectRefused({}, "cloth");
@@ -211,6 +225,19 @@ TEST_F(LifecycleTest, WaitsForTheMasterAndCanBeStoppedMeanwhile) {
   ASSERT_TRUE(waitFor([&] { return process.output().find("waiting") != std::string::npos; }));
   process.signal(SIGTERM);
   EXPECT_EQ(process.wait(), 0);
+}
+
+TEST_F(LifecycleTest, AMasterThatDoesNotAnswerDoesNotKeepTheNodeFromEnding) {
+  OwnMaster master;
+  std::vector<std::string> command = nodeCommand({"_scene_file:=" + kScene});
+  command.insert(command.begin(), {"stdbuf", "-oL"});  // what it says must be read while it runs
+  Process process(command, {"ROS_MASTER_URI=" + master.uri()});
+  ASSERT_TRUE(waitFor([&] { return process.output().find("ready") != std::string::npos; }))
+      << process.output();
+  sleepUntil(steadyNow() + 2.0);  // roscpp asks the master for a parameter while it says so
+  master.signal(SIGSTOP);
+  process.signal(SIGTERM);
+  EXPECT_EQ(process.wait(), 0) << process.output();
 }
 
 TEST_F(LifecycleTest, ANewMasterFindsTheNodeAgain) {

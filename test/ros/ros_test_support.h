@@ -13,6 +13,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -79,11 +80,14 @@ class DiagnosticsListener {
   /// "display" or the name of a probe
   std::string value(const std::string& part, const std::string& key) const;
   double number(const std::string& part, const std::string& key) const;
+  /// Whether something of that name, the node's in front, was ever heard of.
+  bool heard(const std::string& name) const;
   long count() const { return count_; }
 
  private:
   mutable std::mutex mutex_;
   std::map<std::string, std::string> values_;
+  std::set<std::string> names_;
   std::atomic<long> count_{0};
   ros::Subscriber subscriber_;  ///< last member: its callback uses all members above
 };
@@ -112,6 +116,7 @@ class OwnMaster {
   OwnMaster();
   void start();
   void kill();
+  void signal(int number) const { process_->signal(number); }
   /// URI of the master, "http://…".
   std::string uri() const;
   /// @return whether the master answers and knows a node

@@ -1,4 +1,4 @@
-/// Content of /diagnostics (REP-107). Pure functions.
+/// Content of /diagnostics (REP-107). Pure functions. Names are those of the parts, without the node's.
 #pragma once
 
 #include <diagnostic_msgs/DiagnosticStatus.h>

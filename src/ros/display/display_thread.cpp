@@ -120,6 +120,8 @@ void DisplayThread::publishDiagnostics(double now) {
   for (const ObstacleTopics& obstacle : sources_.obstacles) {
     array.status.push_back(obstacleStatus(obstacle.name(), obstacle.counters(), now));
   }
+  for (diagnostic_msgs::DiagnosticStatus& status : array.status)
+    status.name = sources_.name + ": " + status.name;
   publishers_.diagnostics.publish(array);
 }
 

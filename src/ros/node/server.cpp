@@ -84,7 +84,7 @@ class HapticClothServer::Implementation {
         obstacles_(offerObstacles()),
         haptics_(options_, publishers(), shared_),
         master_(services()),
-        display_(options_, advertise(node_), {probes_, obstacles_, haptics_, master_}, shared_),
+        display_(options_, advertise(node_), {name(), probes_, obstacles_, haptics_, master_}, shared_),
         pose_spinner_(1, &pose_queue_) {
     warn();
     offerServices();
@@ -155,6 +155,9 @@ class HapticClothServer::Implementation {
     for (const ProbeTopics& probe : probes_) publishers.push_back({probe.reaction(), probe.command()});
     return publishers;
   }
+
+  /// Without the first slash. A nodelet's is not that of its process.
+  std::string name() const { return private_node_.getNamespace().substr(1); }
 
   /// Full names of all services of this node.
   std::vector<std::string> services() const {

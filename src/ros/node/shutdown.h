@@ -22,8 +22,15 @@ class Signals {
 
 /// Makes the shutdown call set `asked`. `rosnode kill` and the master, when another node takes this
 /// name, send that call. roscpp's own handler would close the publishers before the last wrench is
-/// sent.
+/// sent. Call this before the first NodeHandle, so that roscpp keeps this handler. Once its server
+/// runs, a handler can only be changed while the server does not wait, which takes seconds on a busy
+/// machine.
 void answerShutdownCall(std::atomic<bool>& asked);
+
+/// Ends the process with 0 after `seconds`, should what follows not have done so: a master that
+/// does not answer is waited for without end wherever roscpp asks it for something, also to say
+/// goodbye. Static objects stay.
+void endWithin(double seconds);
 
 /// Waits until the master answers. @return false if a signal came first
 bool waitForMaster(const Signals& signals);

@@ -190,12 +190,14 @@ class Diagnostics {
         topics::kDiagnostics, topics::kDiagnosticsQueue,
         [this](const diagnostic_msgs::DiagnosticArray::ConstPtr& array) {
           for (const auto& status : array->status) {
-            for (const auto& entry : status.values) values_[status.name + ": " + entry.key] = entry.value;
+            const std::string part = status.name.substr(
+                std::min(status.name.size(), status.name.find(": ") + 2));  // after the node's name
+            for (const auto& entry : status.values) values_[part + ": " + entry.key] = entry.value;
           }
         });
   }
   std::string text(const std::string& key) const {
-    const auto entry = values_.find("haptic_cloth: " + key);
+    const auto entry = values_.find(key);
     return entry == values_.end() ? "" : entry->second;
   }
   double number(const std::string& key) const {

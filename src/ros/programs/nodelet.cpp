@@ -1,12 +1,15 @@
-/// The nodelet: the node inside another process, for instance that of a device driver. A nodelet
-/// manager that gets a signal closes its topics at once, so only an unload sends the last zero
-/// wrench. A driver without its own watchdog is safer with the node.
+/// The nodelet: the node inside another process, for instance that of a device driver. An unload and
+/// a signal to the manager send the last zero wrench; `rosnode kill` of the manager closes its
+/// topics at once. A driver without its own watchdog is safer with the node.
 #include <nodelet/nodelet.h>
 
 #include <exception>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "ros/node/before_signals.h"
 #include "ros/node/server.h"
 
 namespace haptic_cloth {
@@ -22,6 +25,10 @@ class HapticClothNodelet : public nodelet::Nodelet {
       NODELET_FATAL_STREAM(error.what());  // the manager reports only that loading failed
       throw;
     }
+    before_signals_.emplace([this] {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      server_->stop();
+    });
     timer_ = getNodeHandle().createWallTimer(ros::WallDuration(0.1),
                                              [this](const ros::WallTimerEvent&) { check(); });
   }
@@ -30,14 +37,18 @@ class HapticClothNodelet : public nodelet::Nodelet {
   /// nodelets.
   void check() {
     try {
+      const std::lock_guard<std::mutex> lock(mutex_);
       if (server_) server_->check();
     } catch (const std::exception& error) {
       NODELET_FATAL_STREAM("stopped: " << error.what());
+      before_signals_.reset();
       server_.reset();
     }
   }
 
+  std::mutex mutex_;  ///< a check and a stop come from two threads
   std::unique_ptr<HapticClothServer> server_;
+  std::optional<BeforeSignals> before_signals_;  ///< after what it stops
   ros::WallTimer timer_;
 };
 

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <limits>
 
 #include "ros/node/conversions.h"
 #include "ros/node/steady_clock.h"
@@ -57,6 +58,23 @@ class ClothClock {
  private:
   static constexpr double kAhead = 0.1;  ///< [s]
   double heard_ = 0.0, when_ = 0.0, pace_ = 0.0, time_ = 0.0;
+};
+
+/// Tells news of the cloth that has started anew from what was still under way when it did. By the
+/// cloth's time, since stamps may be of a clock that stands still or runs in a loop.
+class FirstNews {
+ public:
+  void hearBefore(double cloth_time) { before_ = cloth_time; }
+  bool isNew(double cloth_time) {
+    begun_ = begun_ || cloth_time < before_ || ++doubtful_ > kUnderWay;
+    return begun_;
+  }
+
+ private:
+  static constexpr int kUnderWay = 2;  ///< messages at most: one in each of the two queues
+  double before_ = std::numeric_limits<double>::infinity();
+  int doubtful_ = 0;
+  bool begun_ = false;
 };
 
 /// One probe on its path.
@@ -113,11 +131,12 @@ int run(int argc, char** argv) {
   }
   const double period = 1.0 / path.rate;
   ClothClock clock;
+  FirstNews news;
   bool started = false;
-  ros::Time start;  // states with an earlier stamp are from before the reset
   const ros::Subscriber state = node.subscribe<haptic_cloth::ClothState>(
       topics::kState, topics::kStateQueue, [&](const haptic_cloth::ClothState::ConstPtr& message) {
-        if (started && message->header.stamp > start) clock.hear(message->time);
+        if (!started) news.hearBefore(message->time);
+        if (started && news.isNew(message->time)) clock.hear(message->time);
       });
   double lead = kLead, due = haptic_cloth::steadyNow();
   while (ros::ok()) {
@@ -129,7 +148,6 @@ int run(int argc, char** argv) {
       std_srvs::Empty empty;
       started = ros::service::call(served + "/" + topics::kReset, empty);
       due = haptic_cloth::steadyNow();
-      start = ros::Time::now();
     }
     ros::spinOnce();
     for (PathProbe& probe : probes) probe.step(started ? clock.read() : 0.0);

@@ -250,7 +250,7 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
   FeltForce felt;
   const auto probe = [&] { return probeStatus("thumb", counters, felt, GraspState::Closed, 10.0); };
   EXPECT_EQ(probe().level, DiagnosticStatus::OK);
-  EXPECT_EQ(probe().name, "haptic_cloth: thumb");
+  EXPECT_EQ(probe().name, "thumb");
   counters.received = 5;
   EXPECT_EQ(probe().level, DiagnosticStatus::OK);
   counters.late = 2;
