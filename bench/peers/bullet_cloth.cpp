@@ -28,7 +28,7 @@ namespace {
 constexpr double kProbeMass = 10.0;
 constexpr int kHashSize = 65537;  // size of the hash table of grid cells
 constexpr double kVoxel = 0.004;  // largest spacing of the grid of a solid's distances [m]
-// Where secants are taken.
+// Values at which secants are taken: strain, angle [rad], curvature [1/m].
 constexpr double kStrainOfUse = 0.01, kAngleOfUse = 0.05, kCurvatureOfUse = 100.0;
 constexpr double kMostTurn = 1.0;  // [rad]
 

@@ -47,8 +47,8 @@ class TestClock {
   std::thread thread_;
 };
 
-/// What path_hand knows of a node: its parameters, the reset and the cloth's time. In a namespace
-/// of its own.
+/// The part of a node that path_hand uses: its parameters, the reset and the cloth's time. It has
+/// its own namespace.
 class PathStage {
  public:
   PathStage() : node_("stage") {
@@ -69,14 +69,14 @@ class PathStage {
   }
   ~PathStage() { node_.deleteParam("haptic_cloth"); }
 
-  /// Says the cloth's time.
+  /// Publishes the cloth's time.
   void tell(double time) {
     ClothState state;
     state.header.stamp = ros::Time::now();
     state.time = time;
     state_.publish(state);
   }
-  /// Says that time until the hand is there. @return whether it is
+  /// Publishes this time until the hand reaches the place. @return whether it does
   bool comesTo(double place, double time) {
     return waitFor([&] {
       tell(time);
@@ -115,7 +115,7 @@ TEST_F(ClockFaultTest, WithoutAnyClockThereIsForceAllTheSame) { press(); }
 
 TEST_F(ClockFaultTest, WithoutAnyClockAPathIsFollowedAllTheSame) {
   PathStage stage;
-  // The cloth's time before the reset, at which the path would be at its end, is not that of the
+  // The cloth's time before the reset, which would be the end of the path, is not the time of the
   // path.
   ASSERT_TRUE(waitFor([&] {
     stage.tell(5.0);

@@ -21,13 +21,14 @@ struct HeardWrench {
   std::uint32_t number = 0;  ///< the node's count of wrenches: one per tick since its start
   ros::Time stamp;           ///< stamp of the pose it answers
   Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
-  double received = 0.0;                              ///< steady clock [s]
-  boost::shared_ptr<const ros::M_string> connection;  ///< over which it came: another one for each process
+  double received = 0.0;  ///< steady clock [s]
+  /// connection on which it came; one per process
+  boost::shared_ptr<const ros::M_string> connection;
 };
 
-/// Largest wrench that a node may send with this number [N]. Its first wrench is zero. Then the limit
-/// rises with the soft start and the force at its rate, by at most five periods of either per tick
-/// (HapticLoop).
+/// Largest wrench that a node may send with this number [N]. Its first wrench is zero. Then the
+/// limit rises with the soft start and the force at its rate, by at most five periods of either per
+/// tick (HapticLoop).
 double strongestAt(std::uint32_t number, const HapticOptions& limits);
 
 /// Findings about a series of wrenches.

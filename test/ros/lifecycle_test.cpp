@@ -234,7 +234,7 @@ TEST_F(LifecycleTest, AMasterThatDoesNotAnswerDoesNotKeepTheNodeFromEnding) {
   Process process(command, {"ROS_MASTER_URI=" + master.uri()});
   ASSERT_TRUE(waitFor([&] { return process.output().find("ready") != std::string::npos; }))
       << process.output();
-  sleepUntil(steadyNow() + 2.0);  // roscpp asks the master for a parameter while it says so
+  sleepUntil(steadyNow() + 2.0);  // roscpp asks the master for a parameter while it logs this
   master.signal(SIGSTOP);
   process.signal(SIGTERM);
   EXPECT_EQ(process.wait(), 0) << process.output();

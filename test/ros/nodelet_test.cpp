@@ -50,7 +50,7 @@ TEST(Nodelet, LoadsIsFeltAndUnloadsWithoutForce) {
   EXPECT_TRUE(waitFor([&] { return reaction.force().z() > 0.1; }));
 }
 
-/// A manager of its own, which gets a signal while a nodelet of it is felt.
+/// A separate manager that gets a signal while its nodelet is felt.
 class ManagerEnds : public testing::TestWithParam<int> {};
 
 TEST_P(ManagerEnds, WithoutForce) {

@@ -88,7 +88,7 @@ RampDown rampDown(const std::vector<HeardWrench>& wrenches) {
   return found;
 }
 
-/// The last wrench before those of another node; the end where all are of one.
+/// The last wrench before those of another node; the end if all are from one node.
 std::vector<HeardWrench>::const_iterator lastOfFirstNode(const std::vector<HeardWrench>& wrenches) {
   const auto other = [](const HeardWrench& a, const HeardWrench& b) { return a.connection != b.connection; };
   return std::adjacent_find(wrenches.begin(), wrenches.end(), other);
@@ -169,9 +169,9 @@ TEST_F(ProcessFaultTest, AKilledNodeComesBackByItself) {
     if (signal == SIGTERM) {
       EXPECT_TRUE(last->force.isZero(0.0)) << "zero must be the last";
     }
-    // Its very first wrench need not be heard: whoever listened to the old node connects some 200
-    // ticks after the new one began, which feels the hand by then. So slow a start still tells it
-    // from a full force.
+    // The first wrench of the new node may be missed: a subscriber of the old node connects about
+    // 200 ticks after the new one starts, and that node feels the hand by then. The slow soft start
+    // still separates this force from a full one.
     HapticOptions limits;
     limits.soft_start = 30.0;
     EXPECT_LE(first->force.norm(), strongestAt(first->number, limits))

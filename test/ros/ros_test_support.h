@@ -80,7 +80,7 @@ class DiagnosticsListener {
   /// "display" or the name of a probe
   std::string value(const std::string& part, const std::string& key) const;
   double number(const std::string& part, const std::string& key) const;
-  /// Whether something of that name, the node's in front, was ever heard of.
+  /// Whether a status with this name, which includes the node's, was ever received.
   bool heard(const std::string& name) const;
   long count() const { return count_; }
 

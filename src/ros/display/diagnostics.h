@@ -1,4 +1,5 @@
-/// Content of /diagnostics (REP-107). Pure functions. Names are those of the parts, without the node's.
+/// Content of /diagnostics (REP-107). Pure functions. Names are those of the parts, without the
+/// node's name.
 #pragma once
 
 #include <diagnostic_msgs/DiagnosticStatus.h>

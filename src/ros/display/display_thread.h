@@ -24,7 +24,7 @@ struct DisplayPublishers {
 
 /// The parts of the node that the display thread reports on.
 struct DisplaySources {
-  std::string name;  ///< the node's, in front of each of its diagnostics as other nodes have them, too
+  std::string name;  ///< name of the node, put before the name of each status
   const std::deque<ProbeTopics>& probes;
   const std::deque<ObstacleTopics>& obstacles;
   const HapticThread& haptics;

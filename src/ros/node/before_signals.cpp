@@ -16,7 +16,7 @@ namespace {
 
 using Rests = std::list<std::function<void()>>;
 
-/// One for the process. Never destroyed: a signal may come at any time.
+/// Relay of signals, one per process. It is never destroyed, because a signal may come at any time.
 class Relay {
  public:
   static Relay& instance() {
@@ -48,7 +48,7 @@ class Relay {
     std::thread([this] { watch(); }).detach();
   }
 
-  /// All that a handler may do: another thread does the work.
+  /// Signal handler. It only wakes the thread that does the work.
   static void handle(int signal) {
     const int error = errno;
     instance().came_ = signal;
@@ -84,7 +84,7 @@ class Relay {
     for (Taken& entry : signals_) {
       struct sigaction now {};
       sigaction(entry.signal, nullptr, &now);
-      // Whoever has taken it since has it.
+      // A handler that was installed since then stays.
       if (entry.taken && now.sa_handler == handle) sigaction(entry.signal, &entry.before, nullptr);
       entry.taken = false;
     }

@@ -1,4 +1,4 @@
-/// Signals that end a process which is not ours, as the manager of a nodelet.
+/// Signals that end a process of others, such as the manager of a nodelet.
 #pragma once
 
 #include <functional>
@@ -6,12 +6,13 @@
 
 namespace haptic_cloth {
 
-/// While it lives, `rest` is called before SIGINT, SIGTERM or SIGHUP do in this process what they
-/// did before: roscpp closes all topics at once, and a driver would hold the last force for ever.
+/// During its lifetime `rest` is called before SIGINT, SIGTERM or SIGHUP have their former effect
+/// in this process. In roscpp that effect closes all topics at once, and a driver would hold the
+/// last force for ever.
 class BeforeSignals {
  public:
   explicit BeforeSignals(std::function<void()> rest);
-  /// Waits for `rest` where that is being called.
+  /// Waits for `rest` if it is running.
   ~BeforeSignals();
   BeforeSignals(const BeforeSignals&) = delete;
   BeforeSignals& operator=(const BeforeSignals&) = delete;

@@ -156,7 +156,7 @@ class HapticClothServer::Implementation {
     return publishers;
   }
 
-  /// Without the first slash. A nodelet's is not that of its process.
+  /// Name without the first slash. A nodelet's name differs from that of its process.
   std::string name() const { return private_node_.getNamespace().substr(1); }
 
   /// Full names of all services of this node.

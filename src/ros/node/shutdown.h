@@ -23,13 +23,12 @@ class Signals {
 /// Makes the shutdown call set `asked`. `rosnode kill` and the master, when another node takes this
 /// name, send that call. roscpp's own handler would close the publishers before the last wrench is
 /// sent. Call this before the first NodeHandle, so that roscpp keeps this handler. Once its server
-/// runs, a handler can only be changed while the server does not wait, which takes seconds on a busy
-/// machine.
+/// runs, a handler can only be changed while the server does not wait, which takes seconds on a
+/// busy machine.
 void answerShutdownCall(std::atomic<bool>& asked);
 
-/// Ends the process with 0 after `seconds`, should what follows not have done so: a master that
-/// does not answer is waited for without end wherever roscpp asks it for something, also to say
-/// goodbye. Static objects stay.
+/// Ends the process with 0 if it still runs after `seconds`. Without it roscpp could wait for ever
+/// for a master that does not answer, even to sign off. Static objects are not destroyed.
 void endWithin(double seconds);
 
 /// Waits until the master answers. @return false if a signal came first

@@ -1,5 +1,5 @@
-/// Private parameters of the node: a scene and how to run it. config/node.yaml repeats the defaults,
-/// and a test compares them.
+/// Private parameters of the node: a scene and how to run it. config/node.yaml repeats the
+/// defaults, and a test compares them.
 #pragma once
 
 #include <xmlrpcpp/XmlRpcValue.h>

@@ -1,5 +1,5 @@
-/// The nodelet: the node inside another process, for instance that of a device driver. An unload and
-/// a signal to the manager send the last zero wrench; `rosnode kill` of the manager closes its
+/// The nodelet: the node inside another process, for instance that of a device driver. An unload
+/// and a signal to the manager send the last zero wrench; `rosnode kill` of the manager closes its
 /// topics at once. A driver without its own watchdog is safer with the node.
 #include <nodelet/nodelet.h>
 
@@ -46,9 +46,9 @@ class HapticClothNodelet : public nodelet::Nodelet {
     }
   }
 
-  std::mutex mutex_;  ///< a check and a stop come from two threads
+  std::mutex mutex_;  ///< because check() and stop() are called by two threads
   std::unique_ptr<HapticClothServer> server_;
-  std::optional<BeforeSignals> before_signals_;  ///< after what it stops
+  std::optional<BeforeSignals> before_signals_;  ///< destroyed before server_, which it stops
   ros::WallTimer timer_;
 };
 

@@ -60,8 +60,8 @@ class ClothClock {
   double heard_ = 0.0, when_ = 0.0, pace_ = 0.0, time_ = 0.0;
 };
 
-/// Tells news of the cloth that has started anew from what was still under way when it did. By the
-/// cloth's time, since stamps may be of a clock that stands still or runs in a loop.
+/// Separates states of the restarted cloth from states sent before its reset. It uses the cloth's
+/// time, because stamps may be from a clock that stands still or runs in a loop.
 class FirstNews {
  public:
   void hearBefore(double cloth_time) { before_ = cloth_time; }
@@ -71,7 +71,8 @@ class FirstNews {
   }
 
  private:
-  static constexpr int kUnderWay = 2;  ///< messages at most: one in each of the two queues
+  /// largest number of messages on the way: one in each of the two queues
+  static constexpr int kUnderWay = 2;
   double before_ = std::numeric_limits<double>::infinity();
   int doubtful_ = 0;
   bool begun_ = false;

@@ -75,7 +75,8 @@ TEST_F(DeviceMapTest, TheFeltStiffnessIsThatOfTheCouplingTimesBothScales) {
     const DeviceOptions options = device();
     HapticOptions haptics;
     haptics.coupling_stiffness = number(100.0, 1000.0);
-    const Vec3 direction = vector().normalized(), step = 0.01 / options.position_unit * direction;  // 10 mm
+    // The step is 10 mm.
+    const Vec3 direction = vector().normalized(), step = 0.01 / options.position_unit * direction;
     const auto feel = [&](const Vec3& position) {
       const Vec3 force = haptics.coupling_stiffness * (Vec3(0.1, 0.2, 0.3) - placed(options, position));
       return Vec3(options.force_axes * forceForDriver(options, Quat::Identity(), force));
@@ -211,7 +212,8 @@ TEST(UnitCheck, SpeedAloneIsEnoughButNotOneJump) {
     EXPECT_EQ(check.look(Vec3(k < 500 ? -2.0 : 2.0, 0, 0), k * 1e-3), UnitDoubt::None);
   UnitCheck fast(0.0);
   UnitDoubt doubt = UnitDoubt::None;
-  for (int k = 0; k < 200; ++k) doubt = fast.look(Vec3(0.02 * k, 0, 0), k * 1e-3);  // 20 m/s, 4 m at the end
+  // The speed is 20 m/s, and the end is at 4 m.
+  for (int k = 0; k < 200; ++k) doubt = fast.look(Vec3(0.02 * k, 0, 0), k * 1e-3);
   EXPECT_EQ(doubt, UnitDoubt::TooFast);
   EXPECT_EQ(fast.look(Vec3(4.0, 0, 0), 10.0), UnitDoubt::TooFast) << "the doubt stays";
 }
