@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs, builds, tests and reads every result, because catkin and rostest can pass without a test.
+# Installs, builds, tests and reads every result, because catkin and rostest can pass untested code.
 # The last line is ctest's, unless results contradict it. Usage: scripts/test.sh [--no-install]
 set -euo pipefail
 case "${1:-}" in -h | --help) sed -n 2,3p "$0"; exit 0 ;; esac
