@@ -4,7 +4,7 @@
 ///   stretch   distance along warp and weft, stiffness the secant of the fabric's law
 ///   shear     distances along both diagonals of a cell
 ///   bending   x_l - 2 x_c + x_r on a thread [Kelager et al. 2010], quadratic in the curvature
-///   contact   projection out of the solids, friction by taking back slip up to μ times the depth
+///   contact   projection out of the solids, friction removes slip up to μ times the depth
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,7 +17,8 @@ namespace peers {
 namespace {
 
 constexpr int kDefaultSubsteps = 20;
-constexpr double kLeastStrain = 1e-5, kLeastCurvature = 1e-2, kLeastAngle = 1e-4;  // of a secant
+constexpr double kLeastStrain = 1e-5, kLeastCurvature = 1e-2,
+                 kLeastAngle = 1e-4;  // least arguments of a secant
 
 /// Secant stiffness of a law; one number per sign if the law is straight.
 struct Stiffness {

@@ -230,7 +230,7 @@ TEST_F(LifecycleTest, WaitsForTheMasterAndCanBeStoppedMeanwhile) {
 TEST_F(LifecycleTest, AMasterThatDoesNotAnswerDoesNotKeepTheNodeFromEnding) {
   OwnMaster master;
   std::vector<std::string> command = nodeCommand({"_scene_file:=" + kScene});
-  command.insert(command.begin(), {"stdbuf", "-oL"});  // what it says must be read while it runs
+  command.insert(command.begin(), {"stdbuf", "-oL"});  // so its output can be read while it runs
   Process process(command, {"ROS_MASTER_URI=" + master.uri()});
   ASSERT_TRUE(waitFor([&] { return process.output().find("ready") != std::string::npos; }))
       << process.output();
