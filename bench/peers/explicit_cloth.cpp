@@ -14,7 +14,7 @@ namespace haptic_cloth {
 namespace peers {
 namespace {
 
-constexpr double kSlipSpeed = 3e-4;  // friction is regularised below this speed [m/s], as in the package
+constexpr double kSlipSpeed = 3e-4;  // below it friction is regularised, as in the package [m/s]
 constexpr double kSafety = 0.9;      // share of the linear limit in the first attempt
 constexpr double kMaxStrain = 1.0;   // no cloth of the bench is stretched to twice its length
 // Energy created without a source, as a share of the largest kinetic or supplied energy, above

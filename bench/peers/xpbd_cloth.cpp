@@ -17,8 +17,8 @@ namespace peers {
 namespace {
 
 constexpr int kDefaultSubsteps = 20;
-constexpr double kLeastStrain = 1e-5, kLeastCurvature = 1e-2,
-                 kLeastAngle = 1e-4;  // least arguments of a secant
+// Least arguments of a secant: strain, curvature [1/m], angle [rad].
+constexpr double kLeastStrain = 1e-5, kLeastCurvature = 1e-2, kLeastAngle = 1e-4;
 
 /// Secant stiffness of a law; one number per sign if the law is straight.
 struct Stiffness {
