@@ -1,4 +1,4 @@
-"""The picture of bench/chart: one panel a scene and error, log-log."""
+"""The picture of bench/chart: one log-log panel per scene and kind of error."""
 import matplotlib
 
 matplotlib.use("Agg")
@@ -6,7 +6,7 @@ import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
 
 COLOURS = {"finest": "#222222", "coarsest": "#999999", "refine": "#2f8f4e", "coarsen": "#d1721c", "amrc": "#1b4f8f"}
-# What is other than the default decides the marker; the first that fits.
+# The first setting that differs from the default and stands here chooses the marker.
 MARKERS = (
     ("solver.cost", "X", "cost joint"),
     ("solver.preconditioner", "P", "other preconditioner"),
@@ -16,7 +16,7 @@ MARKERS = (
     ("solver.time_step", "^", "other time step"),
 )
 PLAIN = ("o", "strategy alone")
-# Peers are hollow.
+# Peers have hollow markers.
 PEERS = {"explicit": ("<", "#c2185b"), "XPBD": (">", "#00838f"), "Bullet soft": ("h", "#6d4c41"),
          "Bullet deformable": ("p", "#558b2f")}
 ERRORS = (("rms_mm", "shape error at the end, rms [mm]", "reference_rms_mm"),

@@ -1,4 +1,4 @@
-"""A child process with a time limit, watched for the memory it takes."""
+"""A child process with a time limit and a measurement of its memory."""
 import subprocess
 import tempfile
 import time
@@ -7,10 +7,10 @@ FIRST_LOOK, LONGEST_PAUSE = 0.002, 0.05  # [s]
 
 
 class Child:
-    """What is left of a child: its exit status (None: it took too long), its stderr and peak memory [bytes].
+    """Result of a child: exit status (None: it took too long), stderr and peak memory [bytes].
 
-    The peak is the kernel's high-water mark of the running program, looked at until the end. That of getrusage would be
-    no smaller than this process was when it made the child.
+    The peak is the kernel's high-water mark of the running program, read until its end. The value of
+    getrusage would be at least the size of this process when it started the child.
     """
 
     def __init__(self, command, time_limit=None):
@@ -20,7 +20,7 @@ class Child:
                 try:
                     self.status = self._watch(process, time_limit)
                 finally:
-                    process.kill()  # nothing where it has ended
+                    process.kill()  # no effect if it has ended
             errors.seek(0)
             self.errors = errors.read().strip()
 
@@ -38,7 +38,7 @@ class Child:
 
 
 def _high_water(pid):
-    """VmHWM [bytes]; 0 where there is none, as in a process that has just ended or on another system."""
+    """VmHWM [bytes]; 0 if there is none: the process has just ended, or the system is another."""
     try:
         with open("/proc/%d/status" % pid) as stream:
             for line in stream:

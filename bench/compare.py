@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""Compares what two runs of the benchmarks left: scripts/bench_compare.sh OLD NEW.
+"""Compares the results of two runs of the benchmarks: scripts/bench_compare.sh OLD NEW.
 
-OLD and NEW are JSON files of one benchmark, or folders of them. A ratio is new over old, the other way round where more
-is better, so above 1 is always worse. Rows are matched by what they measured, not by their place. Exit status: 0; 1 where
-a ratio is above --above; 2 where there is nothing to compare.
+OLD and NEW are JSON files of one benchmark, or folders of them. A ratio is new over old, or old over
+new if more is better, so a ratio above 1 is always worse. Rows are matched by what they measured, not
+by their place. Exit status: 0; 1 if a ratio is above --above; 2 if there is nothing to compare.
 """
 import argparse
 import json
@@ -13,7 +13,7 @@ import sys
 
 import tables
 
-# What a row is told by: these keys, all with a dot (scene keys) and `overrides`.
+# Keys that identify a row: these, all with a dot (scene keys) and `overrides`.
 LABELS = ("scene", "series", "strategy", "mesh", "cloth", "fabric", "part", "pass", "setting", "group", "case", "what", "program",
           "line", "system", "remark", "name", "task", "method", "shared", "threads", "side", "levels", "path", "compiler", "controller", "delay")
 LESS, MORE = 1, -1
@@ -28,7 +28,7 @@ KINDS = {
              "iterations_mean": LESS, "imbalance_percent": LESS},
     "error": {"rms_mm": LESS, "max_mm": LESS, "force_percent": LESS, "energy_percent": LESS},
 }
-# Published numbers, and what is derived from the rows themselves.
+# Published numbers, and values derived from the rows themselves.
 SKIPPED = ("paper", "published", "reference", "equal_time", "peers_ahead", "default", "times", "wall_times", "exponents", "limits")
 COLUMNS = ("ratio", "kind", "measure", "old", "new", "of")
 
@@ -38,7 +38,7 @@ class InputError(Exception):
 
 
 def kind_of(key, row):
-    """Kind and sense of a number; None where it is none of what a benchmark is judged by."""
+    """Kind and sense of a number; None if benchmarks are not judged by it."""
     if key == "value" and "what" in row:  # bench/savings: all of its values are costs
         return "time", LESS
     for kind, keys in KINDS.items():
@@ -103,7 +103,7 @@ def compare(old, new, kinds):
     for (place, key), (before, kind, sense) in old.items():
         if kind in kinds and (place, key) in new:
             after = new[place, key][0]
-            if min(before, after) < 0.0:  # a difference that noise made negative
+            if min(before, after) < 0.0:  # a difference that is negative because of noise
                 continue
             rows.append((ratio(before, after, sense), kind, key, before, after, place))
     return sorted(rows, key=lambda row: -row[0])

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Ratios by hand: what scripts/bench_compare.sh makes of two small files. Expected values are quotients of the numbers."""
+"""Tests scripts/bench_compare.sh on two small files. Expected values are quotients by hand."""
 import json
 import math
 import pathlib
@@ -13,7 +13,7 @@ SCRIPT = pathlib.Path(__file__).resolve().parent.parent / "scripts/bench_compare
 OLD = {"size": "full", "rows": [
     {"strategy": "finest", "threads": 1, "wall_s": 2.0, "speedup": 1.0, "peak_memory": 100, "state": "a"},
     {"strategy": "finest", "threads": 2, "wall_s": 1.0, "speedup": 2.0, "peak_memory": None, "state": "a"}]}
-# The other way round: rows are found by what they measured.
+# The rows are in reverse order, because rows are matched by what they measured.
 NEW = {"size": "full", "rows": [
     {"strategy": "finest", "threads": 2, "wall_s": 1.5, "speedup": 1.6, "peak_memory": None, "state": "b"},
     {"strategy": "finest", "threads": 1, "wall_s": 1.0, "speedup": 1.0, "peak_memory": 100, "state": "b"}]}

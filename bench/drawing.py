@@ -12,7 +12,7 @@ LEVEL_COLOURS = ("#1b4f8f", "#d1721c", "#2f8f4e", "#8f2f7a", "#777777", "#777777
 
 
 def read_cells(directory):
-    """Corners [m] in the order of a walk around each cell, and its level."""
+    """Corners [m] of each cell in cyclic order, and its level."""
     lines = (directory / "mesh.ply").read_text().split("\n")
     end = lines.index("end_header")
     vertices = int(lines[2].split()[-1])
@@ -30,7 +30,7 @@ def read_cells(directory):
 
 
 def _columns(directory):
-    """Column of a particle by the text of its position: both files are written with all digits."""
+    """Finds the column of a particle by the text of its position; both files have all digits."""
     with open(directory / "particles.csv") as stream:
         next(stream)
         rows = (line.strip().split(",") for line in stream)
@@ -38,7 +38,7 @@ def _columns(directory):
 
 
 def project(points):
-    """Oblique view: two coordinates on the paper and the depth away from the eye."""
+    """Oblique view: two coordinates in the picture and the distance from the viewer."""
     cos_a, sin_a = np.cos(AZIMUTH), np.sin(AZIMUTH)
     across = cos_a * points[..., 0] - sin_a * points[..., 1]
     away = sin_a * points[..., 0] + cos_a * points[..., 1]
@@ -48,7 +48,7 @@ def project(points):
 
 
 def draw_mesh(axes, directory):
-    """Far cells first, each filled, so that near ones hide them."""
+    """Draws filled cells, the farthest first, so that nearer ones hide them."""
     cells, levels = read_cells(directory)
     flat, depth = project(cells)
     order = np.argsort(-depth.mean(axis=1))
@@ -61,7 +61,7 @@ def draw_mesh(axes, directory):
 
 
 def draw_row(path, pictures, remark):
-    """Pictures, (directory, title) each, side by side; a remark beside the legend."""
+    """Draws pictures, each (directory, title), side by side, with a remark beside the legend."""
     figure, all_axes = plt.subplots(1, len(pictures), figsize=(3.6 * len(pictures), 3.3))
     levels = set()
     for axes, (directory, text) in zip(all_axes, pictures):

@@ -7,7 +7,7 @@ import tempfile
 import runs
 
 SIDE = {"full": 77, "quick": 41, "smoke": 13}
-TIME = {"full": 0.2, "quick": 0.1, "smoke": 0.005}         # of the drape, before anything is measured [s]
+TIME = {"full": 0.2, "quick": 0.1, "smoke": 0.005}         # of the drape, before the measurement [s]
 REPETITIONS = {"full": 9, "quick": 5, "smoke": 1}
 MIN_TIME = {"full": 0.05, "quick": 0.02, "smoke": 0.0005}  # of one repetition [s]
 
@@ -17,7 +17,7 @@ def cloth_options(size):
 
 
 def run(program, options, size, interleaved=True):
-    """Google Benchmark's rows. Interleaved repetitions meet the same load of the machine on average."""
+    """Rows of Google Benchmark. Interleaved repetitions see the same load on average."""
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "out.json"
         command = [str(program), *cloth_options(size), *options, "--benchmark_out=%s" % out, "--benchmark_out_format=json",
@@ -42,9 +42,10 @@ def machine(program):
 
 
 def least(rows, clock="real_time"):
-    """By name the row of the least time, since what else ran can only add to it; its `median` is that of all repetitions.
+    """The row of the least time for each name; its `median` is that of all repetitions.
 
-    Manual times are taken as they are; of the others, `clock` is real_time or, for one thread on a busy machine, cpu_time.
+    The least time is used, because other programs can only add to it. Manual times are used
+    unchanged. For the others `clock` is real_time or, for one thread on a busy machine, cpu_time.
     """
     found = {}
     for row in sorted(rows, key=lambda row: row["family_index"]):

@@ -5,20 +5,20 @@ import numpy as np
 
 from runs import BenchError
 
-# Contact has begun where the reference's force first exceeds this share of its largest.
+# Contact begins when the reference's force first exceeds this share of its largest value.
 CONTACT_SHARE = 0.01
-# Most that a reference may move between its two levels, over the error of the coarsest mesh.
+# Largest change of a reference between its two levels, over the error of the coarsest mesh.
 WELL_POSED = 0.1
 
 
 def shape_error(result, reference):
-    """RMS and largest distance of particles of the same name [mm]."""
+    """RMS and largest distance between equal particles [mm]."""
     distance = 1e3 * np.linalg.norm(result.positions() - reference.positions(), axis=2)
     return math.sqrt(np.mean(distance**2)), float(distance.max())
 
 
 def force_error(result, reference):
-    """RMS over time of the difference of probe forces over the RMS of the reference's, after first contact [%]."""
+    """RMS of the difference of probe forces over the RMS of the reference's, after contact [%]."""
     times, forces = reference.probe()
     own_times, own_forces = result.probe()
     if len(times) == 0 or len(own_times) == 0:
@@ -38,7 +38,7 @@ def potential(result):
 
 
 def energy_error(result, reference):
-    """Difference of the potential energies at the end over what the reference gave up on its way [%]."""
+    """Difference of the final potential energies over the energy released in the reference [%]."""
     released = reference.digest["first_potential"] - potential(reference)
     return 100.0 * (potential(result) - potential(reference)) / abs(released)
 
@@ -53,7 +53,7 @@ class Errors:
 
 
 class Reference:
-    """The converged result of a scene, and how far it is from one with twice its time step and tolerance."""
+    """The converged result of a scene, and its distance from one with twice step and tolerance."""
 
     def __init__(self, simulator, scene):
         self.result, check = simulator.reference(scene)
@@ -63,7 +63,7 @@ class Reference:
         return Errors(result, self.result)
 
     def verdict(self, coarsest_rms):
-        """Has the scene one answer that can be told? A tenth of the coarsest mesh's error is asked for."""
+        """Whether the reference is known to a tenth of the coarsest mesh's error."""
         share = self.uncertainty.rms / coarsest_rms if coarsest_rms > 0.0 else math.inf
         word = "well-posed" if share < WELL_POSED else "NOT well-posed"
         return "%s, the reference moves by %.3g mm rms with twice its time step and tolerance, %.0f %% of the " \
@@ -71,7 +71,7 @@ class Reference:
 
 
 def pareto_front(points):
-    """Indices of the (time, error) points that no other beats in both, in order of time."""
+    """Indices of the (time, error) points that no other point beats in both, ordered by time."""
     order = sorted(range(len(points)), key=lambda k: points[k])
     front, best = [], math.inf
     for k in order:
@@ -82,13 +82,13 @@ def pareto_front(points):
 
 
 def error_at_time(points, time):
-    """Least error that is reached within a time; None if nothing is that quick."""
+    """Least error within a time; None if no point is that fast."""
     within = [error for wall, error in points if wall <= time]
     return min(within) if within else None
 
 
 def distance_to_front(points, own):
-    """How much quicker the same error, and how much smaller the error in the same time, could be had."""
+    """Ratios to the best time for the same error, and to the least error in the same time."""
     same_error = min(wall for wall, error in points if error <= own[1])
     same_time = error_at_time(points, own[0])
     if same_time is None or own not in points:
@@ -97,13 +97,16 @@ def distance_to_front(points, own):
 
 
 def edge_strains(result, size):
-    """Largest stretch, largest compression and mean |strain|, weighted by area, of warp and weft threads of the finest
-    grid at the end, for a cloth of a size [m]; all as shares, none negative."""
+    """Largest stretch, largest compression and mean |strain| of the final shape, none negative.
+
+    They are those of warp and weft threads of the finest grid, for a cloth of a size [m]. The mean is
+    weighted by area.
+    """
     positions = result.positions()
     rows, columns = positions.shape[:2]
     warp = np.linalg.norm(np.diff(positions, axis=1), axis=2) * (columns - 1) / size[0] - 1.0
     weft = np.linalg.norm(np.diff(positions, axis=0), axis=2) * (rows - 1) / size[1] - 1.0
-    # Threads along a border stand for half a cell.
+    # Threads along a border represent half a cell.
     warp_weight, weft_weight = np.ones_like(warp), np.ones_like(weft)
     warp_weight[[0, -1], :] = 0.5
     weft_weight[:, [0, -1]] = 0.5
@@ -114,7 +117,7 @@ def edge_strains(result, size):
 
 
 def box_penetration(result, size, centre, parts=8):
-    """How deep any triangle of the finest grid lies in a box at the end [m], looked at `parts` times along each side."""
+    """Largest final depth of a triangle of the finest grid in a box [m], `parts` samples a side."""
     x = result.positions() - np.asarray(centre)
     half = 0.5 * np.asarray(size)
     deepest = 0.0
@@ -129,6 +132,6 @@ def box_penetration(result, size, centre, parts=8):
 
 
 def tip_drop(result):
-    """How far the end of the warp hangs below the first column [m]."""
+    """Height of the first column above the last one [m]."""
     heights = result.positions()[:, :, 2]
     return float(heights[:, 0].mean() - heights[:, -1].mean())

@@ -1,4 +1,4 @@
-"""The programs of bench/peers, where they are built, and with what they are run."""
+"""The programs of bench/peers, where they are built, and their command lines."""
 import pathlib
 
 import runs
@@ -16,8 +16,8 @@ def deformable(step, iterations=300):
     return ("--solver", "deformable", "--step", str(step), "--iterations", str(iterations))
 
 
-# Name on charts, program, whether it has a force on the probe, command lines by size. explicit_cloth takes the largest
-# step that is stable by itself.
+# Name on charts, program, whether it has a force on the probe, command lines by size.
+# explicit_cloth chooses its largest stable step itself.
 PEERS = (
     ("explicit", "explicit_cloth", True, {"full": [()], "quick": [()], "smoke": [()]}),
     ("XPBD", "xpbd_cloth", True, {
@@ -44,7 +44,7 @@ def add_arguments(parser):
 
 
 class Peers:
-    """Those programs of bench/peers that are there."""
+    """The programs of bench/peers that are built."""
 
     def __init__(self, arguments, size, time_limit):
         self.size = size
@@ -59,7 +59,7 @@ class Peers:
                 print("%s: not there, left out (-DHAPTIC_CLOTH_BENCH=ON builds it)" % (folder / program))
 
     def measure(self, scene):
-        """(name, command line, result) of each run that came to its end; one thread each."""
+        """(name, command line, result) of each completed run; one thread each."""
         for name, program, feels, lines in PEERS:
             if program not in self.simulators or (scene.has_probe and not feels):
                 continue

@@ -1,8 +1,8 @@
-"""What public systems reach on the scenes of bench/peers/scenes, measured with public systems on one 2-core machine.
+"""Results of public systems on the scenes of bench/peers/scenes, measured on one 2-core machine.
 
-Other work ran beside, so wall times are good to a factor of two; the rest is exact. One thread unless said. Strains are
-those of warp and weft edges at the end, penetration that of any triangle into the box. (least, most) where runs differ.
-None: not measured.
+Other programs ran at the same time, so wall times are accurate to a factor of two; the rest is exact.
+One thread unless stated. Strains are the final ones of warp and weft edges; penetration is the largest
+of any triangle into the box. (least, most): runs differ. None: not measured.
 """
 SOURCE = "measured elsewhere"
 

@@ -1,4 +1,4 @@
-"""The picture of bench/realtime: error of the force over speed, and how long steps take."""
+"""The picture of bench/realtime: error of the force over speed, and durations of steps."""
 import matplotlib
 
 matplotlib.use("Agg")
@@ -10,7 +10,7 @@ LIMIT_MS = 1.0  # the scene's time step
 
 
 def draw_errors(axes, rows, known_to):
-    """One point a row; the numbers are those of the lines below."""
+    """Draws one point per row; its number is that of a line below."""
     for k, row in enumerate(rows):
         if row["force_percent"] is None:
             continue
@@ -29,7 +29,7 @@ def draw_errors(axes, rows, known_to):
 
 
 def draw_steps(axes, rows):
-    """From p50 over p99 to the longest step."""
+    """Draws p50, p99 and the longest step."""
     for k, row in enumerate(rows):
         _, colour = THREADS.get(row["threads"], OTHER)
         axes.plot([row["p50_ms"], row["max_ms"]], [k, k], color=colour, lw=1)

@@ -1,4 +1,4 @@
-"""Runs the `simulate` program on the scenes of bench/scenes and reads what it wrote."""
+"""Runs `simulate` on the scenes of bench/scenes and reads its results."""
 import csv
 import hashlib
 import json
@@ -16,7 +16,7 @@ from child import Child
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SIMULATE = ROOT / "build/devel/lib/haptic_cloth/simulate"
 SCENES = ROOT / "bench/scenes"
-# What config/scenes/haptic_1khz.yaml ships, but for its budget.
+# The settings of config/scenes/haptic_1khz.yaml, without its time budget.
 SWIFT = {"solver.tolerance": 1.0, "solver.max_iterations": 10, "adapt.interval": 9,
          "adapt.refine_above": 1.6, "adapt.coarsen_below": 0.8,
          "adapt.refine_above_strain": 0.02, "adapt.coarsen_below_strain": 0.01}
@@ -40,7 +40,7 @@ class Scene:
     reference      solver.time_step and solver.tolerance of its reference
     chart          false: not drawn by bench/chart
     choices        a size whose list of choices is enough for bench/chart
-    begin          from when on steps and forces count, where not all do [s]
+    begin          time from which steps and forces count, if not all do (header `from`) [s]
     note           one sentence on what the scene tests
     """
 
@@ -62,7 +62,7 @@ class Scene:
         self.reference.update(header.get("reference", {}))
 
     def text(self, overrides):
-        """What makes the scene, its fabric's file included: other text, other results."""
+        """Text of the scene and of its fabric: other text, other results."""
         texts = [self.path.read_text()]
         named = re.search(r"^  fabric: *(\S+)", texts[0], re.M)
         fabric = overrides.get("cloth.fabric", named.group(1) if named else "")
@@ -87,10 +87,10 @@ class Scene:
 
 
 def load_scenes(folders, size, names=()):
-    """Scenes of one or several folders, all of them that have a place in the chart or those named."""
+    """Scenes of one or several folders: those named, or all that belong in the chart."""
     folders = [folders] if isinstance(folders, (str, pathlib.Path)) else folders
     paths = [path for folder in folders for path in sorted(pathlib.Path(folder).glob("*.yaml"))]
-    # Fabrics may lie beside their scenes.
+    # A folder may also contain fabrics.
     scenes = [Scene(path, size) for path in paths if re.search(r"^cloth:", path.read_text(), re.M)]
     unknown = set(names) - {scene.name for scene in scenes}
     if unknown:
@@ -99,12 +99,12 @@ def load_scenes(folders, size, names=()):
 
 
 class Result:
-    """What one run left in its directory; wall times are of all repeats [s]. Peers leave no digest."""
+    """Files of one run; wall times are of all repeats [s]. Peers have no digest."""
 
     def __init__(self, directory, wall_times, peak_memory=0):
         self.directory = directory
         self.wall_times = wall_times
-        self.peak_memory = peak_memory  # [bytes]; 0: it ended before it could be looked at
+        self.peak_memory = peak_memory  # [bytes]; 0: it ended before the first reading
         try:
             self.summary = json.loads((directory / "summary.json").read_text())
             self.digest = {} if "peer" in self.summary else _digest(directory)
@@ -117,17 +117,17 @@ class Result:
 
     @property
     def wall_per_second(self):
-        """Wall time of the solver for a simulated second."""
+        """Wall time of the solver per simulated second."""
         return self.wall_time / self.summary["simulated_time"]
 
     def state(self):
-        """The same for the same final state."""
+        """Hash of the final state."""
         if "state_hash" in self.summary:
             return self.summary["state_hash"]
         return hashlib.sha256((self.directory / "particles.csv").read_bytes()).hexdigest()[:16]
 
     def steps(self):
-        """Columns of steps.csv by name, numbers all but `termination`, of a run that kept it."""
+        """Columns of steps.csv by name, if it was kept. All are numbers except `termination`."""
         with open(self.directory / "steps.csv") as stream:
             rows = list(csv.reader(stream))
         columns = dict(zip(rows[0], zip(*rows[1:])))
@@ -152,7 +152,7 @@ class Result:
 
 
 def _digest(directory):
-    """The few numbers that steps.csv is needed for, kept so that the file itself need not stay."""
+    """The few numbers needed from steps.csv, stored so that the file itself can be removed."""
     kept = directory / "digest.json"
     if kept.exists():
         return json.loads(kept.read_text())
@@ -162,7 +162,7 @@ def _digest(directory):
         raise BenchError("%s: steps.csv has no rows" % directory)
     first = steps[0]
     digest = {
-        # Independent of the machine and its load: what a solve costs is proportional to it.
+        # Proportional to the cost of a solve, and independent of the machine and its load.
         "particle_iterations": sum(int(s["iterations"]) * int(s["active_particles"]) for s in steps),
         "unconverged_share": sum(s["termination"] != "converged" for s in steps) / len(steps),
         "first_active": int(first["active_particles"]),
@@ -181,7 +181,7 @@ def fingerprint(path):
 
 
 def machine_of(summary):
-    """What belongs beside every figure: name of the processor, instruction set of the kernels. Peers do not say."""
+    """Processor and instruction set, to be shown with every figure. Peers do not report them."""
     return {key: summary.get(key) for key in ("processor", "simd")}
 
 
@@ -190,7 +190,7 @@ def machine_line(machine):
 
 
 class Simulator:
-    """Runs scenes one after the other: two at once would spoil each other's times."""
+    """Runs scenes one after the other, because two at once would disturb each other's times."""
 
     def __init__(self, program, arguments, time_limit=None, keep_steps=False):
         self.program = pathlib.Path(program).resolve()
@@ -206,9 +206,9 @@ class Simulator:
         self._fingerprint = fingerprint(self.program)
 
     def measure(self, scene, overrides, options=()):
-        """Timed run, from the cache only with --resume; None where it failed or took too long.
+        """Timed run, from the cache only with --resume; None if it failed or took too long.
 
-        options are further ones of the command line.
+        `options` are added to the command line.
         """
         directory = self._directory(scene, overrides, options, "timed")
         if self.resume and (directory / "run.json").exists():
@@ -225,7 +225,7 @@ class Simulator:
                 return None
             wall_times += result.wall_times
             states.add(result.state())
-        # A clock decides where a step with a budget ends.
+        # With a time budget the clock decides when a step ends, so final states may differ.
         if len(states) > 1 and "solver.time_budget" not in overrides:
             raise BenchError("%s %s: repeats end in different states" % (scene.name, overrides))
         result.wall_times = wall_times
@@ -233,7 +233,7 @@ class Simulator:
         return self._timed(result)
 
     def _timed(self, result):
-        """Times of two machines do not belong into one table."""
+        """Checks that all times of a table are from one machine."""
         machine = machine_of(result.summary)
         if self.machine["processor"] and machine != self.machine:
             raise BenchError("%s was made elsewhere (%s), others here (%s); run without --resume" % (
@@ -242,8 +242,10 @@ class Simulator:
         return result
 
     def measure_in_turn(self, scene, choices):
-        """measure() for a list of overrides, the repeats in rounds of all of them: a machine that gets slower meets all
-        alike. None where one failed."""
+        """measure() for a list of overrides; None for each that failed.
+
+        Each round repeats all of them once, so a machine that becomes slower affects all equally.
+        """
         kept, wall_times, results = (self.repeat, self.resume), [[] for _ in choices], []
         self.repeat, self.resume = 1, False
         for _ in range(kept[0]):
@@ -257,7 +259,7 @@ class Simulator:
         return results
 
     def reference(self, scene):
-        """Truth and a check with twice its time step and tolerance, finest mesh, from the cache if there."""
+        """Reference, and a check with twice step and tolerance; finest mesh, cached."""
         results = []
         for factor in (1.0, 2.0):
             overrides = {key: value * factor for key, value in scene.reference.items()}
@@ -274,7 +276,7 @@ class Simulator:
         return results
 
     def _directory(self, scene, overrides, options, kind):
-        # Threads change no bit, so all references are one.
+        # The number of threads changes no bit, so one reference serves all.
         timing = [] if kind == "reference" else [self.threads, self.keep_steps, os.environ.get("HAPTIC_CLOTH_SIMD", "")]
         text = json.dumps([scene.text(overrides), scene.overrides, overrides, list(options), timing,
                            self._fingerprint], sort_keys=True)
@@ -288,7 +290,7 @@ class Simulator:
         for key, value in settings.items():
             command += ["--set", "%s=%s" % (key, value if isinstance(value, str) else json.dumps(value))]
         child = Child(command, time_limit)
-        if child.status in (2, 4):  # bad input, or no room for the results
+        if child.status in (2, 4):  # bad input, or the results could not be written
             raise BenchError(child.errors)
         if child.status != 0:
             failed = "stopped after %g s" % time_limit if child.status is None else child.errors or (
@@ -313,13 +315,13 @@ def cores():
 
 
 def wait_policy():
-    """How OpenMP's threads wait for each other; on a busy machine `passive` saves the most."""
+    """How threads of OpenMP wait for each other; on a busy machine `passive` saves most."""
     spin = os.environ.get("GOMP_SPINCOUNT")
     return os.environ.get("OMP_WAIT_POLICY", "not set") + (", GOMP_SPINCOUNT " + spin if spin else "")
 
 
 def add_arguments(parser):
-    """What all scripts have in common."""
+    """Adds the arguments that all scripts have in common."""
     parser.add_argument("--simulate", metavar="PATH", default=SIMULATE, help="the program (default: %(default)s)")
     parser.add_argument("--out", metavar="DIR", type=pathlib.Path, default=ROOT / "docs/charts",
                         help="where tables and data go (default: %(default)s)")
@@ -336,7 +338,7 @@ def add_arguments(parser):
 
 
 def run_main(name, main):
-    """Exit status of a script; what is wrong with its input is one line."""
+    """Runs a script and returns its exit status; an error in its input is reported in one line."""
     try:
         sys.exit(main())
     except BenchError as error:
@@ -348,7 +350,7 @@ def size_of(arguments):
 
 
 def settings_of(arguments):
-    """--set as a dictionary; values that are no JSON are text."""
+    """--set as a dictionary; values that are not JSON are text."""
     settings = {}
     for text in arguments.settings:
         key, equals, value = text.partition("=")

@@ -1,4 +1,4 @@
-"""The picture of bench/savings: bars, a panel for each group of times."""
+"""The picture of bench/savings: bars, one panel per group of times."""
 import matplotlib
 
 matplotlib.use("Agg")

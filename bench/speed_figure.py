@@ -23,7 +23,7 @@ def _lines(axes, rows, x, y):
 
 
 def draw_threads(path, rows, shares, size):
-    """@param shares: counted ones, see bench/thread_parts.py; may be empty"""
+    """Draws speed over threads. `shares` are counted (bench/thread_parts.py) and may be empty."""
     figure, (left, right, counted) = plt.subplots(1, 3, figsize=(13.0, 3.8))
     _lines(left, rows, "threads", "speedup")
     counts = sorted({row["threads"] for row in rows})
@@ -67,7 +67,7 @@ def draw_scaling(path, rows, size):
 
 
 def _draw_active(axes, rows):
-    """Cost over active particles: one line, whatever grid they are of."""
+    """Draws the cost over active particles: one line for all grids."""
     own = [row for row in rows if row["series"] == "growth"]
     _lines(axes, own, "active", "us_per_iteration")
     levels = [row for row in rows if row["series"] == "levels"]

@@ -8,7 +8,7 @@ def cell(value, form):
 
 
 def plain(columns, lines):
-    """Lines of text, columns aligned on the right."""
+    """Lines of text with right-aligned columns."""
     lines = [columns] + lines
     widths = [max(len(line[k]) for line in lines) for k in range(len(columns))]
     return ["  ".join(text.rjust(width) for text, width in zip(line, widths)) for line in lines]
@@ -20,7 +20,7 @@ def markdown(columns, lines):
 
 
 def write_csv(path, rows):
-    """Rows are dictionaries; one that lacks a key leaves its cell empty."""
+    """Writes rows, which are dictionaries; a missing key leaves its cell empty."""
     fields = list(dict.fromkeys(key for row in rows for key in row))
     with open(path, "w", newline="") as stream:
         writer = csv.DictWriter(stream, fields, restval="", lineterminator="\n")

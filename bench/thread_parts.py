@@ -1,4 +1,4 @@
-"""What bench/threads takes from the program kernel_times: Table 2's parts, OpenMP's own costs, shares of the work."""
+"""Results of kernel_times for bench/threads: parts of Table 2, costs of OpenMP, work shares."""
 import json
 import subprocess
 
@@ -8,8 +8,8 @@ import runs
 SHOWN = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
 FABRIC = "winter_suiting"  # that of the scene
 PARTS = ("gradient", "energy", "total")
-TIMES = 100                # regions, loops or barriers of one run of openmp/...
-LIMIT_PERCENT = 3.0        # aim for the imbalance
+TIMES = 100                # regions, loops or barriers in one run of openmp/...
+LIMIT_PERCENT = 3.0        # target for the imbalance
 
 
 def measure(program, size, counts):
@@ -19,7 +19,7 @@ def measure(program, size, counts):
 
 
 def table2(best, counts):
-    """Times of one evaluation (value and gradient), one look along a direction, one whole iteration."""
+    """Times of an evaluation (value and gradient), a quadratic form, and an iteration."""
     rows = []
     for strategy in ("finest", "amrc"):
         one = None
@@ -34,7 +34,7 @@ def table2(best, counts):
 
 
 def openmp(best, counts):
-    """By the method of [M04]: what a delay takes inside less what it takes outside."""
+    """Costs by the method of [M04]: the time of a delay inside, minus that outside."""
     rows = []
     for threads in counts:
         took = {what: 1e-3 * best["openmp/%d/%s" % (threads, what)]["time"] / TIMES

@@ -1,4 +1,4 @@
-"""The picture of bench/z_width: a panel a damping of the mechanism, one row without and one with the controller."""
+"""The picture of bench/z_width: a panel per damping, without and with controller."""
 import matplotlib
 
 matplotlib.use("Agg")
@@ -27,7 +27,7 @@ def legend_entries():
 
 
 def draw(path, rows):
-    # What the wall would give: its coupling and the hand's spring in a row, as the stiffest quiet one of that K did.
+    # Force of the wall (coupling and hand's spring in series): the largest of quiet rows of a K.
     for row in rows:
         row["full_force"] = max(other["mean_force"] for other in rows
                                 if other["stiffness"] == row["stiffness"] and other["stable"])

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds everything, or $TARGETS, into build/ (or $BUILD_DIR). Usage: scripts/build.sh [cmake options]
+# Builds everything or $TARGETS in build/ (or $BUILD_DIR). Usage: scripts/build.sh [cmake options]
 set -euo pipefail
 case "${1:-}" in -h | --help) sed -n 2,2p "$0"; exit 0 ;; esac
 root="$(cd "$(dirname "$0")/.." && pwd)"

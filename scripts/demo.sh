@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Shows a hand on a cloth: installs, builds, launches; rviz where there is a screen, and a live line a second.
-# Usage: scripts/demo.sh [--seconds N] [launch arguments as scene:=FILE]
-#   --seconds N  ends after N seconds with a verdict; exit code 0 only if force, markers and state flowed at their
-#                rates and were finite
+# Shows a hand on a cloth: installs, builds, starts rviz if there is a screen, reports each second.
+# Usage: scripts/demo.sh [--seconds N] [launch arguments such as scene:=FILE]
+#   --seconds N  ends after N seconds with a verdict; exit status 0 only if force, markers and state
+#                were published at their rates and were finite
 set -euo pipefail
 case "${1:-}" in -h | --help) sed -n 2,5p "$0"; exit 0 ;; esac
 here="$(cd "$(dirname "$0")" && pwd)"
@@ -13,7 +13,7 @@ if [ "${1:-}" = --seconds ]; then
   shift 2
 fi
 
-# From the source tree; an installed copy runs in the environment it is called in.
+# In the source tree, installs and builds first. An installed copy uses the caller's environment.
 if [ -f "$here/../CMakeLists.txt" ]; then
   "$here/install_deps.sh"
   TARGETS="haptic_cloth_node hand mouse_hand path_hand monitor haptic_cloth_generate_messages" "$here/build.sh"

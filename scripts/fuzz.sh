@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Builds the readers of scene files, fabric files and --set with clang and libFuzzer, and feeds each from its seeds.
-# What breaks one is kept in BUILD/findings, and the exit status is 1.
-# Usage: scripts/fuzz.sh [--seconds N] [--build DIR]     N: for each reader, default 60; DIR: default build/fuzz
+# Fuzzes the readers of scene files, fabric files and --set with clang and libFuzzer, from seeds.
+# Inputs that break a reader are kept in BUILD/findings, and the exit status is 1.
+# Usage: scripts/fuzz.sh [--seconds N (per reader: 60)] [--build DIR (build/fuzz)]
 set -euo pipefail
 root="$(cd "$(dirname "$0")/.." && pwd)"
 seconds=60
@@ -28,8 +28,8 @@ fuzz() {  # reader, folders with seeds
   local reader="$1"
   shift
   mkdir -p "$build/corpus/$reader"
-  # A file that a reader takes is read in milliseconds; one block of
-  # 256 MB is ten times what the largest input here needs; of 1 GB the sanitizer itself keeps up to 500 MB.
+  # Readers accept a file in milliseconds. A block of 256 MB is ten times what the largest input
+  # here needs. The sanitizer itself uses up to 500 MB of the limit of 1 GB.
   "$build/fuzz_$reader" -max_total_time="$seconds" -timeout=5 -rss_limit_mb=1024 -malloc_limit_mb=256 -max_len=4096 \
     -dict="$root/test/fuzz/yaml.dict" -artifact_prefix="$build/findings/$reader-" -print_final_stats=1 \
     "$build/corpus/$reader" "$@" >"$build/$reader.log" 2>&1

@@ -1,19 +1,19 @@
 #!/usr/bin/env bash
-# Installs what building, testing and showing need; this is the only list. Does nothing where all is there.
-# Usage: scripts/install_deps.sh [--lint]     --lint: also what scripts/lint.sh needs
+# Installs the packages for build, tests and demonstration (the only list), if any are missing.
+# Usage: scripts/install_deps.sh [--lint]     --lint: also the packages for scripts/lint.sh
 set -euo pipefail
 case "${1:-}" in -h | --help) sed -n 2,3p "$0"; exit 0 ;; esac
 
 common=(build-essential cmake libeigen3-dev libgtest-dev libyaml-cpp-dev libcli11-dev nlohmann-json3-dev libbenchmark-dev valgrind)
-# Debian 12 ships ROS 1 itself.
+# Debian 12 has ROS 1 in its own archive.
 debian=(catkin libroscpp-dev pluginlib-dev libtf2-ros-dev libtopic-tools-dev libdynamic-reconfigure-config-init-mutex-dev libinteractive-markers-dev librostest-dev libnodeletlib-dev libnodeletlib-tools librosbag-dev
         ros-geometry-msgs libstd-msgs-dev libstd-srvs-dev libgeometry-msgs-dev libvisualization-msgs-dev
         libdiagnostic-msgs-dev ros-message-generation python3-dynamic-reconfigure python3-visualization-msgs python3-std-srvs
         python3-diagnostic-msgs python3-rostest python3-roslaunch python3-rostopic python3-rosbag python3-rosnode python3-rosservice rosbash rviz)
-# Ubuntu 20.04 with the packages of packages.ros.org.
+# Ubuntu 20.04 uses packages.ros.org.
 noetic=(ros-noetic-ros-base ros-noetic-rostest ros-noetic-nodelet ros-noetic-tf2-ros ros-noetic-dynamic-reconfigure ros-noetic-interactive-markers ros-noetic-visualization-msgs
         ros-noetic-diagnostic-msgs ros-noetic-rviz)
-# libFuzzer for the readers of files and, with libomp, the thread sanitizer: about 50 MB.
+# For libFuzzer and, with libomp, the thread sanitizer: about 50 MB.
 fuzz=(clang libclang-rt-dev libomp-dev)
 show=(xvfb xauth imagemagick x11-utils python3-matplotlib python3-numpy)
 lint=(catkin-lint clang-format clang-tidy)
@@ -32,7 +32,7 @@ root=()
 if [ "$(id -u)" -ne 0 ]; then root=(sudo); fi
 echo "installing: ${missing[*]}"
 "${root[@]}" apt-get update -q
-# Ubuntu 20.04 has no CLI11: without it only the command-line tools are left out.
+# Ubuntu 20.04 has no CLI11; without it only the command-line tools are not built.
 wanted=()
 for package in "${missing[@]}"; do
   if apt-cache show "$package" >/dev/null 2>&1; then wanted+=("$package"); else echo "not available: $package"; fi

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Layout, package and document checks. Usage: scripts/lint.sh [--fix]     (structure rules are a unit test)
+# Checks layout, package and documents. Usage: scripts/lint.sh [--fix]   (structure: a unit test)
 set -euo pipefail
 case "${1:-}" in -h | --help) sed -n 2,2p "$0"; exit 0 ;; esac
 cd "$(dirname "$0")/.."
@@ -9,7 +9,8 @@ if [ "${1:-}" = --fix ]; then
 else
   clang-format --dry-run -Werror "${files[@]}"
 fi
-# By design: benches are not installed and find again what they need, and the plot script is no program of its own.
+# Ignored by design: benches are not installed and search their own packages, and the plot script is
+# not a program.
 ignored=(uninstalled_script missing_required env_var uninstalled_target wrong_bin_install_destination duplicate_find
          external_interface_path)
 catkin_lint --quiet -W1 --strict "${ignored[@]/#/--ignore=}" . 2>&1 | { ! grep -E "(error|warning):"; }

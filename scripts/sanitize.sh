@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # Builds the library and its tests with sanitizers and runs them.
-# Usage: scripts/sanitize.sh address [--scenes N] [--seed S]    memory and undefined behaviour: random scenes, readers,
-#                                                               unit tests; N scenes (200) from number S (1)
-#        scripts/sanitize.sh thread [--scenes N] [--seed S]     races: exchange of the threads, every loop shared out
-#                                                               over two threads, N random scenes (20)
-# Builds in build/sanitize_MODE ($BUILD_DIR instead). `thread` needs clang and libomp: gcc's libgomp does not tell the
-# sanitizer what it waits for, libomp does so by its tool libarcher.
+# Usage: scripts/sanitize.sh address [--scenes N] [--seed S]    memory and undefined behaviour:
+#            random scenes, N (200) from number S (1); readers; unit tests
+#        scripts/sanitize.sh thread [--scenes N] [--seed S]     data races: exchange of threads;
+#            N random scenes (20) with every loop on two threads
+# Builds in build/sanitize_MODE or $BUILD_DIR. `thread` needs clang and libomp, whose tool libarcher
+# tells the sanitizer what threads wait for; gcc's libgomp does not.
 set -euo pipefail
 root="$(cd "$(dirname "$0")/.." && pwd)"
 mode="${1:-}"
@@ -26,7 +26,7 @@ while [ $# -gt 0 ]; do
 done
 jobs="${JOBS:-$(nproc)}"
 build="${BUILD_DIR:-$root/build/sanitize_$mode}"
-# Tests that drive other programs or sources, or know how much is allocated, say nothing here.
+# Tests that run other programs or read sources are not useful here.
 unit='-Structure.*:Simulate*.*:KesTest*.*'
 
 if [ "$mode" = address ]; then
@@ -34,7 +34,7 @@ if [ "$mode" = address ]; then
   configure=(-DHAPTIC_CLOTH_SANITIZE=address,undefined -DCMAKE_CXX_FLAGS=-O1)
 else
   compiler="$(command -v clang++ || command -v clang++-14)"
-  # The tool belongs to one version of libomp, that of the compiler.
+  # The tool must have the version of the compiler's libomp.
   archer="$("$compiler" -print-file-name=libarcher.so)"
   if [ ! -f "$archer" ]; then archer="$(dirname "$(readlink -f "$compiler")")/../lib/libarcher.so"; fi
   [ -f "$archer" ] || { echo "libarcher.so not found: install libomp-dev"; exit 1; }
@@ -49,7 +49,7 @@ export OMP_WAIT_POLICY=passive
 export ASAN_OPTIONS="detect_stack_use_after_return=1 ${ASAN_OPTIONS:-}" UBSAN_OPTIONS="print_stacktrace=1 ${UBSAN_OPTIONS:-}"
 programs="$build/devel/lib/haptic_cloth"
 
-# Random scenes, ten to a process, as many processes as cores: a scene takes fifteen times as long as it would.
+# Random scenes, ten per process, one process per core: the sanitizer makes a scene 15 times slower.
 random() {
   # shellcheck disable=SC2016  # the inner shell's variables
   seq "$seed" 10 "$((seed + scenes - 1))" | xargs -P "$jobs" -I{} bash -euo pipefail -c '
@@ -63,7 +63,7 @@ if [ "$mode" = address ]; then
   HAPTIC_CLOTH_RANDOM_SEED="$seed" HAPTIC_CLOTH_RANDOM_SCENES="$scenes" "$programs/fuzz_tests" --gtest_filter='-*.StayFinite*'
   "$programs/unit_tests" --gtest_filter="$unit"
 else
-  # Silence means something only where a race is heard.
+  # Silence proves something only if the sanitizer reports a known race.
   "$compiler" -std=c++17 -O1 -g1 -fsanitize=thread -fopenmp -DHAPTIC_CLOTH_SHARE_ALL -I"$root/src" -I/usr/include/eigen3 \
     "$root/test/fuzz/race.cpp" -o "$build/race"
   if "$build/race" >"$build/race.log" 2>&1 || ! grep -q 'ThreadSanitizer: data race' "$build/race.log"; then

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Takes a picture of the demonstration without a screen. Usage: scripts/screenshot.sh [OUT.png] [scene:=FILE ...]
-# Needs a build (scripts/build.sh). Waits for SIMULATED seconds and a force of FORCE newton on any of the scene's probes:
+# Takes a picture of the demonstration without a screen: screenshot.sh [OUT.png] [scene:=FILE ...]
+# Needs a build. Waits for SIMULATED seconds and a force of FORCE newton on any probe. Example:
 # FORCE=0.2 scripts/screenshot.sh fingers.png scene:=config/scenes/two_fingers.yaml path:=true
 set -euo pipefail
 case "${1:-}" in -h | --help) sed -n 2,4p "$0"; exit 0 ;; esac
@@ -27,7 +27,7 @@ roslaunch -p "$port" haptic_cloth demo.launch rviz_options:=--disable-anti-alias
 launch=$!
 trap 'kill -TERM "$launch" 2>/dev/null; wait "$launch" 2>/dev/null || true' EXIT
 
-# Pixels of the cloth's blue on the screen.
+# Number of pixels on the screen in the blue of the cloth.
 cloth_pixels() {
   import -silent -window root -depth 8 rgb:- | /usr/bin/python3 -c '
 import sys
@@ -39,6 +39,6 @@ for _ in $(seq 60); do
   sleep 0.5
 done
 "$root/scripts/wait_for_press.py" "${SIMULATED:-1.0}" "${TIMEOUT:-180}" "${FORCE:-0.8}"
-sleep 0.3  # until rviz has drawn what was felt
+sleep 0.3  # until rviz has drawn the press
 import -silent -window root "$out"
 echo "$out"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs, builds, runs all tests, and reads every result: catkin and rostest know several ways to pass without
-# having tested. The last line is ctest's, unless the results contradict it. Usage: scripts/test.sh [--no-install]
+# Installs, builds, tests and reads every result, because catkin and rostest can pass untested code.
+# The last line is ctest's, unless results contradict it. Usage: scripts/test.sh [--no-install]
 set -euo pipefail
 case "${1:-}" in -h | --help) sed -n 2,3p "$0"; exit 0 ;; esac
 root="$(cd "$(dirname "$0")/.." && pwd)"

@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# The torture suite in its long forms, and docs/stability.md's table from what it measured.
+# Runs the torture suite and writes its margins into the table of docs/stability.md.
 # Usage: scripts/torture.sh [ci|short|long] [BUILD]    default: short, build
-#   ci     as every build runs it: a minute
+#   ci     the form of every build: a minute
 #   short  a soak of 10 simulated minutes, 100,000 cycles: about ten minutes
 #   long   a soak of an hour, 1,000,000 cycles: about an hour
-# What fails leaves a scene in BUILD/torture that `simulate` replays. --no-table: the document stays as it is.
+# A failure leaves a scene in BUILD/torture, which `simulate` can replay.
+# --no-table as first argument: does not change the document.
 set -euo pipefail
 root="$(cd "$(dirname "$0")/.." && pwd)"
 table=yes

@@ -9,10 +9,11 @@
 namespace haptic_cloth {
 namespace {
 
-// Far less than a cell, far more than rounding: what an iteration late in a solve is about [m].
+// Distance from the last state, far below a cell and far above rounding, like that of a late
+// iteration of a solve [m].
 constexpr double kAway = 1e-6;
 
-/// The same bits on every machine, in -1..1.
+/// Pseudo-random number in -1..1 with equal bits on every machine.
 double scatter(int k) {
   const double value = 43758.5453 * std::sin(12.9898 * (k + 1));
   return 2.0 * (value - std::floor(value)) - 1.0;
@@ -26,18 +27,19 @@ Scene sceneOf(const CaseOptions& options) {
                     "solver.threads=" + std::to_string(options.threads)});
 }
 
-/// Costs nothing of its own, so that what remains is the minimizer. Its gradients are all alike but for the
-/// first entry, which grows: so that directions stay conjugate, as nearly all are.
+/// An objective that costs almost nothing, so that only the minimizer is measured. Its gradients
+/// are equal except for the first entry, which grows, so directions stay conjugate, as most are in
+/// a solve.
 class VectorsOnly : public Objective {
  public:
   explicit VectorsOnly(const ClothObjective& cloth) : cloth_(cloth) {}
 
   int size() const override { return cloth_.size(); }
   double evaluate(const Vector&, Vector& gradient) override {
-    constexpr int kBuffers = 3;  // the minimizer's gradients go round in so many vectors
+    constexpr int kBuffers = 3;  // number of vectors between which the minimizer's gradients rotate
     if (++calls_ <= kBuffers) gradient.head(size()).setConstant(kAway);
     gradient[0] = calls_ * kAway;
-    return -calls_;  // always low enough
+    return -calls_;  // always low enough to be accepted
   }
   Along along(const Vector&) override { return {1.0, 1e300}; }
   void fitPreconditioner() override {}
@@ -83,7 +85,7 @@ ClothCase::ClothCase(const CaseOptions& options)
   measureUnder();
 }
 
-/// The energy of motion, put together as the objective does it.
+/// Sets the terms of inertia and gravity as the objective does.
 void ClothCase::measureUnder() {
   const ActiveMesh& mesh = world_->mesh;
   start_nodes_ = inertial_ = nodes_;

@@ -1,4 +1,4 @@
-/// A cloth in mid-drape, and what an iteration does to it, taken apart.
+/// A cloth in the middle of a drape, and the parts of an iteration on it.
 #pragma once
 
 #include <memory>
@@ -9,15 +9,15 @@
 
 namespace haptic_cloth {
 
-/// What one case is made of.
+/// Options of one case.
 struct CaseOptions {
   std::string strategy, fabric;
   int side = 77;      ///< particles along a side of the finest grid
-  double time = 0.2;  ///< simulated before anything is measured [s]
+  double time = 0.2;  ///< simulated time before the measurement [s]
   int threads = 1;
 };
 
-/// The box drape after some time: the state that passes are measured on, with all of the cloth awake.
+/// The box drape after some time: the state on which passes are measured, with all particles awake.
 class ClothCase {
  public:
   explicit ClothCase(const CaseOptions& options);
@@ -26,11 +26,11 @@ class ClothCase {
   ClothWorld& world() { return *world_; }
   const Fabric& fabric() const { return world_->scene.cloth.fabric; }
 
-  /// Unknowns near the last state, as the solver has them, and a direction to look along.
+  /// Unknowns near the last state, as the solver has them, and a search direction.
   const Vector& point() const { return point_; }
   const Vector& direction() const { return direction_; }
   const Field& nodes() const { return nodes_; }    ///< the same, by node
-  const Field& motion() const { return motion_; }  ///< the direction by node
+  const Field& motion() const { return motion_; }  ///< the direction, by node
   const Motion& motionTerms() const { return terms_; }
   Adaptation& adaptation() { return adaptation_; }
   const std::vector<double>& reach() const { return reach_; }
@@ -42,13 +42,15 @@ class ClothCase {
 
   struct Iterations {
     int iterations = 0, evaluations = 0;
-    double seconds = 0.0, cpu_seconds = 0.0;  ///< wall clock, and what all threads together had of the cores
+    /// Wall time, and processor time of all threads together.
+    double seconds = 0.0, cpu_seconds = 0.0;
   };
 
-  /// Whole iterations from the point on, of the cloth.
+  /// Runs whole iterations on the cloth, starting at point().
   Iterations iterate(int iterations);
 
-  /// As many of the minimizer's own vector updates: those of an objective that costs nothing.
+  /// Runs as many iterations on an objective that costs nothing: the minimizer's own vector
+  /// updates.
   Iterations iterateVectors(int iterations);
 
  private:
@@ -58,7 +60,7 @@ class ClothCase {
   CaseOptions options_;
   std::unique_ptr<ClothWorld> world_;
   Adaptation adaptation_;
-  std::vector<double> reach_;  ///< as a step has it for a cloth at rest [m]
+  std::vector<double> reach_;  ///< per node, as in a step with a cloth at rest [m]
   Vector point_, direction_, scratch_, start_;
   Field nodes_, motion_, gradient_, start_nodes_, inertial_;
   std::vector<double> mass_, moving_mass_;

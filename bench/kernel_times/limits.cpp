@@ -1,4 +1,5 @@
-// Plain loops, for the compiler to make the most of: this file is compiled for the machine that builds it.
+// Plain loops that the compiler may optimise fully: this file is compiled for the machine that
+// builds it.
 #include "limits.h"
 
 #include <cmath>
@@ -8,14 +9,15 @@ namespace {
 
 constexpr double kFactor = 0.5;
 
-/// Numbers that depend on nothing but their own past, as many as some registers hold.
+/// Iterates numbers that depend only on their own past, as many as fit into some registers.
 template <int Count>
 double multiplyAdd(int rounds) {
   double chain[Count];
   for (int k = 0; k < Count; ++k) chain[k] = 2.0 + 0.01 * k;
   for (int round = 0; round < rounds; ++round) {
 #pragma GCC unroll 128
-    for (int k = 0; k < Count; ++k) chain[k] = chain[k] * 0.999 + 1e-3;  // to 1: never denormal
+    // Tends to 1, so never denormal.
+    for (int k = 0; k < Count; ++k) chain[k] = chain[k] * 0.999 + 1e-3;
   }
   double sum = 0.0;
   for (int k = 0; k < Count; ++k) sum += chain[k];

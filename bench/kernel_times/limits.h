@@ -1,4 +1,4 @@
-/// What the machine itself can do, by plain loops that share nothing with the library's kernels.
+/// Limits of the machine, measured by plain loops without code from the library's kernels.
 #pragma once
 
 #include <cstddef>
@@ -6,8 +6,8 @@
 
 namespace haptic_cloth {
 
-/// Three arrays of doubles, `bytes` together; a ← b + s c moves all of them once (what it takes to fetch a's
-/// lines before they are written is not counted, here as for the passes).
+/// Three arrays of doubles with `bytes` together; a ← b + s c moves each of them once. Fetching the
+/// lines of a before they are written is not counted, neither here nor for the passes.
 class Triad {
  public:
   explicit Triad(std::size_t bytes);
@@ -20,13 +20,13 @@ class Triad {
   std::vector<double> a_, b_, c_;
 };
 
-/// Multiplications and additions of 24, 48 or 96 numbers, each on its own. @return something that depends on
-/// all of it
+/// Multiplies and adds 24, 48 or 96 independent numbers. @return a value that depends on all of
+/// them
 double multiplyAdd24(int rounds);
 double multiplyAdd48(int rounds);
 double multiplyAdd96(int rounds);
 
-/// A square root and a division for each of `count` numbers, none waiting for another.
+/// A square root and a division for each of `count` numbers, all independent.
 double rootAndDivide(const double* values, int count);
 
 }  // namespace haptic_cloth

@@ -1,4 +1,5 @@
-/// kernel_times: the passes of an iteration under Google Benchmark. bench/kernels and bench/threads run it.
+/// kernel_times: passes of an iteration under Google Benchmark. bench/kernels and bench/threads run
+/// it.
 #include <benchmark/benchmark.h>
 
 #include <cstdlib>
@@ -30,10 +31,10 @@ constexpr const char* kUsage =
     "  --shares: prints the work of each thread for 1 to 64 of them as JSON, and measures nothing.\n"
     "  --machine: prints processor and instruction set as JSON, and measures nothing.";
 
-/// As many iterations as a step takes, about.
+/// Roughly the iterations of a step.
 constexpr int kIterations = 60;
 
-constexpr int kRounds = 1000;  ///< of multiply-adds in a run
+constexpr int kRounds = 1000;  ///< multiply-adds in a run
 
 struct Options {
   std::vector<std::string> strategies{"finest", "amrc"}, fabrics{"linear", "winter_suiting"};
@@ -50,7 +51,7 @@ std::vector<std::string> split(const std::string& text) {
   return words;
 }
 
-/// Takes the program's own options; leaves the others. @return false for --help
+/// Reads the program's own options and leaves the others. @return false for --help
 bool parse(int& argc, char** argv, Options& options) {
   int left = 1;
   for (int k = 1; k < argc; ++k) {
@@ -96,7 +97,7 @@ void addSimple(const std::string& name, double flops, double bytes, const Work& 
   });
 }
 
-/// What plain loops need for a gradient on the same grid.
+/// Adds the time of plain loops for a gradient on the same grid.
 void addPlainGradient(int side) {
   const auto sheet = std::make_shared<PlainSheet>(side);
   addSimple(
@@ -111,7 +112,7 @@ void addLimits() {
   chains(24, multiplyAdd24);
   chains(48, multiplyAdd48);
   chains(96, multiplyAdd96);
-  const std::vector<double> values(2048, 2.0);  // in the nearest cache
+  const std::vector<double> values(2048, 2.0);  // small enough for the nearest cache
   const int count = static_cast<int>(values.size());
   addSimple(
       "limits/roots", 0.0, 0.0, [values, count] { return rootAndDivide(values.data(), count); }, 0.0, count);
@@ -125,7 +126,7 @@ void addLimits() {
   }
 }
 
-/// Whole iterations or the minimizer's part of them; the time is that of one.
+/// Adds whole iterations or the minimizer's part of them; the time is that of one.
 template <class Iterate>
 void addIterations(const std::string& name, ClothCase& cloth, double flops, double bytes,
                    const Iterate& iterate) {
@@ -137,7 +138,8 @@ void addIterations(const std::string& name, ClothCase& cloth, double flops, doub
         state.SkipWithError("no iteration was possible");
         return;
       }
-      // Alone on its core a thread has all of the time; of several, the slowest counts.
+      // Alone on its core a thread has all of the time. With several threads the slowest counts, so
+      // wall time.
       const double seconds = cloth.world().team.threads() == 1 ? done.cpu_seconds : done.seconds;
       state.SetIterationTime(seconds / done.iterations);
       evaluations = static_cast<double>(done.evaluations) / done.iterations;
@@ -163,7 +165,7 @@ void addPasses(const std::string& name, ClothCase& cloth) {
                 [&cloth](int count) { return cloth.iterate(count); });
 }
 
-/// The parts of Table 2 of [M04] on so many threads.
+/// Adds the parts of Table 2 of [M04] for a number of threads.
 void addThreads(int threads, const std::string& strategy, ClothCase& cloth) {
   const std::string name = "threads/" + std::to_string(threads) + "/" + strategy + "/";
   ClothWorld& world = cloth.world();

@@ -1,10 +1,10 @@
-// OpenMP is measured here, not used: the one place but parallel_for.h that names it.
+// OpenMP is measured here, not used. In the library only parallel_for.h uses it.
 #include "openmp_costs.h"
 
 namespace haptic_cloth {
 namespace {
 
-constexpr int kDelay = 50;  // additions that wait for each other, four cycles each
+constexpr int kDelay = 50;  // dependent steps, each with two additions and a division
 
 }  // namespace
 

@@ -1,18 +1,18 @@
-/// What OpenMP itself takes, after the method of [M04]: a delay in a region, less the delay alone.
+/// Costs of OpenMP itself, measured as in [M04]: a delay in a region, minus the delay alone.
 #pragma once
 
 namespace haptic_cloth {
 
-/// Some nanoseconds of work that no compiler leaves out.
+/// A short delay that no compiler removes.
 void delay();
 
-/// `regions` parallel regions, one after the other, each thread of each with one delay.
+/// Runs `regions` parallel regions, one after the other, with one delay per thread.
 void forkAndJoin(int threads, int regions);
 
-/// The same with a loop shared out evenly, as the library's loops are.
+/// The same with a loop divided evenly, as the library's loops are.
 void shareLoops(int threads, int loops);
 
-/// One region with so many barriers, a delay before each.
+/// Runs one region with as many barriers, and a delay before each.
 void meetAtBarriers(int threads, int barriers);
 
 }  // namespace haptic_cloth

@@ -7,13 +7,13 @@ namespace {
 
 constexpr double kVector = 3.0 * sizeof(double);  ///< a point or vector of one node or slot
 
-/// A law's flops: linear 0.5 r hoisted; a table has its interval to find, memory adds its offsets
-/// (law_table.h).
+/// Flops of a law. A linear law has 0.5 r hoisted; a table must find its interval; memory adds its
+/// offsets (law_table.h).
 double lawFlops(const Loop& law) {
   if (law.hasMemory()) return 11.0;
   return law.upper().intervals().size() == 1 ? 6.0 : 9.0;
 }
-double lawFlops(const std::array<Loop, 2>& laws) {  // warp and weft come in equal numbers
+double lawFlops(const std::array<Loop, 2>& laws) {  // warp and weft have equal numbers of elements
   return 0.5 * (lawFlops(laws[kWarp]) + lawFlops(laws[kWeft]));
 }
 double memoryBytes(const Loop& law) { return law.hasMemory() ? sizeof(StepPack) / kPack : 0.0; }
@@ -21,13 +21,13 @@ double memoryBytes(const std::array<Loop, 2>& laws) {
   return 0.5 * (memoryBytes(laws[kWarp]) + memoryBytes(laws[kWeft]));
 }
 
-/// Of an element, by sizes of the packs: all of a pack but `unread` arrays of a number a lane.
+/// Bytes per element, from the size of a pack, without `unread` arrays of one number per lane.
 template <class Pack>
 double packBytes(int unread) {
   return static_cast<double>(sizeof(Pack)) / kPack - unread * sizeof(double);
 }
 
-/// How many of each there are; lanes past the last element are work too.
+/// Numbers of elements. Padding lanes after the last element count as work.
 struct Counts {
   double edges, triples, patches, nodes, unknowns, samples;
   bool shear, twist;
@@ -46,7 +46,7 @@ Counts countsOf(ClothCase& cloth) {
           cloth.fabric().twist_rigidity > 0.0};
 }
 
-/// Energy and gradient, term by term; each leaves forces in slots.
+/// Adds energy and gradient, term by term; each term writes forces to slots.
 void addElements(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
   ClothWorld& world = cloth.world();
   InternalEnergy& internal = world.internal;
@@ -60,18 +60,19 @@ void addElements(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
       return e.stretch + e.bend + e.shear;
     };
   };
-  // span 3, its length 6, its inverse 1, axis 3, strain 2, width and force 2, energy 2, slot 3, stiffnesses 3
+  // Flops: span 3, its length 6, its inverse 1, axis 3, strain 2, width and force 2, energy 2, slot
+  // 3, stiffnesses 3.
   passes.push_back(
       {"stretch", "value", n.edges * (25.0 + lawFlops(fabric.tensile)),
        n.edges * (packBytes<EdgePack>(0) + kVector + memoryBytes(fabric.tensile)) + 2.0 * n.nodes * kVector,
        range(0, triples), n.edges});
-  // curvature 20, energy 2, force 1, slot 3, stiffness 1; reads normals as well as positions
+  // Flops: curvature 20, energy 2, force 1, slot 3, stiffness 1. Reads normals and positions.
   passes.push_back({"bending", "value", n.triples * (27.0 + lawFlops(fabric.bending)),
                     n.triples * (packBytes<TriplePack>(0) + kVector + memoryBytes(fabric.bending)) +
                         (n.triples > 0.0 ? 4.0 : 0.0) * n.nodes * kVector,
                     range(triples, patches)});
-  // u and v 12, their products 16, area 6, tangent 4, angle 26, its gradient 26, energy 3, slots 6, stiffness
-  // 1; twist: saddle 14, stiffness 2, energy 4, slot 4
+  // Flops: u and v 12, their products 16, area 6, tangent 4, angle 26, its gradient 26, energy 3,
+  // slots 6, stiffness 1; twist: saddle 14, stiffness 2, energy 4, slot 4.
   const double shear = n.shear ? 100.0 + lawFlops(fabric.shear) : 0.0, twist = n.twist ? 24.0 : 0.0;
   const double of_patch = packBytes<PatchPack>(0) +
                           (n.shear ? 2.0 * kVector + memoryBytes(fabric.shear) : 0.0) +
@@ -84,17 +85,19 @@ void addElements(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
                     [&world, &x] { return world.contacts.evaluate(0, world.contacts.size(), x).contact; }});
 }
 
-/// What the nodes do: motion and gravity, and gathering what the elements left.
+/// Adds the passes over nodes: inertia and gravity, and gathering the forces of the elements.
 void addNodes(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
   ClothWorld& world = cloth.world();
   const int nodes = world.mesh.nodes();
-  // way 3, stiffness 1, energy 17, gradient 9; masses, three fields read, one written
+  // Flops: displacement 3, stiffness 1, energy 17, gradient 9. Memory: masses, three fields read,
+  // one written.
   passes.push_back({"motion, gravity", "value", n.nodes * 31.0,
                     n.nodes * (2.0 * sizeof(double) + 4.0 * kVector), [&cloth, nodes] {
                       return kernels().evaluateMotion(cloth.motionTerms(), 0, nodes, cloth.nodes().arrays(),
                                                       cloth.gradient().arrays());
                     }});
-  // A multiplication and an addition for each coordinate of each entry; eight entries share 16 bytes.
+  // A multiplication and an addition for each coordinate of each entry; eight entries share 16
+  // bytes.
   const double entries =
       2.0 * n.edges + 3.0 * n.triples + (n.shear ? 4.0 : 0.0) * n.patches + (n.twist ? 4.0 : 0.0) * n.patches;
   const double slots = n.edges + n.triples + ((n.shear ? 2.0 : 0.0) + (n.twist ? 1.0 : 0.0)) * n.patches;
@@ -116,7 +119,7 @@ void addNodes(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
                     }});
 }
 
-/// Curvature along the direction.
+/// Adds the quadratic form along the direction.
 void addAlong(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
   ClothWorld& world = cloth.world();
   const InternalEnergy& internal = world.internal;
@@ -126,13 +129,13 @@ void addAlong(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
   const auto range = [&internal, &d](int first, int last) {
     return [&internal, &d, first, last] { return internal.curvature(first, last, d); };
   };
-  // change 3, along it 5, its square 1, all of it 5, across 1, sums 5
+  // Flops: change 3, along it 5, its square 1, all of it 5, across 1, sums 5.
   passes.push_back({"stretch, curvature", "along", n.edges * 20.0,
                     n.edges * packBytes<EdgePack>(2) + 2.0 * n.nodes * kVector, range(0, triples)});
   passes.push_back({"bending, curvature", "along", n.triples * 23.0,
                     n.triples * packBytes<TriplePack>(1) + (n.triples > 0.0 ? 4.0 : 0.0) * n.nodes * kVector,
                     range(triples, patches)});
-  // sides 6, along their gradients 11, square 3; twist: saddle 14, stiffness 2, square 3
+  // Flops: sides 6, along their gradients 11, square 3; twist: saddle 14, stiffness 2, square 3.
   passes.push_back({"shear, curvature", "along",
                     n.patches * ((n.shear ? 20.0 : 0.0) + (n.twist ? 19.0 : 0.0)),
                     n.patches * (packBytes<PatchPack>(1) + (n.twist ? kVector : 0.0)) + n.nodes * kVector,
@@ -153,7 +156,7 @@ void addAlong(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
                     }});
 }
 
-/// What a step does once, before and after its iterations.
+/// Adds the work that a step does once, before and after its iterations.
 void addStep(ClothCase& cloth, std::vector<Pass>& passes) {
   ClothWorld& world = cloth.world();
   InternalEnergy& internal = world.internal;
@@ -211,9 +214,9 @@ std::vector<Pass> passesOf(ClothCase& cloth) {
   addNodes(cloth, counts, passes);
   addAlong(cloth, counts, passes);
   ClothWorld& world = cloth.world();
-  // Of a node: its block 18; as a child 12 up and 12 down; a third of a hat 8. Read and written: the block 48
-  // bytes, gradient and direction 72, values on the way up and down 96, a child's and a third of a hat's
-  // numbers, blocks and corrections 68.
+  // Per node: its block 18 flops; as a child 12 up and 12 down; a third of a hat 8. Read and
+  // written: the block 48 bytes, gradient and direction 72, values on the way up and down 96,
+  // numbers, blocks and corrections of a child and a third of a hat 68.
   const double nodes = counts.unknowns / 3.0;
   passes.push_back({"preconditioner", "vectors", 50.0 * nodes, 284.0 * nodes, [&cloth, &world] {
                       world.objective.precondition(cloth.direction(), cloth.scratch());
@@ -227,8 +230,8 @@ std::vector<Pass> passesOf(ClothCase& cloth) {
   return passes;
 }
 
-// Of an unknown: residual 3 (gradient, weight), two dot products 4 (three vectors), direction and slope 4
-// (three read, one written), trial point 2 (two read, one written).
+// Per unknown: residual 3 (gradient, weight), two dot products 4 (three vectors), direction and
+// slope 4 (three read, one written), trial point 2 (two read, one written).
 double vectorFlops(int unknowns) { return 13.0 * unknowns; }
 double vectorBytes(int unknowns) { return (2.0 + 3.0 + 4.0 + 3.0) * sizeof(double) * unknowns; }
 

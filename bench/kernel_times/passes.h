@@ -1,4 +1,4 @@
-/// The passes of an iteration: what each does and how much of it there is to do.
+/// The passes of an iteration, with their flops and bytes.
 #pragma once
 
 #include <functional>
@@ -9,22 +9,24 @@
 
 namespace haptic_cloth {
 
-/// One pass over the whole mesh. Flops: additions, multiplications, divisions and square roots count one
-/// each, fused ones two; comparisons, selections and what is hoisted out of a loop count nothing. Bytes: what
-/// a pass reads and writes of memory at least, each array once however often it is gathered from.
+/// One pass over the whole mesh. Flops: an addition, multiplication, division or square root counts
+/// one, a fused operation two; comparisons, selections and what is hoisted out of a loop count
+/// nothing. Bytes: the least memory that a pass reads and writes, each array once, however often it
+/// is gathered from.
 struct Pass {
   std::string name;
-  std::string part;  ///< of an iteration it belongs to: value, along, vectors, fit; step: once a step
-  double flops;      ///< below zero: not counted
+  std::string part;  ///< part of an iteration: value, along, vectors, fit; step: once per step
+  double flops;      ///< negative: not counted
   double bytes;
   std::function<double()> run;
-  double roots = 0.0;  ///< pairs of a square root and a division, which take far longer than other flops
+  /// Pairs of a square root and a division, which take much longer than other flops.
+  double roots = 0.0;
 };
 
-/// All but those the minimizer does itself.
+/// All passes except those of the minimizer itself.
 std::vector<Pass> passesOf(ClothCase& cloth);
 
-/// Those of the minimizer itself, of one iteration.
+/// Flops and bytes of the minimizer itself in one iteration.
 double vectorFlops(int unknowns);
 double vectorBytes(int unknowns);
 

@@ -1,4 +1,4 @@
-// Compiled for the machine that builds it, with -O3 -march=native.
+// Compiled with -O3 -march=native for the machine that builds it.
 #include "plain_gradient.h"
 
 #include <algorithm>
@@ -7,7 +7,8 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kSpacing = 0.01, kMembrane = 1000.0, kBending = 1e-5, kShear = 30.0;  // m, N/m, N m, N/m
+// Units: m, N/m, N m, N/m.
+constexpr double kSpacing = 0.01, kMembrane = 1000.0, kBending = 1e-5, kShear = 30.0;
 
 }  // namespace
 
@@ -20,7 +21,7 @@ PlainSheet::PlainSheet(int n) : n_(n), position_(n * n), normal_(n * n, {0.0, 0.
   }
 }
 
-/// An edge, A/2 E ε².
+/// An edge: A/2 E ε².
 double PlainSheet::stretch(int a, int b) {
   const Vector span = minus(position_[b], position_[a]);
   const double length = std::sqrt(dot(span, span)), strain = length / kSpacing - 1.0;
@@ -30,7 +31,7 @@ double PlainSheet::stretch(int a, int b) {
   return 0.5 * kSpacing * force * strain;
 }
 
-/// Three particles in a row, A/2 B κ².
+/// Three particles in a row: A/2 B κ².
 double PlainSheet::bend(int left, int centre, int right) {
   constexpr double kInverse = 1.0 / (kSpacing * kSpacing);
   const Vector& normal = normal_[centre];

@@ -1,5 +1,5 @@
-/// The yardstick of bench/kernels: what value and gradient of stretch, bending and shear cost anybody who
-/// writes plain loops. It shares no code with the library.
+/// Reference for bench/kernels: the cost of value and gradient of stretch, bending and shear in
+/// plain loops. It shares no code with the library.
 #pragma once
 
 #include <vector>

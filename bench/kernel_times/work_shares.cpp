@@ -10,14 +10,14 @@ namespace {
 
 constexpr int kMostThreads = 64;
 
-/// What an item of each kind takes, as bench/kernels has measured it on one core (measured fabric, AVX-512)
-/// [ns]. That is all that is not counted here.
+/// Time per item of each kind, measured by bench/kernels on one core (measured fabric, AVX-512)
+/// [ns]. Everything else here is counted.
 struct Weights {
   double edge, triple, patch, sample, node;
 };
 constexpr Weights kGradient{4.7, 4.9, 8.3, 10.0, 6.3}, kEnergy{0.7, 1.0, 1.0, 2.3, 0.15};
 
-/// Places of a loop in their order: the weight of each and the particle of the finest grid it lies at.
+/// Items of a loop in order: the weight of each and its particle of the finest grid.
 struct WorkLoop {
   std::vector<double> weights;
   std::vector<int> particles;
@@ -28,7 +28,8 @@ struct WorkLoop {
   }
 };
 
-/// Elements, then contact samples, as the objective shares them out; padding is work of the place before it.
+/// Elements, then contact samples, in the order in which the objective runs them. Padding has the
+/// weight of the item before it.
 WorkLoop elementLoop(ClothCase& cloth, const Weights& weight) {
   const ClothWorld& world = cloth.world();
   const ActiveMesh& mesh = world.mesh;
@@ -60,14 +61,14 @@ WorkLoop nodeLoop(ClothCase& cloth, double weight) {
   return loop;
 }
 
-/// How work falls to threads.
+/// Ways to divide work among threads.
 enum class Sharing {
-  Helping,  ///< as the library has it: each thread has a row of blocks and then helps the others
+  Helping,  ///< the library's way: each thread has a row of blocks and then helps the others
   Rows,     ///< the same without help
-  Grid      ///< each thread as many particles of the finest grid, active or not
+  Grid      ///< each thread has equally many particles of the finest grid, active or not
 };
 
-/// The busiest thread's work. Of the threads, the one that is done first takes the next block.
+/// Work of the busiest thread. The thread that finishes first takes the next block.
 double mostOfBlocks(const WorkLoop& loop, int threads, bool helping) {
   const int count = static_cast<int>(loop.weights.size()), blocks = (count + Team::kBlock - 1) / Team::kBlock;
   std::vector<double> of_block(blocks, 0.0), work(threads, 0.0);
@@ -91,7 +92,7 @@ double mostOfBlocks(const WorkLoop& loop, int threads, bool helping) {
   return *std::max_element(work.begin(), work.end());
 }
 
-/// The same where each thread has as many particles of the finest grid.
+/// Work of the busiest thread if each has equally many particles of the finest grid.
 double mostOfGrid(const WorkLoop& loop, int threads, int particles) {
   std::vector<double> work(threads, 0.0);
   for (std::size_t k = 0; k < loop.weights.size(); ++k) {
@@ -107,7 +108,7 @@ double sumOf(const WorkLoop& loop) {
   return sum;
 }
 
-/// A pass is one or several loops, and threads meet after each.
+/// Sums over the loops of a pass. Threads meet after each loop.
 struct Shares {
   double most = 0.0, all = 0.0;
   void add(double most_of_loop, double all_of_loop) {
@@ -117,7 +118,7 @@ struct Shares {
   double percent(int threads) const { return 100.0 * (most * threads / all - 1.0); }
 };
 
-/// Evaluating, looking along, and both, as an iteration needs them.
+/// The two passes of an iteration: evaluation, and the quadratic form along the direction.
 using Passes = std::array<std::vector<WorkLoop>, 2>;
 
 nlohmann::json rowOf(ClothCase& cloth, const Passes& passes, int threads, Sharing sharing) {

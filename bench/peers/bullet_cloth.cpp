@@ -1,8 +1,8 @@
 /// bullet_cloth: the scene's cloth with Bullet's soft bodies.
-///   --solver soft         btSoftBody in btSoftRigidDynamicsWorld: position based links, stiffness a share in
-///   [0, 1]
+///   --solver soft         btSoftBody in btSoftRigidDynamicsWorld: position based links with a
+///                         stiffness in [0, 1]
 ///   --solver deformable   btDeformableMultiBodyDynamicsWorld: backward Euler on linear springs
-/// Both know links alone: bending is a spring between every other particle of a thread.
+/// Both have only links: bending is a spring between every other particle of a thread.
 #include <BulletSoftBody/btDeformableBodySolver.h>
 #include <BulletSoftBody/btDeformableGravityForce.h>
 #include <BulletSoftBody/btDeformableMassSpringForce.h>
@@ -24,19 +24,22 @@ namespace haptic_cloth {
 namespace peers {
 namespace {
 
-constexpr double kProbeMass = 10.0;  // [kg]: some 10⁵ particles', so its velocity tells the impulse on it
-constexpr int kHashSize = 65537;     // of the grid's cells
-constexpr double kVoxel = 0.004;     // most that the grid of a solid's distances is wide [m]
-constexpr double kStrainOfUse = 0.01, kAngleOfUse = 0.05, kCurvatureOfUse = 100.0;  // where secants are taken
-constexpr double kMostTurn = 1.0;                                                   // [rad]
+// [kg]; as much as about 10⁵ particles, so its velocity shows the impulse on it
+constexpr double kProbeMass = 10.0;
+constexpr int kHashSize = 65537;  // size of the hash table of grid cells
+constexpr double kVoxel = 0.004;  // largest spacing of the grid of a solid's distances [m]
+// Values at which secants are taken: strain, angle [rad], curvature [1/m].
+constexpr double kStrainOfUse = 0.01, kAngleOfUse = 0.05, kCurvatureOfUse = 100.0;
+constexpr double kMostTurn = 1.0;  // [rad]
 
 btVector3 toBullet(const Vec3& v) {
   return {static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z())};
 }
 Vec3 fromBullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 
-/// Springs whose stiffness [N/m] is their material's m_kLST: Bullet's own force has two stiffnesses for all
-/// links. Geometric stiffness is left out under compression, where it would make the matrix indefinite.
+/// Springs whose stiffness [N/m] is m_kLST of their material; Bullet's own force has only two
+/// stiffnesses for all links. Geometric stiffness is omitted under compression, where it would make
+/// the matrix indefinite.
 class LinkForce : public btDeformableMassSpringForce {
  public:
   LinkForce() : btDeformableMassSpringForce(0, 0, true, 0) {}
@@ -84,7 +87,7 @@ class LinkForce : public btDeformableMassSpringForce {
   }
 };
 
-/// Makes the numbers of Newton's iterations and of the linear solver's within each parameters.
+/// Makes two numbers parameters: Newton iterations, and iterations of the linear solver in each.
 class DeformableSolver : public btDeformableBodySolver {
  public:
   DeformableSolver(int newton, int linear) {
@@ -94,7 +97,7 @@ class DeformableSolver : public btDeformableBodySolver {
   }
 
  private:
-  /// Only Bullet's constructor sets the number, and nothing of it can be assigned.
+  /// Only the constructors of Bullet's solvers set the number, and they cannot be assigned.
   template <class Krylov>
   static void remake(Krylov& solver, int iterations) {
     solver.~Krylov();
@@ -194,16 +197,16 @@ class BulletCloth : public Peer {
     info_->air_density = info_->water_density = 0;
     info_->m_broadphase = broadphase_.get();
     info_->m_dispatcher = dispatcher_.get();
-    info_->m_sparsesdf.Initialize(kHashSize);  // sets the spacing of its grid to 0.25 m
+    info_->m_sparsesdf.Initialize(kHashSize);  // sets the grid spacing to 0.25 m
     info_->m_sparsesdf.setDefaultVoxelsz(static_cast<btScalar>(voxel()));
-    info_->m_sparsesdf.Reset();  // takes the new one
+    info_->m_sparsesdf.Reset();  // applies the new spacing
   }
 
   /// Spacing of the grid on which Bullet tabulates the solids' distances [m].
   double voxel() const { return std::min(kVoxel, 0.25 * std::min(spacing(kWarp), spacing(kWeft))); }
 
-  /// Bullet rounds edges by a solid's margin and has no distances deeper inside than that, so the grid points
-  /// around a particle on the surface must not lie deeper.
+  /// Bullet rounds edges by a solid's margin and has no distances deeper inside than that. So the
+  /// grid points around a particle on the surface must not lie deeper.
   double margin() const { return 2.0 * voxel(); }
 
   double spacing(int direction) const {
@@ -250,12 +253,12 @@ class BulletCloth : public Peer {
     cloth_->setActivationState(DISABLE_DEACTIVATION);
   }
 
-  /// Air: Bullet's deformable world leaves it out.
+  /// Applies air damping, which Bullet's deformable world lacks.
   void slowDown() {
     const btScalar slowed = static_cast<btScalar>(1.0 / (1.0 + scene_.air_damping * h_));
     for (int n = 0; n < cloth_->m_nodes.size(); ++n) {
       cloth_->m_nodes[n].m_v *= slowed;
-      cloth_->m_nodes[n].m_vn *= slowed;  // where an implicit step starts from
+      cloth_->m_nodes[n].m_vn *= slowed;  // start of an implicit step
     }
   }
 
@@ -301,9 +304,9 @@ class BulletCloth : public Peer {
     }
   }
 
-  /// A chord over two cells of length l shortens by l φ²/4 when the thread turns by φ, so its energy goes
-  /// with φ⁴, not φ². It is given that of the law, ½ B (w/l) φ², at the turn that the cloth takes by its own
-  /// weight, over the length (B/ρg)^⅓.
+  /// A chord over two cells of length l shortens by l φ²/4 when the thread turns by φ, so its
+  /// energy is proportional to φ⁴, not φ². It is matched to the energy of the law, ½ B (w/l) φ², at
+  /// the angle by which the cloth turns under its own weight, over the length (B/ρg)^⅓.
   double bendingSpring(int direction, double along, double across) {
     const double rigidity = secant(scene_.cloth.fabric.bending[direction], kCurvatureOfUse, 0.0);
     const double weight = scene_.cloth.fabric.areal_density * scene_.gravity.norm();
@@ -313,8 +316,8 @@ class BulletCloth : public Peer {
     return bending_spring_;
   }
 
-  /// Bullet's soft solver takes a share of each error away in an iteration. That of one particle pair held by
-  /// the spring, in one implicit step, spread over the iterations.
+  /// Bullet's soft solver removes a share of each error in an iteration. This share is that of one
+  /// particle pair with the spring in one implicit step, spread over the iterations.
   btScalar strength(int a, int b, double stiffness) const {
     if (deformable_) return static_cast<btScalar>(stiffness);
     const double w = cloth_->m_nodes[a].m_im + cloth_->m_nodes[b].m_im;
@@ -336,7 +339,7 @@ class BulletCloth : public Peer {
     cloth_->appendLink(a, b, material, false);
   }
 
-  /// Bullet knows no half spaces beside soft bodies: a plane is the upper side of a large box.
+  /// Bullet has no half spaces for soft bodies, so a plane is the upper side of a large box.
   void addObstacle(const Obstacle& obstacle) {
     constexpr double kExtent = 2.0;  // [m]
     Vec3 centre = obstacle.pose.position;
@@ -386,8 +389,8 @@ class BulletCloth : public Peer {
     return bodies_.back().get();
   }
 
-  /// A kinematic body takes no impulses; a heavy one that is put in its place every step does, and tells
-  /// them.
+  /// A kinematic body receives no impulses. So the probe is a heavy body that is moved to its place
+  /// in every step, and its velocity shows the impulses.
   void addProbe() {
     const btTransform pose(btQuaternion::getIdentity(), toBullet(scene_.probes[0].path.front().position));
     probe_ = addBody(std::make_unique<btSphereShape>(static_cast<btScalar>(scene_.probes[0].radius)),
@@ -427,7 +430,7 @@ class BulletCloth : public Peer {
 }  // namespace haptic_cloth
 
 int main(int argc, char** argv) {
-  using namespace haptic_cloth;  // NOLINT: a main of its own
+  using namespace haptic_cloth;  // a separate main
   return peers::runPeer(argc, argv, "bullet_cloth",
                         "The scene's cloth with Bullet's soft bodies, for the bench.",
                         [](const Scene& scene, const peers::Arguments& arguments) {

@@ -1,6 +1,7 @@
-/// explicit_cloth: symplectic Euler on the package's own energies, finest mesh, at its largest stable step.
-/// Surface normals, contact candidates, friction and the fabric's history are renewed once a
-/// solver.time_step, as in the package; forces are evaluated every step.
+/// explicit_cloth: symplectic Euler on the package's own energies, finest mesh, at its largest
+/// stable step. Surface normals, contact candidates, friction and the history of the fabric are
+/// updated once per solver.time_step, as in the package; candidates also when something has moved
+/// beyond their range. Forces are evaluated every step.
 #include <algorithm>
 #include <cmath>
 
@@ -13,11 +14,12 @@ namespace haptic_cloth {
 namespace peers {
 namespace {
 
-constexpr double kSlipSpeed = 3e-4;  // friction grows in below this speed [m/s], as in the package
-constexpr double kSafety = 0.9;      // of the linear limit, for the first try
+constexpr double kSlipSpeed = 3e-4;  // below it friction is regularised, as in the package [m/s]
+constexpr double kSafety = 0.9;      // share of the linear limit in the first attempt
 constexpr double kMaxStrain = 1.0;   // no cloth of the bench is stretched to twice its length
-// Energy from nowhere, as a share of what passed through, from which a run counts as unstable. With a sliding
-// probe 1 % was seen at every step down to 1e-6 s, so that it is no sign of instability; why is not known.
+// Energy created without a source, as a share of the largest kinetic or supplied energy, above
+// which a run counts as unstable. With a sliding probe 1 % occurred at every step down to 1e-6 s,
+// so it is no sign of instability; the cause is unknown.
 constexpr double kEnergyCreated = 0.01, kEnergyCreatedByProbe = 0.05;
 
 Grid finest(const Scene& scene) {
@@ -88,8 +90,8 @@ class ExplicitCloth : public Peer {
   }
 
  private:
-  /// Linear limit 2/ω of the flat cloth; ω² of a chain is twice its diagonal over the mass, of a bending one
-  /// 8/3.
+  /// Linear limit 2/ω of the flat cloth. For a chain of springs ω² is twice the diagonal over the
+  /// mass, for bending 8/3 times.
   double stableStep() {
     internal_.setNormals(x_);
     internal_.evaluate(0, internal_.size(), x_);
@@ -140,8 +142,8 @@ class ExplicitCloth : public Peer {
     return e.stretch + e.bend + e.shear + c.contact;
   }
 
-  /// The proxy has no mass: damper and spring of the coupling balance the cloth's force, implicit in the
-  /// coupling and explicit in the cloth.
+  /// Moves proxy and cloth. The proxy has no mass: damper and spring of the coupling balance the
+  /// force of the cloth, implicit in the coupling and explicit in the cloth.
   void advance(const Vec3& device, const Vec3& device_velocity) {
     evaluate();
     const double slowed = 1.0 / (1.0 + scene_.air_damping * h_);
@@ -164,14 +166,15 @@ class ExplicitCloth : public Peer {
     force_ += force;
   }
 
-  /// Laws with memory count what they could give back, not what they have taken.
+  /// Energy that the fabric can return. For laws with memory this is less than the work done on
+  /// them.
   double storedEnergy(double evaluated) const {
     if (!internal_.hasMemory()) return evaluated;
     const InternalEnergy::Energy e = internal_.stored(x_);
     return e.stretch + e.bend + e.shear + contact_;
   }
 
-  /// Kinetic energy [J] at the time of the positions: velocities are half a step behind them.
+  /// Kinetic energy [J] at the time of the positions; velocities are half a step behind them.
   double kineticEnergy() const {
     double sum = 0.0;
     for (int n = 0; n < mesh_.free; ++n) {
@@ -187,7 +190,7 @@ class ExplicitCloth : public Peer {
     return sum;
   }
 
-  /// Nothing here can add energy but the probe: more of it is instability.
+  /// Checks stability. Only the probe can add energy; a further increase means instability.
   void check() {
     const double strain = internal_.maxStrain(x_);
     if (!(strain < kMaxStrain)) throw Unstable("strain " + std::to_string(strain));
@@ -226,7 +229,7 @@ class ExplicitCloth : public Peer {
 }  // namespace haptic_cloth
 
 int main(int argc, char** argv) {
-  using namespace haptic_cloth;  // NOLINT: a main of its own
+  using namespace haptic_cloth;  // a separate main
   return peers::runPeer(argc, argv, "explicit_cloth",
                         "Explicit integration of the package's own energies, for the bench.",
                         [](const Scene& scene, const peers::Arguments& arguments) {

@@ -58,7 +58,8 @@ double fastest(const std::vector<Vec3>& before, const std::vector<Vec3>& after, 
   return largest / duration;
 }
 
-/// The rules of `simulate`: to stop.time, or until all have been slow for 0.1 s.
+/// Runs by the rules of `simulate`: until stop.time, or until all particles have been slow for 0.1
+/// s.
 Run runToEnd(Peer& peer, const Scene& scene) {
   constexpr double kRestDuration = 0.1;  // [s]
   const std::vector<Solid> solids(scene.obstacles.begin(), scene.obstacles.end());
@@ -89,7 +90,7 @@ Run runToEnd(Peer& peer, const Scene& scene) {
   return run;
 }
 
-/// Energies of a shape by the package's own laws on the finest mesh, and the strains of its threads.
+/// Energies of a shape by the package's own laws on the finest mesh, and strains along its threads.
 json measureShape(const Scene& scene, const std::vector<Vec3>& positions) {
   const LeafMesh leaves(finestGrid(scene), scene.cloth.pins, 0);
   const ActiveMesh mesh(leaves, scene.cloth.fabric.areal_density);
@@ -182,7 +183,7 @@ void addArguments(CLI::App& app, Arguments& arguments) {
   app.add_option("--substeps", arguments.substeps, "parts of a step")->check(CLI::NonNegativeNumber);
 }
 
-/// A peer that cannot go on is asked for again with half the step; only the run that ends counts.
+/// Repeats an unstable run with half the step; only the last run counts.
 int runScene(Arguments arguments, const MakePeer& make) {
   constexpr int kHalvings = 12;
   const Scene scene = loadScene(arguments.scene, arguments.overrides);

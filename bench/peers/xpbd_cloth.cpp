@@ -1,9 +1,10 @@
-/// xpbd_cloth: extended position based dynamics with small steps [Macklin et al. 2016, 2019], written for the
-/// bench alone, as plain as a user's own would be: one Gauss-Seidel pass over all constraints a substep.
+/// xpbd_cloth: extended position based dynamics with small steps [Macklin et al. 2016, 2019],
+/// written only for the bench and as plain as a user's own: one Gauss-Seidel pass over all
+/// constraints per substep.
 ///   stretch   distance along warp and weft, stiffness the secant of the fabric's law
 ///   shear     distances along both diagonals of a cell
 ///   bending   x_l - 2 x_c + x_r on a thread [Kelager et al. 2010], quadratic in the curvature
-///   contact   projection out of the solids, friction by taking back slip up to μ times the depth
+///   contact   projection out of the solids, friction removes slip up to μ times the depth
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,9 +17,10 @@ namespace peers {
 namespace {
 
 constexpr int kDefaultSubsteps = 20;
-constexpr double kLeastStrain = 1e-5, kLeastCurvature = 1e-2, kLeastAngle = 1e-4;  // of a secant
+// Least arguments of a secant: strain, curvature [1/m], angle [rad].
+constexpr double kLeastStrain = 1e-5, kLeastCurvature = 1e-2, kLeastAngle = 1e-4;
 
-/// Secant stiffness of a law; one number a side where the law is straight.
+/// Secant stiffness of a law; one number per sign if the law is straight.
 struct Stiffness {
   Stiffness(const Loop& a_law, double a_least, double scale_of_use) : law(a_law), least(a_least) {
     positive = secant(law, scale_of_use, least);
@@ -36,12 +38,12 @@ struct Stiffness {
 
 struct Distance2 {
   int a, b;
-  double length, width;  ///< width over length times the secant is the stiffness [N/m]
+  double length, width;  ///< stiffness [N/m] = width / length · secant
 };
 
 struct Bend {
   int l, c, r;
-  double factor;  ///< times the rigidity [N·m] is the stiffness [N/m]
+  double factor;  ///< stiffness [N/m] = factor · rigidity [N·m]
 };
 
 struct Touch {
@@ -112,7 +114,7 @@ class XpbdCloth : public Peer {
  private:
   int particle(int i, int j) const { return j * columns_ + i; }
 
-  /// In two colours along the threads, so that neighbours in the list do not wait for each other.
+  /// Lists edges in two colours along the threads, so that neighbours in the list are independent.
   void listEdges() {
     for (int first : {0, 1}) {
       for (int j = 0; j < rows_; ++j) {
@@ -130,7 +132,8 @@ class XpbdCloth : public Peer {
     }
   }
 
-  /// Two diagonals of stiffness G (a² + b²)/(2 a b) have the energy of a sheared cell to second order.
+  /// Lists diagonals. Two diagonals of stiffness G (a² + b²)/(2 a b) have the energy of a sheared
+  /// cell to second order.
   void listDiagonals() {
     const double length = std::hypot(dx_, dy_);
     for (int first : {0, 1}) {
@@ -143,8 +146,8 @@ class XpbdCloth : public Peer {
     }
   }
 
-  /// ½ B w l κ² with κ = |x_l - 2 x_c + x_r|/l²; beside two pins twice that, as in the package: the clamp
-  /// acts over half a cell.
+  /// Lists bends with ½ B w l κ² and κ = |x_l - 2 x_c + x_r|/l². It is twice that if the centre and
+  /// a neighbour are pinned, as in the package, because the clamp acts over half a cell.
   void listBends() {
     const auto add = [this](int direction, int l, int c, int r, double length, double width) {
       const bool arm = (inverse_mass_[l] == 0.0 || inverse_mass_[r] == 0.0) && inverse_mass_[c] == 0.0;
@@ -174,8 +177,8 @@ class XpbdCloth : public Peer {
     }
   }
 
-  /// The massless proxy over a substep: a particle of mass h² k + h b where spring and damper alone would put
-  /// it.
+  /// Predicts the massless proxy over a substep: a particle of mass h² k + h b at the place where
+  /// spring and damper alone would put it.
   void predictProxy(const Vec3& device, const Vec3& device_velocity) {
     const double k = scene_.probes[0].coupling_stiffness, b = scene_.probes[0].coupling_damping;
     proxy_mass_ = h_ * (h_ * k + b);
@@ -229,7 +232,7 @@ class XpbdCloth : public Peer {
     }
   }
 
-  /// Particles and cells that may touch within this frame.
+  /// Finds the particles and cells that may touch solids within this frame.
   void findTouches() {
     touches_.clear();
     const double fall = frame_ * frame_ * scene_.gravity.norm(), thickness = scene_.cloth.fabric.thickness;
@@ -266,7 +269,8 @@ class XpbdCloth : public Peer {
     }
   }
 
-  /// Points of the surface at most a third of the radius apart, as in the package.
+  /// Contact of the probe with points of the surface at most a third of the radius apart, as in the
+  /// package.
   void solveProbe() {
     const int nu = std::max(1, static_cast<int>(std::ceil(3.0 * dx_ / scene_.probes[0].radius)));
     const int nv = std::max(1, static_cast<int>(std::ceil(3.0 * dy_ / scene_.probes[0].radius)));
@@ -329,7 +333,7 @@ class XpbdCloth : public Peer {
 }  // namespace haptic_cloth
 
 int main(int argc, char** argv) {
-  using namespace haptic_cloth;  // NOLINT: a main of its own
+  using namespace haptic_cloth;  // a separate main
   return peers::runPeer(argc, argv, "xpbd_cloth", "XPBD with small steps, written for the bench.",
                         [](const Scene& scene, const peers::Arguments& arguments) {
                           return std::make_unique<peers::XpbdCloth>(scene, arguments.step,

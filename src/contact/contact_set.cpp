@@ -179,12 +179,13 @@ void ContactSet::measure(int solid, double range, const ActiveMesh& mesh, const 
 /// sharp edge would cut deeper into these parts than that share.
 int ContactSet::partsOf(const Patch& patch) const {
   constexpr double kSameNormal = 1e-3, kShareOfRange = 0.1, kMostParts = 4.0;
-  const int first = patch.nodes[0];
-  double gaps = 0.0, turn = 0.0;
+  double gaps = 0.0, turn = 0.0;  // of all pairs: compared with one corner, a cell and its image would differ
   for (int c = 1; c < 4; ++c) {
-    const int corner = patch.nodes[c];
-    gaps = std::max(gaps, std::abs(node_gaps_[corner] - node_gaps_[first]));
-    turn = std::max(turn, (node_normals_[corner] - node_normals_[first]).squaredNorm());
+    for (int d = 0; d < c; ++d) {
+      const int a = patch.nodes[c], b = patch.nodes[d];
+      gaps = std::max(gaps, std::abs(node_gaps_[a] - node_gaps_[b]));
+      turn = std::max(turn, (node_normals_[a] - node_normals_[b]).squaredNorm());
+    }
   }
   turn = std::sqrt(turn);
   const bool uneven = gaps > kShareOfRange * law_.range() || turn > kSameNormal;

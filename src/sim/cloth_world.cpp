@@ -57,6 +57,7 @@ ClothWorld::ClothWorld(const Scene& s)
       proxy_reach_(s.probes.size()) {
   idle_probes_.reserve(s.probes.size());
   fine_.reserve(s.probes.size());
+  touches_.reserve(s.probes.size());
   touching_.reserve(s.probes.size());
   held_.reserve(grid.particles());
   for (auto& list : touched_by_) list.reserve(grid.particles());
@@ -250,11 +251,21 @@ bool ClothWorld::planMesh() {
     if (probe.present) fine_.push_back({probe.proxy, size + reach + ahead});
   }
   if (!adaptation_.looks(steps)) return false;
-  const double look_time = scene.adapt.interval * scene.solver.time_step;
-  const LoadEstimate::View view{mesh, internal, contacts, nodes_, velocities_, weight_, look_time};
+  const LoadEstimate::View view = loadView();
   load_.begin(view, std::min(scene.adapt.refine_above, scene.adapt.coarsen_below));
   return adaptation_.plan(steps, nodes_, internal, fine_, leaves, mesh, state,
                           [&](const Cell& cell, int parts) { return load_.turn(view, cell, parts); });
+}
+
+LoadEstimate::View ClothWorld::loadView() {
+  touches_.clear();
+  for (std::size_t k = 0; k < probes.size(); ++k) {
+    if (!probes[k].contact) continue;
+    touches_.push_back({probes[k].proxy, scene.probes[k].radius, probes[k].force.norm()});
+  }
+  const double look_time = scene.adapt.interval * scene.solver.time_step;
+  return {
+      mesh, internal, contacts, nodes_, velocities_, weight_, look_time, touches_, scene.adapt.refine_above};
 }
 
 void ClothWorld::adapt(StepReport& report) {

@@ -68,6 +68,9 @@ class ClothWorld {
   double maxSpeed() const;
   const Field& nodes() const { return nodes_; }
 
+  /// By which the next look at the mesh judges the load on its cells; holds until then.
+  LoadEstimate::View loadView();
+
  private:
   void takeStep(StepReport& report);
   bool isIdle() const;
@@ -147,12 +150,13 @@ class ClothWorld {
   std::vector<double> proxy_reach_;  ///< largest expected displacement of the proxies [m]
   std::vector<ContactSet::Reach> touching_;
   FineRegions fine_;
-  double initial_ = 0.0;        ///< energy at the start [J]
-  double supplied_ = 0.0;       ///< initial_ plus the work of devices and obstacles [J]
-  double created_ = 0.0;        ///< by the mesh change of the current step [J]
-  double let_out_ = 0.0;        ///< ContactSet::letOutWork() of the last step [J]
-  double at_rest_ = 0.0;        ///< Φ(x⁰) of the current step [J]
-  double energy_before_ = 0.0;  ///< energies in Φ(x⁰), minus created_ if positive [J]
+  std::vector<LoadEstimate::Touch> touches_;  ///< of loadView()
+  double initial_ = 0.0;                      ///< energy at the start [J]
+  double supplied_ = 0.0;                     ///< that and what devices and obstacles have worked since [J]
+  double created_ = 0.0;                      ///< by the mesh change of the step in hand [J]
+  double let_out_ = 0.0;        ///< work of obstacles at the start of the next step, see ContactSet [J]
+  double at_rest_ = 0.0;        ///< Φ of the step in hand with all at rest [J]
+  double energy_before_ = 0.0;  ///< Φ's energies at the start of the step in hand, with its inputs [J]
   Field nodes_, velocities_;
   std::vector<double> reach_;  ///< expected displacement of each node in the current step [m]
   Vector x_, start_, motion_, gradient_, joint_x_;

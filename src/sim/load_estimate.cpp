@@ -58,11 +58,65 @@ void LoadEstimate::begin(const View& view, double least) {
 }
 
 double LoadEstimate::turn(const View& view, const Cell& cell, int parts) const {
+  return std::max(bend(view, cell, parts), missing(view, cell, parts));
+}
+
+/// What the cell would turn by if it could bend. The load is what an obstacle does not carry, at most
+/// the cloth's weight: what is larger is an impact, over before a cell bends. Above an uneven obstacle
+/// some of the cell will have to carry itself soon.
+double LoadEstimate::bend(const View& view, const Cell& cell, int parts) const {
   const double length = cell.span() * std::max(grid_.dx, grid_.dy);
   if (tension_.empty() || turnUnder(density_ * gravity_, 0.0, length) <= least_) return 0.0;
-  double tension = 0.0;
-  for (const int corner : cell.corners(grid_)) tension += 0.25 * tension_[view.mesh.node[corner]];
-  return turnUnder(load(view, cell, points(view, cell, parts)), tension, length);
+  const Under below = under(view, cell, points(view, cell, parts));
+  if (below == Under::Even) return 0.0;
+  double tension = 0.0, weight = 0.0;
+  for (const int corner : cell.corners(grid_)) {
+    tension += 0.25 * tension_[view.mesh.node[corner]];
+    weight += 0.25 * view.weight[view.mesh.node[corner]];
+  }
+  const double carries = below == Under::Uneven ? gravity_ : std::min(std::abs(weight), gravity_);
+  return turnUnder(density_ * carries, tension, length);
+}
+
+/// The turn that stands for what a probe would miss of the cell's load.
+double LoadEstimate::missing(const View& view, const Cell& cell, int parts) const {
+  constexpr double kShare = 0.02, kLeast = 0.01;  // less force than that no device gives [N]
+  if (view.touches.empty()) return 0.0;
+  const double finest = std::max(grid_.dx, grid_.dy), length = cell.span() * finest;
+  const double area = length * length - finest * finest;  // the finest mesh misses its share, too
+  const double turn_by_load = area / (kShare * std::max(kLeast, leastForce(view, cell))) * view.split_turn;
+  if (density_ * gravity_ * turn_by_load <= least_) return 0.0;
+  if (under(view, cell, points(view, cell, parts)) == Under::Even) return 0.0;
+  return density_ * std::min(weightAround(view, cell), gravity_) * turn_by_load;
+}
+
+/// On those probes to which a wave comes back from the cell; infinite where there is none [N].
+double LoadEstimate::leastForce(const View& view, const Cell& cell) const {
+  constexpr double kWaves = 3.0;
+  const double reach = 0.71 * cell.span() * std::max(grid_.dx, grid_.dy);  // from the centre to a corner
+  Vec3 centre = Vec3::Zero();
+  for (const int corner : cell.corners(grid_)) centre += 0.25 * view.nodes[view.mesh.node[corner]];
+  double least = std::numeric_limits<double>::infinity();
+  for (const Touch& touch : view.touches) {
+    const double wave = 4.0 * touch.radius;
+    if ((centre - touch.position).norm() < kWaves * wave + reach) least = std::min(least, touch.force);
+  }
+  return least;
+}
+
+/// The largest weight of the nodes of a cell and of half a cell around it: waves get as far before the
+/// mesh is as fine as they need it.  @pre not a finest cell
+double LoadEstimate::weightAround(const View& view, const Cell& cell) const {
+  const int half = cell.span() / 2, size = cell.span();
+  double largest = 0.0;
+  for (int j = std::max(0, cell.j - half); j <= std::min(grid_.rows - 1, cell.j + size + half); j += half) {
+    for (int i = std::max(0, cell.i - half); i <= std::min(grid_.columns - 1, cell.i + size + half);
+         i += half) {
+      const int n = view.mesh.node[grid_.particle(i, j)];
+      if (n >= 0) largest = std::max(largest, std::abs(view.weight[n]));
+    }
+  }
+  return largest;
 }
 
 /// Corners, middles of the sides and centre of a cell, row by row.
@@ -82,25 +136,16 @@ LoadEstimate::Points LoadEstimate::points(const View& view, const Cell& cell, in
   return x;
 }
 
-/// Load on cloth that no obstacle carries [N/m²], at most the weight of the cloth: a larger load is
-/// an impact, over before a cell bends. If an obstacle is within reach and does not lie evenly
-/// under the cell, part of the cell will have to carry itself soon.
-double LoadEstimate::load(const View& view, const Cell& cell, const Points& points) const {
-  constexpr double kEven = 0.5, kTouches = 1.5;  // in ranges of contact
-  // Largest distance of a place in the cell to the nearest point, in cell lengths.
-  constexpr double kApart = 0.36;
-  const auto corners = cell.corners(grid_);
+/// Uneven: an obstacle is within reach and does not lie under the cell evenly.
+LoadEstimate::Under LoadEstimate::under(const View& view, const Cell& cell, const Points& points) const {
+  constexpr double kEven = 0.5, kTouches = 1.5;  // of the range
+  constexpr double kApart = 0.36;  // no place is farther from the nearest of the points, of the length
   Vec3 velocity = Vec3::Zero();
-  double weight = 0.0;
-  for (const int corner : corners) {
-    const int n = view.mesh.node[corner];
-    velocity += 0.25 * view.velocities[n];
-    weight += 0.25 * view.weight[n];
-  }
+  for (const int corner : cell.corners(grid_)) velocity += 0.25 * view.velocities[view.mesh.node[corner]];
   const double length = cell.span() * std::max(grid_.dx, grid_.dy);
   const double looks = 2.0 * cell.level;  // decisions needed to reach the finest cells, times two
   const double reach = range_ + looks * view.look_time * velocity.norm();
-  bool carried = false;
+  Under under = Under::Nothing;
   for (int k = 0; k < view.contacts.obstacles(); ++k) {
     const Solid& solid = view.contacts.obstacle(k);
     const double near = reach + looks * view.contacts.obstacleSpeed(k) * view.look_time;
@@ -112,12 +157,12 @@ double LoadEstimate::load(const View& view, const Cell& cell, const Points& poin
       most = std::max(most, gap);
     }
     if (most - least > kEven * range_) {
-      if (least < near + kApart * length) return density_ * gravity_;
-    } else {
-      carried = carried || most < kTouches * range_;
+      if (least < near + kApart * length) return Under::Uneven;
+    } else if (most < kTouches * range_) {
+      under = Under::Even;
     }
   }
-  return carried ? 0.0 : density_ * std::min(std::abs(weight), gravity_);
+  return under;
 }
 
 }  // namespace haptic_cloth

@@ -18,12 +18,27 @@ namespace haptic_cloth {
 ///
 ///     θ = q L / (T + 8B/L² + ½ ρ g L)
 ///
-/// This angle is compared with the same thresholds as a visible turning angle. The last term is the
-/// tension of a cell that hangs down: nothing turns further than that. For most fabrics only cells
-/// above 30 mm can bend so much. A cell that would sag by no more than a few thicknesses counts as
-/// stiff: finer cells would lie no better.
+/// which is compared like a turning angle that the mesh does show. The last term is the tension of
+/// a cell that hangs down: nothing turns further than that. For most fabrics only cells above 30 mm
+/// can bend so at all. A cell that would sag by no more than a few thicknesses lies as well as
+/// finer ones: it counts as stiff.
+///
+/// Waves that a probe makes in loose cloth come back to it. A probe of radius r makes waves of
+/// length λ = 4r and longer, of number k = 2π/λ; cells of length L carry these too fast or too slowly
+/// by (kL)²/24, so of the load q λ² of the cloth that swings with the probe that share is missing in
+/// its force F. A hand tells 5 to 7 % apart; 3 % leave room for what else errs: q L² π²/6 < 0.03 F,
+/// whatever r is. So a cell's own load, less that of a finest cell, may be 2 % of the force that is
+/// felt; what is more makes a turn as well. A ring that has gone three of its lengths has a sixth of
+/// its strength when it is back: what is farther away does not count.
 class LoadEstimate {
  public:
+  /// A probe that the cloth presses on.
+  struct Touch {
+    Vec3 position;  ///< [m]
+    double radius;  ///< [m]
+    double force;   ///< [N]
+  };
+
   LoadEstimate(const Fabric& fabric, const Grid& grid, const Vec3& gravity);
 
   /// Inputs of begin() and turn(); all must outlive these calls.
@@ -31,11 +46,12 @@ class LoadEstimate {
     const ActiveMesh& mesh;
     const InternalEnergy& internal;
     const ContactSet& contacts;
-    const Field& nodes;       ///< positions [m]
-    const Field& velocities;  ///< [m/s]
-    /// Gravity minus acceleration of the nodes, along the surface normal [m/s²].
-    const std::vector<double>& weight;
-    double look_time;  ///< time between two mesh decisions [s]
+    const Field& nodes;                 ///< positions [m]
+    const Field& velocities;            ///< [m/s]
+    const std::vector<double>& weight;  ///< gravity less acceleration of the nodes, across the surface [m/s²]
+    double look_time;                   ///< from one look at the mesh to the next [s]
+    const std::vector<Touch>& touches;
+    double split_turn;  ///< above which a cell splits [rad]
   };
 
   /// Measures tensions for later calls of turn(). @param least smaller angles may count as zero
@@ -50,8 +66,13 @@ class LoadEstimate {
   using Points = std::array<Vec3, 9>;
 
   double turnUnder(double load, double tension, double length) const;
+  double bend(const View& view, const Cell& cell, int parts) const;
+  double missing(const View& view, const Cell& cell, int parts) const;
+  double leastForce(const View& view, const Cell& cell) const;
   Points points(const View& view, const Cell& cell, int parts) const;
-  double load(const View& view, const Cell& cell, const Points& points) const;
+  double weightAround(const View& view, const Cell& cell) const;
+  enum class Under { Nothing, Even, Uneven };
+  Under under(const View& view, const Cell& cell, const Points& points) const;
 
   Grid grid_;
   double density_;   ///< [kg/m²]

@@ -1,13 +1,17 @@
 #include "state/new_file.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <iomanip>
 #include <limits>
 #include <random>
+#include <set>
+#include <thread>
 #include <vector>
 
 #include "haptic_cloth/error.h"
@@ -41,6 +45,36 @@ int createUnique(const fs::path& target, std::string& name) {
   }
   return -1;
 }
+
+/// Keeps other runs from giving files in the same folders their names meanwhile: each run's would
+/// be whole, and yet the folder could hold some of either. Whoever holds such a lock for long, for
+/// instance flock(1) around this very program, is not waited for, nor is a file system without
+/// locks.
+class FolderLocks {
+ public:
+  explicit FolderLocks(const std::set<fs::path>& folders) {  // in their order, the same in all programs
+    const auto give_up = std::chrono::steady_clock::now() + kPatience;
+    for (const fs::path& folder : folders) {
+      const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+      if (descriptor < 0) continue;
+      descriptors_.push_back(descriptor);
+      while (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && (errno == EWOULDBLOCK || errno == EINTR) &&
+             std::chrono::steady_clock::now() < give_up) {
+        std::this_thread::sleep_for(kLook);
+      }
+    }
+  }
+  ~FolderLocks() {
+    for (const int descriptor : descriptors_) close(descriptor);
+  }
+  FolderLocks(const FolderLocks&) = delete;
+  FolderLocks& operator=(const FolderLocks&) = delete;
+
+ private:
+  static constexpr std::chrono::seconds kPatience{2};
+  static constexpr std::chrono::milliseconds kLook{1};
+  std::vector<int> descriptors_;
+};
 
 }  // namespace
 
@@ -119,6 +153,9 @@ void NewFile::fail(int error) const {
 
 void NewFiles::publish() {
   for (NewFile& file : files_) file.finish();
+  std::set<fs::path> folders;
+  for (const NewFile& file : files_) folders.insert(file.target().parent_path());
+  const FolderLocks locks(folders);
   std::vector<fs::path> published;
   try {
     for (NewFile& file : files_) {

@@ -73,8 +73,9 @@ class NewFiles {
   /// @throws OutputError
   NewFile& add(const std::filesystem::path& file) { return files_.emplace_back(file); }
 
-  /// Gives all files their names once all are complete, in the order in which they were added.
-  /// @throws OutputError; then none of them exists
+  /// Gives all of them their names when all are complete, in the order in which they were added.
+  /// Sets of several programs follow one another: the last one stays, as a whole.
+  /// @throws OutputError; then none of them is there
   void publish();
 
  private:

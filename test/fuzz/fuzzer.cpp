@@ -1,5 +1,5 @@
-/// libFuzzer's entry; one program for each reader, HAPTIC_CLOTH_FUZZED its function. What it throws ends the
-/// program, and libFuzzer keeps the input.
+/// Entry point for libFuzzer. There is one program per reader; HAPTIC_CLOTH_FUZZED is its function.
+/// An exception ends the program, and libFuzzer keeps the input.
 #include <cstddef>
 #include <cstdint>
 

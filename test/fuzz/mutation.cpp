@@ -70,7 +70,7 @@ const std::vector<std::string>& nastyNumbers() {
   return numbers;
 }
 
-/// Begin and length of a number in `text`, the first one at or after a random place; length 0: none.
+/// Begin and length of the first number at or after a random place in `text`; length 0: none.
 std::pair<std::size_t, std::size_t> findNumber(const std::string& text, Dice& dice) {
   const std::size_t start = dice.below(text.size());
   const std::size_t begin = text.find_first_of("0123456789", start);
@@ -111,7 +111,7 @@ void change(std::string& text, const std::vector<Seed>& seeds, Dice& dice) {
       text.insert(at, other.substr(from, 1 + dice.below(64)));
       break;
     }
-    default:  // most often: so the text stays one that is read to its end
+    default:  // most often, so the text can usually be read to its end
       changeNumber(text, dice);
   }
 }

@@ -1,4 +1,4 @@
-/// Seeds and what becomes of them: a mutator without libFuzzer, the same on every machine.
+/// Seeds and their mutations: a mutator without libFuzzer, with equal results on every machine.
 #pragma once
 
 #include <cstdint>
@@ -8,16 +8,17 @@
 
 namespace haptic_cloth {
 
-/// A file that a reader starts from.
+/// A file from which mutations start.
 struct Seed {
   std::string file;
   std::string bytes;
 };
 
-/// The files in `folders` below the source tree, in the order of their names.
+/// Files in `folders` below the source tree, ordered by name.
 std::vector<Seed> readSeeds(const std::vector<std::string>& folders);
 
-/// Whole numbers and choices from one engine. The standard's distributions differ from library to library.
+/// Random numbers and choices from one engine. The distributions of the standard library are not
+/// used, because they differ between implementations.
 class Dice {
  public:
   explicit Dice(std::uint64_t seed) : engine_(seed) {}
@@ -41,11 +42,11 @@ class Dice {
   std::mt19937_64 engine_;
 };
 
-/// `bytes` after one to four changes: bytes turned, cut, doubled or swapped for a word that readers trip
-/// over, a number swapped for another, a piece of another seed put in.
+/// `bytes` after one to four changes: bytes changed, removed, doubled or replaced by a word that is
+/// difficult to read, a number replaced by another, or a piece of another seed inserted.
 std::string mutated(const std::string& bytes, const std::vector<Seed>& seeds, Dice& dice);
 
-/// `text` with one to three of its numbers swapped for others that are rare in files.
+/// `text` with one to three of its numbers replaced by others that are rare in files.
 std::string withOtherNumbers(const std::string& text, Dice& dice);
 
 }  // namespace haptic_cloth

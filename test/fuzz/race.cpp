@@ -1,5 +1,5 @@
-/// A loop with a race, shared out like every loop of the solver: the thread sanitizer must see it, or its
-/// silence about the rest says nothing.
+/// A loop with a data race, run in parallel like every loop of the solver. The thread sanitizer
+/// must report it; otherwise its silence about the other programs proves nothing.
 #include "parallel/parallel_for.h"
 
 int main() {

@@ -25,7 +25,7 @@ std::vector<std::string> fabricNames() {
   return names;
 }
 
-/// One scene as it is written down.
+/// Writes one scene.
 class Writer {
  public:
   Writer(std::uint64_t seed, const RandomSceneLimits& limits) : dice_(seed), limits_(limits) {
@@ -44,7 +44,7 @@ class Writer {
   }
 
  private:
-  /// Most grids are small; some are large enough to be shared out over threads.
+  /// Writes the grid. Most grids are small; some are large enough to be run on several threads.
   void grid() {
     levels_ = dice_.within(0, 4);
     const int coarsest = 1 << levels_;
@@ -96,9 +96,9 @@ class Writer {
     text_ << "air_damping: " << dice_.choice(std::vector<double>{0.0, 0.5, 0.5, 5.0}) << "\n";
   }
 
-  /// About where the cloth is: mostly beside it, at times through it.
+  /// A place near the cloth, mostly below it. A solid there often cuts through the cloth.
   Eigen::Vector3d near(double reach) {
-    // Braces: their arguments are drawn in order on every compiler.
+    // Braces, because their arguments are evaluated in order by every compiler.
     return centre_ + Eigen::Vector3d{dice_.uniform(-0.6, 0.6) * size_[0], dice_.uniform(-0.6, 0.6) * size_[1],
                                      dice_.uniform(-1.0, 0.3) * reach};
   }
@@ -128,7 +128,7 @@ class Writer {
     }
   }
 
-  /// Legs of 5 to 30 ms: at times faster than any hand.
+  /// A path with legs of 5 to 30 ms, sometimes faster than any hand.
   std::string path(const Eigen::Vector3d& start, double extent) {
     std::ostringstream text;
     text.imbue(std::locale::classic());

@@ -1,7 +1,8 @@
-/// Short runs of random scenes. Criteria: the reader takes the scene; every step ends with finite values and
-/// none fails; no edge is strained beyond kMostStrain; the state has equal bits for 1 and 2 threads
-/// (decision 0008). HAPTIC_CLOTH_RANDOM_SEED=n begins at scene n, HAPTIC_CLOTH_RANDOM_SCENES=n runs so many.
-/// A scene that breaks a criterion is kept in a file, to be run by `simulate`.
+/// Short runs of random scenes. Criteria: the reader accepts the scene; every step ends with finite
+/// values and none fails; no edge is strained beyond kMostStrain; the state has equal bits for 1
+/// and 2 threads (decision 0008). HAPTIC_CLOTH_RANDOM_SEED=n starts at scene n,
+/// HAPTIC_CLOTH_RANDOM_SCENES=n sets the number of scenes. A scene that breaks a criterion is kept
+/// in a file, to be run by `simulate`.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,11 +18,13 @@
 namespace haptic_cloth {
 namespace {
 
-/// No path pulls cloth farther than this: legs are at most 5 cm long and at most four, cells 1 mm at least
-/// and the cloth around a held particle gives way. Beyond it the solver has let go of the cloth.
+/// No path pulls cloth farther than this: a path has at most four legs of at most 5 cm, cells are
+/// at least 1 mm wide, and the cloth around a held particle follows. A larger strain means that the
+/// solver has lost the cloth.
 constexpr double kMostStrain = 10.0;
 
-constexpr char kScenes[] = HAPTIC_CLOTH_SOURCE_DIR "/config/scenes";  ///< where paths of fabrics begin
+/// Start of relative fabric paths.
+constexpr char kScenes[] = HAPTIC_CLOTH_SOURCE_DIR "/config/scenes";
 
 std::uint64_t fromEnvironment(const char* name, std::uint64_t missing) {
   const char* text = std::getenv(name);
@@ -29,11 +32,11 @@ std::uint64_t fromEnvironment(const char* name, std::uint64_t missing) {
 }
 
 struct Outcome {
-  std::string broken;  ///< criterion; empty: none
+  std::string broken;  ///< criterion that was broken; empty: none
   std::uint64_t hash = 0;
 };
 
-/// What is wrong with a step; empty: nothing.
+/// Fault of a step; empty: none.
 std::string judge(const Simulation& simulation, bool failed, bool strain_counts = true) {
   if (failed) return "a step failed";
   if (!isFinite(simulation)) return "not finite";
@@ -71,8 +74,8 @@ std::string verdict(const std::string& yaml) {
   return one.hash == two.hash ? "" : "other bits on two threads";
 }
 
-/// Runs `check` on the scenes that the environment asks for, `usual` without; keeps those it finds fault
-/// with.
+/// Runs `check` on the scenes chosen by the environment, by default on `usual` ones. Keeps the
+/// scenes that fail.
 template <class Check>
 void forScenes(std::uint64_t usual, const std::string& kind, const Check& check) {
   const std::uint64_t first = fromEnvironment("HAPTIC_CLOTH_RANDOM_SEED", 1);
@@ -99,15 +102,17 @@ TEST(RandomScenes, StayFiniteBoundedAndEqual) {
 }
 
 TEST(RandomScenes, ThatBrokeACriterionOnceKeepIt) {
-  // joint_*: the joint cost, cut short, stored energy out of nothing, up to 3 MJ in a pocket handkerchief.
+  // joint_*: the joint cost with few iterations stored energy without a source, up to 3 MJ in a
+  // cloth as small as a handkerchief.
   const std::vector<Seed> seeds = readSeeds({"test/fuzz/seeds/random"});
   EXPECT_GE(seeds.size(), 4U);
   for (const Seed& seed : seeds) EXPECT_EQ(verdict(seed.bytes), "") << seed.file;
 }
 
 TEST(RandomScenes, WithAnyNumbersAreRefusedOrStayFinite) {
-  // What the reader lets through is a scene, however odd: no step of it may crash, hang or leave the numbers.
-  // Steps may fail here: the last good state is then restored, and that is finite.
+  // Every scene that the reader accepts is valid, however odd: no step may crash, hang or produce
+  // numbers that are not finite. Steps may fail here; then the last good state is restored, which
+  // is finite.
   int accepted = 0;
   forScenes(300, "odd", [&](std::uint64_t seed, std::string& yaml) -> std::string {
     Dice dice(seed);

@@ -15,7 +15,7 @@ namespace {
 constexpr char kOrigin[] = "input.yaml";
 constexpr std::size_t kLongestMessage = 10000;
 
-// Rounding of a law's sums, over its largest force.
+// Rounding of the sums in a law, relative to its largest force.
 constexpr double kRounding = 1e-9;
 
 constexpr char kScene[] = R"(cloth: {fabric: linear, particles: [5, 9], pins: [corner_00, edge_x1]}
@@ -38,7 +38,7 @@ void checkMessage(const std::string& what) {
   }
 }
 
-/// Runs a reader and checks the message of its refusal.
+/// Runs a reader. If it refuses, checks its message.
 template <class Read>
 bool accepts(const Read& read) {
   try {
@@ -50,7 +50,7 @@ bool accepts(const Read& read) {
   return true;
 }
 
-/// Largest |force| at the ends of a curve's intervals.
+/// Checks a curve. @return the largest |force| at the ends of its intervals
 double checkCurve(const Curve& curve, const std::string& name) {
   double largest = 0.0;
   for (const Curve::Interval& interval : curve.intervals()) {

@@ -1,5 +1,5 @@
-/// The readers of files as functions of bytes that hold them to what they promise: for libFuzzer and for the
-/// replay of its seeds.
+/// The readers of files as functions of bytes that check what the readers promise. Used by
+/// libFuzzer and by the replay of its seeds.
 #pragma once
 
 #include <stdexcept>
@@ -7,21 +7,22 @@
 
 namespace haptic_cloth {
 
-/// What a reader must never do.
+/// Thrown if a reader breaks its promise.
 class BrokenPromise : public std::logic_error {
  public:
   using std::logic_error::logic_error;
 };
 
-/// Each reads `bytes` and returns, whatever they are. A refusal must be an InputError, one line of bounded
-/// length that names the source and a rule; what is accepted must be what the solver may rely on: a scene
-/// that passes validateScene(), laws that are finite, rise, and have their branches in order.
+/// Each function reads `bytes`, whatever they are. A refusal must be an InputError: one line of
+/// limited length that names the source and a rule. Accepted input must be what the solver relies
+/// on: a scene that passes validateScene(); laws that are finite, do not fall, and have their
+/// branches in order.
 /// @return whether the bytes were accepted
-/// @throws BrokenPromise if not so, or whatever else a reader let out
+/// @throws BrokenPromise if a promise is broken; other exceptions of a reader pass through
 bool readSceneBytes(const std::string& bytes);
 bool readFabricBytes(const std::string& bytes);
 
-/// Each line of `bytes` is one `--set` on a scene that is good without them.
+/// Each line of `bytes` is one `--set` for a scene that is valid without them.
 bool readOverrideBytes(const std::string& bytes);
 
 }  // namespace haptic_cloth

@@ -1,7 +1,8 @@
-/// The readers of scene files, fabric files and --set against inputs that nobody would write: the kept seeds,
-/// a fixed set of mutations of them, and inputs far too large. Criterion, as in the libFuzzer programs
-/// (scripts/fuzz.sh): readers.h; no crash, nothing but InputError with source and rule. All of it in less
-/// than kMost memory above the start: an input that stands for 1e9 values is refused before it is built.
+/// Runs the readers of scene files, fabric files and --set on unusual inputs: the kept seeds, a
+/// fixed set of mutations of them, and inputs that are far too large. Criteria as in the libFuzzer
+/// programs (scripts/fuzz.sh): those of readers.h; no crash, and no exception but InputError with
+/// source and rule. All of it uses less than kMost memory above that at the start: an input that
+/// stands for 1e9 values is refused before it is built.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -29,8 +30,8 @@ const Reader kReaders[] = {{"scene", readSceneBytes, {"test/fuzz/seeds/scene", "
                            {"fabric", readFabricBytes, {"test/fuzz/seeds/fabric", "config/fabrics"}},
                            {"override", readOverrideBytes, {"test/fuzz/seeds/override"}}};
 
-/// Runs one input. A broken promise fails the test and leaves the input in a file. @return 1 if it was
-/// accepted
+/// Runs one input. A broken promise fails the test and keeps the input in a file. @return 1 if the
+/// input was accepted
 int hold(const Reader& reader, const std::string& bytes, const std::string& label) {
   try {
     return reader.read(bytes) ? 1 : 0;
@@ -52,7 +53,7 @@ TEST_P(Readers, HoldOnEverySeed) {
     SCOPED_TRACE(seed.file);
     accepted += hold(GetParam(), seed.bytes, "seed");
   }
-  // Seeds are there for both ways through a reader.
+  // Seeds exist for acceptance and for refusal.
   EXPECT_GT(accepted, 2);
   EXPECT_LT(accepted, static_cast<int>(seeds.size()));
 }
@@ -66,7 +67,7 @@ TEST_P(Readers, HoldOnMutations) {
     const std::string bytes = mutated(dice.choice(seeds).bytes, seeds, dice);
     accepted += hold(GetParam(), bytes, std::to_string(k));
   }
-  // Neither all broken at the first byte nor all harmless.
+  // The mutations are neither all broken at the first byte nor all harmless.
   EXPECT_GT(accepted, kMutations / 50);
   EXPECT_LT(accepted, kMutations * 9 / 10);
 }
@@ -74,7 +75,7 @@ TEST_P(Readers, HoldOnMutations) {
 INSTANTIATE_TEST_SUITE_P(All, Readers, testing::ValuesIn(kReaders),
                          [](const auto& info) { return std::string(info.param.name); });
 
-// ---- inputs far too large: libFuzzer keeps to a few KB ----
+// ---- inputs far too large, because libFuzzer uses only a few KB ----
 
 std::string repeated(const std::string& text, int count) {
   std::string all;
@@ -104,15 +105,15 @@ constexpr char kCloth[] = "cloth: {fabric: linear}\n";
 constexpr char kTooMany[] =
     "scene: must hold at most 1048576 values, those that aliases stand for counted each time";
 
-/// Peak of this process so far [MiB].
+/// Peak memory of this process so far [MiB].
 long peakMemory() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return usage.ru_maxrss / 1024;
 }
 
-/// The largest input that is allowed takes about 500 MiB (1 million values of about 500 bytes in yaml-cpp);
-/// each of these would take more than 10 GiB.
+/// The largest allowed input takes about 500 MiB (1 million values of about 500 bytes in yaml-cpp).
+/// Each input here would take more than 10 GiB.
 class TooLarge : public testing::Test {
  protected:
   static constexpr long kMost = 1024;  // [MiB]
@@ -128,7 +129,7 @@ TEST_F(TooLarge, GridsAreRefused) {
 }
 
 TEST_F(TooLarge, AliasesOfAliasesAreRefused) {
-  // Ten levels of ten: 10^10 rows from 300 bytes.
+  // Ten levels with ten aliases each: 10^10 rows from 300 bytes.
   std::string yaml = "a0: &a0 [0, 0, 0, 0]\n";
   for (int k = 1; k <= 10; ++k) {
     const std::string alias = "*a" + std::to_string(k - 1) + ", ";
@@ -151,7 +152,7 @@ TEST_F(TooLarge, AListThatHoldsItselfIsRefused) {
 }
 
 TEST_F(TooLarge, DocumentsWithoutEndAreRefused) {
-  // yaml-cpp 0.7 gives one empty document after the other.
+  // yaml-cpp 0.7 returns an endless series of empty documents.
   EXPECT_EQ(refusal(", s{ti}"), "scene: must hold one YAML document, not several");
 }
 
@@ -160,7 +161,7 @@ TEST_F(TooLarge, DeepNestsAreRefused) {
   for (const char* word : {"[", "{a: ", "- ", "? ", "{[", "[{", "{? "}) {
     EXPECT_EQ(refusal(repeated(word, 100000)), rule) << word;
   }
-  std::string steps;  // a block that goes one column deeper each line
+  std::string steps;  // a block that is indented by one more column in each line
   for (int k = 0; k < 2000; ++k) steps += repeated(" ", k) + "a:\n";
   EXPECT_EQ(refusal(steps), rule);
 }
@@ -198,7 +199,7 @@ TEST_F(TooLarge, ManyProbesObstaclesAndPinsAreRefused) {
 }
 
 TEST_F(TooLarge, LongTablesAreReadInOneGo) {
-  // The time grows with the rows, not with the square of their number: that would be minutes.
+  // The time grows linearly with the number of rows. Quadratic growth would take minutes.
   std::string rows;
   for (int k = 0; k < 100000; ++k) rows += "[" + std::to_string(k) + "," + std::to_string(k) + "],";
   const std::string head = "source: x\nareal_density: 0.1\nthickness: 0.001\n";

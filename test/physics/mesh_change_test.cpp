@@ -64,17 +64,22 @@ struct Change {
 /// Makes the change of a world's next step, on copies of mesh, state and memory.
 class Shadow {
  public:
-  explicit Shadow(const ClothWorld& world) : adaptation_(world.scene.adapt, world.grid) {}
+  explicit Shadow(const ClothWorld& world)
+      : adaptation_(world.scene.adapt, world.grid),
+        load_(world.scene.cloth.fabric, world.grid, world.scene.gravity) {}
 
   void setOptions(const AdaptOptions& options) { adaptation_.setOptions(options); }
 
   /// Particles of the nodes after the last change: those of the world after its step.
   const std::vector<int>& particles() const { return particles_; }
 
-  /// Called once before each step. @return nothing if the mesh does not change
-  std::optional<Change> change(const ClothWorld& world, const FineRegions& fine = {}) {
+  /// To be called once before each step. @return nothing where the mesh stays as it is
+  std::optional<Change> change(ClothWorld& world, const FineRegions& fine = {}) {
+    const LoadEstimate::View view = world.loadView();
+    load_.begin(view, std::min(world.scene.adapt.refine_above, world.scene.adapt.coarsen_below));
     if (!adaptation_.plan(world.steps, world.nodes(), world.internal, fine, world.leaves, world.mesh,
-                          world.state, [](const Cell&, int) { return 0.0; })) {
+                          world.state,
+                          [&](const Cell& cell, int parts) { return load_.turn(view, cell, parts); })) {
       return std::nullopt;
     }
     const Fabric& fabric = world.scene.cloth.fabric;
@@ -139,6 +144,7 @@ class Shadow {
   }
 
   Adaptation adaptation_;
+  LoadEstimate load_;
   std::vector<int> particles_;
 };
 

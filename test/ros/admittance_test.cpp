@@ -1,7 +1,7 @@
-/// A device of the admittance kind on the running node: a measured force moves the commanded pose.
-/// Criteria: in free space a force F ends at the speed F/b, and until then follows the damped mass's law; on
-/// the cloth the tool rests where hand and coupling balance, F/k behind the proxy; a lost force, a pause and
-/// a reset bring it to rest.
+/// An admittance device on the running node: a measured force moves the commanded pose. Criteria:
+/// in free space a force F leads to the speed F/b, and before that the motion follows the law of
+/// the damped mass; on the cloth the tool rests where hand and coupling balance, F/k behind the
+/// proxy; a lost force, a pause and a reset bring it to rest.
 #include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/WrenchStamped.h>
 #include <gtest/gtest.h>
@@ -22,13 +22,13 @@
 namespace haptic_cloth {
 namespace {
 
-// Of admittance.test and scene.yaml.
+// Values of admittance.test and scene.yaml.
 constexpr double kMass = 0.2, kDamping = 4.0, kStiffness = 400.0;
-/// What one tick makes up for at most: five periods of 1 kHz (AdmittanceLoop) [s].
+/// Longest time that one tick catches up: five periods at 1 kHz (AdmittanceLoop) [s].
 constexpr double kMostOfATick = 5e-3;
 const Vec3 kOffset(0.0, 0.0, 0.02), kStart(0.0, 0.0, 0.15);
 
-/// From the driver's axes into the cloth's, and back.
+/// Rotates from the driver's axes into the cloth's, and back.
 Vec3 turned(const Vec3& v) { return {-v.y(), v.x(), v.z()}; }
 Vec3 turnedBack(const Vec3& v) { return {v.y(), -v.x(), v.z()}; }
 
@@ -66,12 +66,12 @@ class TestSensor {
 };
 
 struct Command {
-  std::uint32_t number;  ///< the node's count: one for each tick
-  double time;           ///< of its tick, by its stamp [s]
+  std::uint32_t number;  ///< the node's count: one per tick
+  double time;           ///< time of its tick, from its stamp [s]
   Vec3 position;         ///< in the cloth's frame [m]
 };
 
-/// Everything that came on probe/command, as the driver would place it.
+/// Records every message on probe/command, placed as the driver would place it.
 class CommandListener {
  public:
   explicit CommandListener(ros::NodeHandle& node) {
@@ -101,7 +101,7 @@ class CommandListener {
     const std::lock_guard<std::mutex> lock(mutex_);
     return frame_;
   }
-  /// Whether it stays exactly where it is for many commands.
+  /// Whether the tool has not moved at all in the last commands.
   bool rests() const {
     const std::vector<Command> all = commands();
     constexpr std::size_t kMany = 50;
@@ -116,7 +116,7 @@ class CommandListener {
   mutable std::mutex mutex_;
   std::vector<Command> commands_;
   std::string frame_;
-  ros::Subscriber subscriber_;  ///< last: its callback uses all above
+  ros::Subscriber subscriber_;  ///< last member: its callback uses all members above
 };
 
 class AdmittanceTest : public testing::Test {
@@ -139,7 +139,7 @@ class AdmittanceTest : public testing::Test {
     if (!sensor_) sensor_ = std::make_unique<TestSensor>(node_);
     sensor_->set(force);
   }
-  /// Brings the tool to within a millimetre of a place in free space, as a hand of 20 N/m does.
+  /// Moves the tool to within a millimetre of a place in free space, like a hand with 20 N/m.
   void bringTo(const Vec3& place) {
     ASSERT_TRUE(waitFor([&] {
       const Vec3 way = place - command_.position();
@@ -157,7 +157,7 @@ class AdmittanceTest : public testing::Test {
   std::unique_ptr<TestSensor> sensor_;
 };
 
-/// Runs first: the tool has not started.
+/// This test runs first, while the tool has not started.
 TEST_F(AdmittanceTest, ACommandComesWithTheFirstForceAndWhereTheDeviceIs) {
   ASSERT_TRUE(says("no force"));
   const Vec3 device(0.01, 0.02, 0.16);
@@ -172,9 +172,9 @@ TEST_F(AdmittanceTest, ACommandComesWithTheFirstForceAndWhereTheDeviceIs) {
   EXPECT_TRUE(says("free"));
 }
 
-/// Times between two commands for which the tool has moved, by their stamps.
+/// Time for which the tool has moved between two commands, from their stamps.
 struct Moved {
-  double least = 0.0, most = 0.0;  ///< apart only where commands of late ticks were lost on the way [s]
+  double least = 0.0, most = 0.0;  ///< they differ only if commands of late ticks were lost [s]
 };
 
 Moved timeMoved(const std::vector<Command>& commands, std::size_t first, std::size_t last) {
@@ -188,9 +188,10 @@ Moved timeMoved(const std::vector<Command>& commands, std::size_t first, std::si
   return moved;
 }
 
-/// A force F ends at the speed F/b. Late ticks lose way, so what counts is the time that the ticks made up
-/// for. The tool is watched from 8 τ on, where it lacks e^-8 of that speed: 3e-4. Its stamps are of another
-/// clock than its ticks, read one after the other: at either end of the way they may be a tick apart.
+/// A force F leads to the speed F/b. Late ticks lose distance, so only the time that the ticks
+/// caught up counts. The tool is measured from 8 τ on, where it lacks e^-8 = 3e-4 of that speed.
+/// Stamps and ticks use two clocks, read one after the other. So at either end of the distance they
+/// may differ by one tick.
 TEST_F(AdmittanceTest, AForceMovesTheCommandByTheLaw) {
   bringTo(kStart);
   push(Vec3::Zero());
@@ -216,7 +217,7 @@ TEST_F(AdmittanceTest, AForceMovesTheCommandByTheLaw) {
   EXPECT_LT(way.normalized().cross(force.normalized()).norm(), 1e-6);
   RecordProperty("way_over_law", std::to_string(way.norm() / (speed * moved.least)));
   RecordProperty("lost_way_s", std::to_string(all[end].time - all[begin].time - moved.least));
-  // When the force ends the tool coasts by v τ.
+  // After the end of the force the tool coasts by v τ.
   ASSERT_TRUE(waitFor([this] { return command_.rests(); }));
 }
 
@@ -243,7 +244,7 @@ TEST_F(AdmittanceTest, RestsOnTheClothWhereTheForcesBalance) {
   EXPECT_TRUE(waitFor([&] { return near(stretch(), kPress / kStiffness, 0.05); })) << stretch();
   ASSERT_TRUE(says("contact"));
 
-  // Let go: the cloth pushes it out. A lost force stops it where it is.
+  // The hand lets go and the cloth pushes the tool out. A lost force stops the tool.
   push(Vec3(0, 0, 0.2));
   EXPECT_TRUE(waitFor([&] { return command_.position().z() > 0.12; }));
   sensor_->silence(true);

@@ -1,5 +1,7 @@
 #!/usr/bin/python3
-"""Writes a motion (CSV: t,x,y,z in s and m) as a bag of probe/pose. Usage: csv_to_bag.py MOTION.csv OUT.bag"""
+"""Writes a motion (CSV: t,x,y,z in s and m) as a bag of probe/pose.
+
+Usage: csv_to_bag.py MOTION.csv OUT.bag"""
 import csv
 import sys
 
@@ -7,7 +9,7 @@ import rosbag
 import rospy
 from geometry_msgs.msg import PoseStamped
 
-START = 1.0e9  # any time long ago; the bag's own clock
+START = 1.0e9  # any time long ago [s]
 
 
 def main(source, target):

@@ -1,6 +1,7 @@
-/// A foreign driver through adapter and node and back: signs, scales, axes, and zeros whenever something
-/// stalls. The driver gives its position as Vector3 in millimetres and takes omni_msgs/OmniFeedback, which is
-/// not installed: its fingerprint stands here as genmsg computes it.
+/// A foreign driver through adapter and node and back: signs, scales, axes, and zeros whenever
+/// something stalls. The driver sends its position as Vector3 in millimetres and takes
+/// omni_msgs/OmniFeedback. That package is not installed, so its MD5 sum, as computed by genmsg,
+/// stands here.
 #include <geometry_msgs/Vector3.h>
 #include <geometry_msgs/Wrench.h>
 #include <gtest/gtest.h>
@@ -21,12 +22,12 @@
 namespace haptic_cloth {
 namespace {
 
-// Of test/ros/device.test and the defaults of the scene.
+// Values of test/ros/device.test and defaults of the scene.
 constexpr double kStiffness = 400.0, kForceScale = 0.5, kMetresPerUnit = 0.002, kHeight = 0.025;
-/// In the driver's axes, y up: the probe free above the cloth, and 10 mm into it.
+/// Positions in the driver's axes, y up: free above the cloth, and pressed 10 mm into it.
 const Vec3 kAbove(0.0, 50.0, 0.0), kPressed(0.0, 37.5, 0.0);
 
-/// A driver as those of OpenHaptics devices, without the device.
+/// A driver like those of OpenHaptics devices, without the device.
 class FakeDriver {
  public:
   explicit FakeDriver(ros::NodeHandle& node)
@@ -83,7 +84,7 @@ class FakeDriver {
   }
 
   void accept(const topic_tools::ShapeShifter& message) {
-    double numbers[6];  // force, position: all that OmniFeedback has
+    double numbers[6];  // force, position: the whole content of OmniFeedback
     const std::lock_guard<std::mutex> lock(mutex_);
     ++count_;
     if (message.size() != sizeof numbers) {
@@ -137,8 +138,9 @@ class DeviceTest : public testing::Test {
   ros::Subscriber proxy_subscriber_;
 };
 
-/// At rest the coupling is a spring: the probe feels K (proxy - device) up, the hand force_scale times that
-/// along the driver's y. 2 % are the creep of a cloth that is still coming to rest between two looks.
+/// At rest the coupling is a spring: the probe feels K (proxy - device) upwards, the hand
+/// force_scale times that along the driver's y. The tolerance of 2 % covers the creep of the cloth
+/// between two readings.
 TEST_F(DeviceTest, PressingIsFeltAlongTheDriversAxisInItsScale) {
   press();
   const double height = kHeight + kMetresPerUnit * kPressed.y();
@@ -148,7 +150,7 @@ TEST_F(DeviceTest, PressingIsFeltAlongTheDriversAxisInItsScale) {
     return expected > 0.1 && std::abs(driver_.force().y() - expected) < 0.02 * expected;
   })) << "force "
       << driver_.force().transpose() << " N, expected " << expected << " N along y";
-  // The cloth is the same to all sides and the probe presses its middle, without friction.
+  // The cloth is symmetric, and the probe presses its middle without friction.
   EXPECT_LT(std::hypot(driver_.force().x(), driver_.force().z()), 0.05 * driver_.force().y());
   driver_.moveTo(kAbove);
   EXPECT_TRUE(waitFor([this] { return driver_.force().isZero(0.0); }));
@@ -173,7 +175,7 @@ TEST_F(DeviceTest, APausedClothGivesZero) {
   driver_.moveTo(kAbove);
 }
 
-/// An adapter of its own, fed by the test in place of the node.
+/// An adapter by itself; the test sends its input instead of the node.
 class AdapterTest : public testing::Test {
  protected:
   AdapterTest() : spinner_(2) { spinner_.start(); }
@@ -207,7 +209,7 @@ class AdapterTest : public testing::Test {
     wrench.wrench.force.z = force;
     reaction_.publish(wrench);
   }
-  /// Sends until `condition` comes true.
+  /// Sends until `condition` holds.
   bool sendUntil(double force, const std::function<bool()>& condition) {
     return waitFor([&] {
       send(force);
@@ -221,7 +223,7 @@ class AdapterTest : public testing::Test {
   ros::Publisher reaction_;
   std::atomic<double> newest_{0.0};
   std::atomic<bool> finite_{true};
-  ros::Subscriber force_;  ///< last: its callback uses all above
+  ros::Subscriber force_;  ///< last member: its callback uses all members above
 };
 
 TEST_F(AdapterTest, ANodeThatFallsSilentLeavesNoForce) {
@@ -231,7 +233,7 @@ TEST_F(AdapterTest, ANodeThatFallsSilentLeavesNoForce) {
 }
 
 TEST_F(AdapterTest, AForceThatIsNotFiniteIsZero) {
-  start({"_force/timeout:=1000.0"});  // the watchdog must not do it
+  start({"_force/timeout:=1000.0"});  // disables the watchdog for this test
   ASSERT_TRUE(sendUntil(1.5, [this] { return newest_ == 1.5; }));
   send(std::numeric_limits<double>::quiet_NaN());
   EXPECT_TRUE(waitFor([this] { return newest_ == 0.0; }));
@@ -285,7 +287,8 @@ TEST_F(AdapterTest, BadParametersAreNamed) {
   expectRefused({"device/pose:=probe/pose"}, "must be another topic");
 }
 
-/// Last: the doubt stays. A thousand times too far is what millimetres are for metres.
+/// This test must be last, because the doubt remains. Millimetres taken as metres are a thousand
+/// times too far.
 TEST_F(DeviceTest, PosesThatCannotBeMetresAreNamedInTheDiagnostics) {
   EXPECT_EQ(diagnostics_.value("probe", "units").find("position_unit"), std::string::npos);
   driver_.moveTo(1e3 * kAbove);

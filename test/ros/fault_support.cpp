@@ -17,12 +17,18 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kLateTicks = 5.0;  ///< periods of the rate limit that a late tick may make use of [-]
+constexpr double kLateTicks = 5.0;  ///< periods of the rate limit that a late tick may use [-]
 constexpr double kRoundOff = 1e-9;  ///< [N], [N·m]
-constexpr double kFelt = 0.1;       ///< a force that a hand tells from none [N]
-constexpr double kDownAndUp = 4.0;  ///< patience with one press before the hand is lifted again [s]
+constexpr double kFelt = 0.1;       ///< smallest force that a hand notices [N]
+/// Longest wait in one press before the hand is lifted again [s].
+constexpr double kDownAndUp = 4.0;
 
 }  // namespace
+
+double strongestAt(std::uint32_t number, const HapticOptions& limits) {
+  const double rate = std::min(limits.max_force_rate, limits.max_force / limits.soft_start);
+  return std::min(limits.max_force, number * kLateTicks * rate / limits.rate);
+}
 
 WrenchFindings examine(const std::vector<HeardWrench>& wrenches, const HapticOptions& limits) {
   WrenchFindings found;
@@ -44,6 +50,7 @@ WrenchFindings examine(const std::vector<HeardWrench>& wrenches, const HapticOpt
       found.too_fast += change > step + kRoundOff || torque_change > torque_step + kRoundOff;
     } else {
       ++found.starts;
+      found.too_early += wrench.force.norm() > strongestAt(wrench.number, limits) + kRoundOff;
     }
     last = &wrench;
   }
@@ -51,16 +58,23 @@ WrenchFindings examine(const std::vector<HeardWrench>& wrenches, const HapticOpt
 }
 
 ReactionRecord::ReactionRecord(ros::NodeHandle& node, const std::string& topic) {
-  const auto keep = [this](const geometry_msgs::WrenchStamped::ConstPtr& message) {
-    const auto& [force, torque] = message->wrench;
+  using Event = ros::MessageEvent<const geometry_msgs::WrenchStamped>;
+  ros::SubscribeOptions options;
+  options.initByFullCallbackType<const Event&>(topic, 1000, [this](const Event& event) {
+    const geometry_msgs::WrenchStamped& message = *event.getMessage();
+    const auto& [force, torque] = message.wrench;
     const std::lock_guard<std::mutex> lock(mutex_);
-    last_ = {message->header.seq, message->header.stamp, Vec3(force.x, force.y, force.z),
-             Vec3(torque.x, torque.y, torque.z), steadyNow()};
+    last_ = {message.header.seq,
+             message.header.stamp,
+             Vec3(force.x, force.y, force.z),
+             Vec3(torque.x, torque.y, torque.z),
+             steadyNow(),
+             event.getConnectionHeaderPtr()};
     wrenches_.push_back(last_);
     ++count_;
-  };
-  subscriber_ = node.subscribe<geometry_msgs::WrenchStamped>(topic, 1000, keep, ros::VoidConstPtr(),
-                                                             ros::TransportHints().tcpNoDelay());
+  });
+  options.transport_hints = ros::TransportHints().tcpNoDelay();
+  subscriber_ = node.subscribe(options);
 }
 
 std::vector<HeardWrench> ReactionRecord::all() const {
@@ -146,8 +160,8 @@ void FaultTest::press() {
 }
 
 bool FaultTest::recovers() {
-  // A probe must have been clear of the cloth to press on it. How long that takes the solver to see is the
-  // machine's business, so the hand tries again.
+  // A press starts with the probe clear of the cloth. The time that the solver needs to see this
+  // depends on the machine, so the hand tries again.
   return waitFor([this] {
     hand_->moveTo(kAbove);
     waitFor([this] { return hand_->arrived(); });
@@ -176,6 +190,7 @@ WrenchFindings FaultTest::expectSound() {
   EXPECT_EQ(found.not_finite, 0);
   EXPECT_EQ(found.too_strong, 0) << "up to " << found.strongest << " N";
   EXPECT_EQ(found.too_fast, 0) << "up to " << found.fastest << " N a tick";
+  EXPECT_EQ(found.too_early, 0) << "a node must begin with zero";
   RecordProperty("wrenches", static_cast<int>(found.heard));
   RecordProperty("wrenches_lost", static_cast<int>(found.lost));
   RecordProperty("strongest_N", std::to_string(found.strongest));

@@ -1,6 +1,6 @@
-/// Two probes, what they grasp, a table that is moved, and the mouse, on the running node.
-/// Criteria: a grasped sheet in the air weighs what mass and gravity say; a cloth on a table goes where the
-/// table goes; poses come back as they were sent.
+/// Two probes, their grasps, a moving table, and the mouse, on the running node. Criteria: the
+/// weight of a grasped sheet in the air follows from mass and gravity; a cloth on a table moves
+/// with the table; poses come back as they were sent.
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <geometry_msgs/PoseStamped.h>
 #include <gtest/gtest.h>
@@ -26,14 +26,14 @@ namespace {
 
 using visualization_msgs::InteractiveMarkerFeedback;
 
-// Of test/ros/fingers.yaml, fingers.test and config/fabrics/linear.yaml.
+// Values of test/ros/fingers.yaml, fingers.test and config/fabrics/linear.yaml.
 constexpr double kTable = 0.05, kRadius = 0.010;
 constexpr double kWeight = 0.15 * 0.1 * 0.1 * 9.81;  ///< [N]
 const Vec3 kRightOffset(0.0, 0.0, 0.02);
 const Vec3 kLeftAbove(-0.03, 0.0, 0.08), kLeftPressed(-0.03, 0.0, kTable + kRadius - 0.004);
 const Vec3 kRightAbove(0.03, 0.0, 0.08), kRightPressed(0.03, 0.0, kTable + 0.008 - 0.004);
 
-/// Newest message of a topic.
+/// Keeps the newest message of a topic.
 template <class Message>
 class Listener {
  public:
@@ -57,7 +57,8 @@ class Listener {
   ros::Subscriber subscriber_;
 };
 
-/// The right device's driver has its origin 20 mm lower, and its axes turned by a quarter about z.
+/// Position for the right device's driver. Its origin is 20 mm higher, and its axes are rotated by
+/// 90 degrees about z.
 Vec3 forRight(const Vec3& position) {
   const Vec3 from = position - kRightOffset;
   return {from.y(), -from.x(), from.z()};
@@ -90,7 +91,7 @@ class FingersTest : public testing::Test {
     request.request.data = paused;
     ASSERT_TRUE(ros::service::call("/haptic_cloth/pause", request));
   }
-  /// Live, as all of the limits.
+  /// Changes the limit live, like all limits.
   void limitTorque(double most) {
     dynamic_reconfigure::Reconfigure call;
     call.request.config.doubles.emplace_back();
@@ -98,7 +99,7 @@ class FingersTest : public testing::Test {
     call.request.config.doubles.back().value = most;
     ASSERT_TRUE(ros::service::call("/haptic_cloth/set_parameters", call));
   }
-  /// @return whether the node agrees
+  /// @return whether the node accepts it
   bool grasp(const std::string& probe, bool closed) {
     std_srvs::SetBool request;
     request.request.data = closed;
@@ -163,28 +164,30 @@ TEST_F(FingersTest, TheCapsuleTurnsWithItsDevice) {
   })) << toPose(proxy.last().pose).orientation.coeffs().transpose();
 }
 
-/// The capsule lies across an edge of the cloth and is pressed 4 mm below the table's top: only the half
-/// that is over the cloth is touched.
+/// The capsule lies across an edge of the cloth and is pressed 4 mm below the table's top. Only the
+/// half above the cloth is touched.
 TEST_F(FingersTest, TheCapsuleFeelsTheTorqueOfTheClothsEdge) {
   constexpr double kEdge = 0.05, kHalfLength = 0.01, kCapsuleRadius = 0.008;
   const Vec3 over(kEdge, 0.0, 0.08), pressed(kEdge, 0.0, kTable + kCapsuleRadius - 0.004);
   const Quat along_x = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitX());
-  const Quat axes(Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitZ()));  // of the driver
+  const Quat axes(Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitZ()));  // rotation of the driver's axes
   TestDevice right(node_, forRight(over), "right/pose");
   right.turn(axes.conjugate() * along_x);
   ASSERT_TRUE(says("right", "status", "free"));
   EXPECT_TRUE(right_force_.torque().isZero(0.0));
   right.moveTo(forRight(pressed));
   ASSERT_TRUE(waitFor([&] { return right.arrived(); }));
-  // A force F upwards at the distance a towards -x is a torque a F about y, which is the driver's
-  // x axis. Both of one wrench: a busy machine may take the force away for a while.
+  // An upward force F at the distance a towards -x is a torque a F about y, which is the driver's x
+  // axis. Both values are of one wrench, because a busy machine may take the force away for a
+  // while.
   Vec3 arm = Vec3::Zero();
   EXPECT_TRUE(waitFor([&] {
     const geometry_msgs::Wrench wrench = right_force_.last().wrench;
     if (wrench.force.z < 0.5) return false;
     arm = Vec3(wrench.torque.x, wrench.torque.y, wrench.torque.z) / wrench.force.z;
     const bool touched = arm.x() > 0.1 * kHalfLength && arm.x() < kHalfLength + kCapsuleRadius;
-    return touched && std::abs(arm.y()) < 0.2 * arm.x();  // the other way all is symmetrical
+    // Everything is symmetric in the other direction.
+    return touched && std::abs(arm.y()) < 0.2 * arm.x();
   })) << arm.transpose();
   EXPECT_TRUE(waitFor([&] { return diagnostics_.number("right", "torque [N m]") > 0.0; }));
 
@@ -201,7 +204,7 @@ TEST_F(FingersTest, TheCapsuleFeelsTheTorqueOfTheClothsEdge) {
 TEST_F(FingersTest, AGraspLiftsTheClothAndItsWeightIsFelt) {
   holdWithLeft();
   left_->moveTo(kLeftAbove + Vec3(0.0, 0.0, 0.12));
-  // 5 %: it still swings a little.
+  // The tolerance of 5 % covers a small swing.
   EXPECT_TRUE(waitFor([&] {
     return left_->arrived() && std::abs(left_force_.force().z() + kWeight) < 0.05 * kWeight;
   })) << left_force_.force().transpose();
@@ -272,11 +275,11 @@ TEST_F(FingersTest, TheTableTakesTheClothAlong) {
   pose.header.frame_id = "world";
   pose.pose = toPose(Vec3(0.0, 0.0, 0.025 + 0.04));
   send(pose);
-  // A sheet of 0.5 mm, which may still be a little in the air.
+  // The sheet is 0.5 mm thick and may still be slightly in the air.
   EXPECT_TRUE(waitFor([&] { return std::abs(height() - kTable - 0.04) < 2e-3; })) << height();
 }
 
-/// mouse_hand as a process, driven as rviz would.
+/// Runs mouse_hand as a process, driven as rviz would drive it.
 TEST_F(FingersTest, TheMouseDragsAndGrasps) {
   Listener<geometry_msgs::PoseStamped> left_pose(node_, "left/pose"), right_proxy(node_, "right/proxy");
   Listener<visualization_msgs::InteractiveMarkerInit> handles(node_, "probes/update_full");

@@ -1,4 +1,4 @@
-/// The demonstration's launch file: a simulated hand in a closed loop with the cloth.
+/// The launch file of the demonstration: a simulated hand in a closed loop with the cloth.
 #include <geometry_msgs/PoseStamped.h>
 #include <gtest/gtest.h>
 #include <ros/ros.h>
@@ -10,7 +10,7 @@
 namespace haptic_cloth {
 namespace {
 
-// Of HandOptions: damped by 0.73 of what is critical, which overshoots by 4 %.
+// Values of HandOptions. The damping ratio is 0.73, so the hand overshoots by 4 %.
 constexpr double kWill = 0.050, kStiffness = 300.0, kDamping = 8.0;
 
 TEST(Hand, PressesFeelsAndLifts) {
@@ -27,8 +27,9 @@ TEST(Hand, PressesFeelsAndLifts) {
       });
   ASSERT_TRUE(waitFor([&] { return reaction.count() > 0 && poses > 0; }));
   ASSERT_TRUE(waitFor([&] { return reaction.force().z() > 0.2; })) << "the hand felt nothing";
-  // The cloth lies on a box of 50 mm and the probe's radius is 8 mm. The will goes to 50 mm, the box holds
-  // the hand above it where arm and force balance, but for what 30 mm/s take of the arm's damper.
+  // The cloth lies on a box of 50 mm, and the probe's radius is 8 mm. The hand aims at 50 mm; the
+  // box holds it above, where arm and force balance. The tolerance is the effect of 30 mm/s on the
+  // arm's damper.
   double held = 0.0, force = 0.0;
   EXPECT_TRUE(waitFor([&] {
     held = height;
@@ -42,7 +43,8 @@ TEST(Hand, PressesFeelsAndLifts) {
     lowest = std::min(lowest, height.load());
     return height > 0.12;
   })) << "the hand did not lift";
-  // A busy machine may take the force away: then the arm ends at its will, overshooting by 4 % of the way.
+  // A busy machine may take the force away. Then the arm reaches its target and overshoots by 4 %
+  // of the way.
   EXPECT_GT(lowest, kWill - 0.04 * (0.062 - kWill));
   EXPECT_TRUE(waitFor([&] { return reaction.force().isZero(0.0); }));
   EXPECT_TRUE(reaction.finite());

@@ -1,4 +1,4 @@
-/// How the node starts and ends: bad parameters, signals, rosnode kill, a lost master.
+/// Start and end of the node: bad parameters, signals, rosnode kill, a lost master.
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
 #include <haptic_cloth/LoadState.h>
@@ -35,12 +35,13 @@ class LifecycleTest : public testing::Test {
   LifecycleTest() : spinner_(2) { spinner_.start(); }
   void TearDown() override { ros::param::del("/cloth"); }
 
-  /// A node whose probe presses on the cloth with a force that is felt.
+  /// Starts a node whose probe presses on the cloth and feels a force.
   void startPressed(const std::vector<std::string>& environment = {}) {
     process_ = std::make_unique<Process>(nodeCommand({"_scene_file:=" + kScene}), environment);
     reaction_ = std::make_unique<ReactionListener>(node_, "probe/reaction");
     device_ = std::make_unique<TestDevice>(node_, Vec3(0.0, 0.0, 0.125));
-    const DiagnosticsListener diagnostics(node_);  // a probe must have been clear of the cloth to press on it
+    // A press starts with the probe clear of the cloth.
+    const DiagnosticsListener diagnostics(node_);
     ASSERT_TRUE(waitFor([&] { return diagnostics.value("probe", "status") == "free"; }));
     device_->moveTo(Vec3(0.0, 0.0, 0.100));
     ASSERT_TRUE(waitFor([this] { return reaction_->force().z() > 0.1; })) << process_->output();
@@ -85,7 +86,7 @@ TEST_F(LifecycleTest, RosnodeKillSendsZeroLast) {
   expectZeroAtTheEnd();
 }
 
-/// Calls of services that may not return before the node ends.
+/// Service calls that may not return before the node ends.
 class PendingCalls {
  public:
   explicit PendingCalls(Process& node) : node_(node) {}
@@ -149,6 +150,20 @@ TEST_F(LifecycleTest, ASceneThatCannotBeReadDoesNotKeepTheNodeFromEnding) {
   std::filesystem::remove_all(here);
 }
 
+TEST_F(LifecycleTest, NodesInTwoNamespacesAreToldApart) {
+  const DiagnosticsListener diagnostics(node_);
+  Process left(nodeCommand({"__ns:=left", "_scene_file:=" + kScene}));
+  Process right(nodeCommand({"__ns:=right", "_scene_file:=" + kScene}));
+  for (const char* const name : {"left/cloth: probe", "right/cloth: probe", "left/cloth: solver"})
+    EXPECT_TRUE(waitFor([&] { return diagnostics.heard(name); })) << name;
+  for (Process* node : {&left, &right}) {
+    node->signal(SIGTERM);
+    EXPECT_EQ(node->wait(), 0) << node->output();
+  }
+  ros::param::del("/left");
+  ros::param::del("/right");
+}
+
 TEST_F(LifecycleTest, BadParametersAreNamed) {
   const std::string scene = "_scene_file:=" + kScene;
   expectRefused({}, "cloth");
@@ -161,7 +176,8 @@ TEST_F(LifecycleTest, BadParametersAreNamed) {
 }
 
 TEST_F(LifecycleTest, RespawnDoesNotRepeatBadParameters) {
-  // roslaunch starts anew whatever ends, so the program must not: one error, and the end when asked to.
+  // roslaunch restarts every program that ends, so this one must not end: it reports one error and
+  // waits for a signal.
   char settings[] = "/tmp/haptic_cloth_test_XXXXXX";
   const int file = mkstemp(settings);
   ASSERT_GE(file, 0);
@@ -177,7 +193,7 @@ TEST_F(LifecycleTest, RespawnDoesNotRepeatBadParameters) {
     return count;
   };
   ASSERT_TRUE(waitFor([&] { return errors() > 0; })) << launch.output();
-  sleepUntil(steadyNow() + 5.0);  // a node that ends is there again after 0.5 to 1.5 s
+  sleepUntil(steadyNow() + 5.0);  // a node that ends is restarted after 0.5 to 1.5 s
   EXPECT_EQ(errors(), 1) << launch.output();
   EXPECT_EQ(launch.output().find("restarting"), std::string::npos) << launch.output();
   EXPECT_TRUE(launch.running()) << launch.output();
@@ -188,7 +204,7 @@ TEST_F(LifecycleTest, RespawnDoesNotRepeatBadParameters) {
 }
 
 TEST_F(LifecycleTest, ALaunchedSceneFindsTheFabricBesideIt) {
-  // rosparam gives the node the scene's content alone; where it lay comes from the launch file.
+  // rosparam gives the node only the content of the scene; the launch file adds its folder.
   char directory[] = "/tmp/haptic_cloth_test_XXXXXX";
   ASSERT_NE(mkdtemp(directory), nullptr);
   const std::filesystem::path here = directory;
@@ -211,10 +227,23 @@ TEST_F(LifecycleTest, WaitsForTheMasterAndCanBeStoppedMeanwhile) {
   EXPECT_EQ(process.wait(), 0);
 }
 
+TEST_F(LifecycleTest, AMasterThatDoesNotAnswerDoesNotKeepTheNodeFromEnding) {
+  OwnMaster master;
+  std::vector<std::string> command = nodeCommand({"_scene_file:=" + kScene});
+  command.insert(command.begin(), {"stdbuf", "-oL"});  // so its output can be read while it runs
+  Process process(command, {"ROS_MASTER_URI=" + master.uri()});
+  ASSERT_TRUE(waitFor([&] { return process.output().find("ready") != std::string::npos; }))
+      << process.output();
+  sleepUntil(steadyNow() + 2.0);  // roscpp asks the master for a parameter while it logs this
+  master.signal(SIGSTOP);
+  process.signal(SIGTERM);
+  EXPECT_EQ(process.wait(), 0) << process.output();
+}
+
 TEST_F(LifecycleTest, ANewMasterFindsTheNodeAgain) {
   OwnMaster master;
   std::vector<std::string> command = nodeCommand({"_scene_file:=" + kScene});
-  command.insert(command.begin(), {"stdbuf", "-oL"});  // what it says must be read while it runs
+  command.insert(command.begin(), {"stdbuf", "-oL"});  // so its output can be read while it runs
   Process process(command, {"ROS_MASTER_URI=" + master.uri()});
   ASSERT_TRUE(waitFor([&] { return process.output().find("ready") != std::string::npos; }))
       << process.output();
@@ -226,7 +255,7 @@ TEST_F(LifecycleTest, ANewMasterFindsTheNodeAgain) {
   EXPECT_TRUE(waitFor([&] { return master.knowsService("/cloth/reset"); })) << process.output();
   EXPECT_TRUE(master.knows("/cloth"));
 
-  // Someone new finds the topic and gets the force: rostopic echo ends after one message.
+  // A new subscriber finds the topic and gets the force: rostopic echo ends after one message.
   Process echo({"rostopic", "echo", "-n1", "/probe/reaction"}, {"ROS_MASTER_URI=" + master.uri()});
   EXPECT_EQ(echo.wait(), 0) << echo.output();
   process.signal(SIGTERM);

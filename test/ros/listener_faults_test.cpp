@@ -1,7 +1,8 @@
-/// Others at the node's outputs: a hundred subscribers, subscribers that hang, thousands of service calls.
-/// Criterion: as in pose_faults_test; nobody who listens is left out by those who do not; memory and open
-/// files of the node do not grow; once warm, not by 100 B a call: one lost record of it would be no less.
-/// HAPTIC_CLOTH_SERVICE_CALLS=100000 is the long form (2000 otherwise).
+/// Load on the node's outputs: a hundred subscribers, subscribers that hang, thousands of service
+/// calls. Criteria: as in pose_faults_test; subscribers that hang do not affect the others; memory
+/// and open files of the node do not grow. Once warm, the memory grows by less than 100 B per call,
+/// because one lost record per call would be no less. HAPTIC_CLOTH_SERVICE_CALLS=100000 is the long
+/// form (default 2000).
 #include <std_srvs/Empty.h>
 #include <std_srvs/SetBool.h>
 
@@ -16,11 +17,11 @@ namespace haptic_cloth {
 namespace {
 
 constexpr const char* kNode = "/haptic_cloth";
-/// Glibc's arenas breathe by a few MB; a queue that grows takes 10 listeners x 2 s x 30 Hz x 0.1 MB = 60 MB
-/// of markers [MB].
+/// Tolerance of memory [MB]. The arenas of glibc vary by a few MB; a growing queue would take 10
+/// listeners x 2 s x 30 Hz x 0.1 MB = 60 MB of markers.
 constexpr double kMemory = 20.0;
-constexpr double kLeftByACall = 1e-4;  ///< the least that a leak leaves [MB]
-constexpr double kArena = 2.0;         ///< what the memory breathes by once it is warm [MB]
+constexpr double kLeftByACall = 1e-4;  ///< smallest amount that a leak loses per call [MB]
+constexpr double kArena = 2.0;         ///< variation of the memory once it is warm [MB]
 
 class ListenerFaultTest : public FaultTest {
  protected:
@@ -71,7 +72,7 @@ TEST_F(ListenerFaultTest, ListenersThatHang) {
   EXPECT_TRUE(recovers());
 }
 
-/// Calls the services that a person with a hand in the cloth would, one after the other.
+/// Calls, one after the other, the services that a user with a hand in the cloth would call.
 class Caller {
  public:
   explicit Caller(ros::NodeHandle& node)
@@ -79,12 +80,13 @@ class Caller {
         grasp_(node.serviceClient<std_srvs::SetBool>("/probe/set_grasp", true)),
         reset_(node.serviceClient<std_srvs::Empty>("/haptic_cloth/reset", true)) {}
 
-  /// @param resets whether the cloth may be flat again @return whether call number k was answered
+  /// @param resets whether the cloth may be reset  @return whether call number k was answered
   bool call(int k, bool resets) {
     std_srvs::SetBool request;
     std_srvs::Empty empty;
     request.request.data = k % 2 == 0;
-    if (k % 10 == 0) return ros::service::call("/probe/set_grasp", request);  // a connection of its own
+    // A separate connection.
+    if (k % 10 == 0) return ros::service::call("/probe/set_grasp", request);
     if (k % 10 == 1 && resets) return reset_.call(empty);
     return k % 10 == 2 || k % 10 == 3 ? pause_.call(request) : grasp_.call(request);
   }
@@ -93,8 +95,9 @@ class Caller {
   ros::ServiceClient pause_, grasp_, reset_;
 };
 
-/// Lifts and lowers a hand, so many calls after it came where it went. A reset takes the cloth from under
-/// the hand, and it must come from outside to feel the new one: a hand that only stayed would feel nothing.
+/// Lifts or lowers a hand when it has stayed at its target for kStay calls. A reset removes the
+/// cloth from under the hand, and the hand must come from outside to feel the new one. A hand that
+/// stayed would feel nothing.
 class Presses {
  public:
   static constexpr int kStay = 100;
@@ -112,7 +115,7 @@ class Presses {
     hand_.moveTo(down_ ? kPressed : kAbove);
   }
 
-  /// The last quarter of a press, and all the time that the hand is up.
+  /// Whether resets are allowed: in the last quarter of a press and while the hand is up.
   bool resets() const { return !down_ || stayed_ > 3 * kStay / 4; }
   int pressed() const { return pressed_; }
   int felt() const { return felt_; }
@@ -136,10 +139,11 @@ TEST_F(ListenerFaultTest, ThousandsOfServiceCalls) {
   const std::uint32_t first_tick = reaction_.last().number;
   Presses presses(*hand_, reaction_);
   int answered = 0, made = 0;
-  std::vector<double> memory;  // after each tenth of the calls that are asked for, and on to the last [MB]
+  // After each tenth of the requested calls, and up to the last call [MB].
+  std::vector<double> memory;
   {
     Caller caller(node_);
-    // A quick machine makes more of them while the hand presses twice.
+    // A fast machine makes more calls, until the hand has pressed twice.
     for (; made < calls || (presses.pressed() < kPresses && made < 20 * calls); ++made) {
       const int k = made;
       presses.next();

@@ -1,7 +1,7 @@
 /// Options changed by the service of dynamic_reconfigure while a hand presses on the cloth.
-/// Criteria: every wrench is finite and differs from the one before by no more than max_force_rate allows in
-/// the time that the loop lets pass at most for a late tick (5 ticks), whatever is changed; an accepted value
-/// acts; a refused one leaves all as it was and is named.
+/// Criteria: whatever is changed, every wrench is finite and differs from the one before by no more
+/// than max_force_rate allows in the longest time that the loop catches up (5 ticks); an accepted
+/// value takes effect; a refused one changes nothing and is named.
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
 #include <haptic_cloth/ClothState.h>
@@ -23,10 +23,10 @@ namespace {
 
 const Vec3 kAbove(0.0, 0.0, 0.125);
 const Vec3 kPressed(0.0, 0.0, 0.100);  ///< the probe's lowest point 10 mm below the flat cloth
-constexpr double kForceRate = 40.0;    ///< live.test [N/s]
-constexpr double kLateTicks = 5.0;     ///< of which the loop may make up at once
+constexpr double kForceRate = 40.0;    ///< from live.test [N/s]
+constexpr double kLateTicks = 5.0;     ///< ticks that the loop may catch up at once
 
-/// Watches all wrenches of a node for steps.
+/// Measures the changes between all wrenches of a node.
 class StepListener {
  public:
   StepListener(ros::NodeHandle& node, const std::string& topic) {
@@ -34,11 +34,12 @@ class StepListener {
         topic, 10000, [this](const geometry_msgs::WrenchStamped::ConstPtr& message) { take(*message); },
         ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
   }
-  /// Largest change from one wrench to the next, over what is allowed at `rate_` ticks a second.
+  /// Largest change from one wrench to the next, relative to what is allowed at `rate_` ticks per
+  /// second.
   double worst() const { return worst_; }
   long count() const { return count_; }
   bool finite() const { return finite_; }
-  /// @param rate the slowest one since the last call [Hz]
+  /// @param rate lowest rate since the last call [Hz]
   void expectRate(double rate) { rate_ = rate; }
   Vec3 force() const {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -52,7 +53,7 @@ class StepListener {
     const Vec3 force(f.x, f.y, f.z);
     if (!force.allFinite()) finite_ = false;
     if (count_ > 0) {
-      // Wrenches that were dropped on the way had their share.
+      // Wrenches lost on the way are counted as ticks.
       const double ticks = static_cast<double>(message.header.seq - seq_);
       worst_ = std::max(worst_.load(), (force - force_).norm() / (ticks * kLateTicks * kForceRate / rate_));
     }
@@ -92,7 +93,7 @@ class LiveTest : public testing::Test {
     EXPECT_GT(steps_.worst(), 0.0);
   }
 
-  /// Asks for a change. @return what is in force then
+  /// Requests a change. @return the values after it
   LiveValues set(const LiveValues& values) {
     dynamic_reconfigure::Reconfigure call;
     for (const auto& [name, value] : values) {
@@ -118,7 +119,7 @@ class LiveTest : public testing::Test {
     for (const auto& [name, value] : values) EXPECT_EQ(answer.at(name), value) << name;
   }
 
-  /// Until the force is the same for 300 ticks but for 2 %.
+  /// Waits until the force changes by at most 2 % in 300 ticks.
   void settle() {
     ASSERT_TRUE(waitFor([this] {
       const Vec3 before = steps_.force();
@@ -127,7 +128,7 @@ class LiveTest : public testing::Test {
       return before.norm() > 0.05 && (steps_.force() - before).norm() <= 0.02 * before.norm();
     })) << "the force does not settle";
   }
-  /// The force after a change and all that follows from it.
+  /// Settled force after a change.
   double forceWith(const LiveValues& values) {
     accept(values);
     const long seen = steps_.count();
@@ -149,13 +150,14 @@ class LiveTest : public testing::Test {
 
 TEST_F(LiveTest, GainsActAndComeWithoutSteps) {
   const double start = steps_.force().norm();
-  // Cloth and coupling are springs in a row: four times the coupling presses the cloth harder.
+  // Cloth and coupling are springs in series: a coupling four times as stiff presses the cloth
+  // harder.
   const double stiff = forceWith({{"probe/coupling_stiffness", 1600.0}});
   EXPECT_GT(stiff, 1.1 * start);
   const double scaled = forceWith({{"devices/probe/force_scale", 2.0}});
   EXPECT_NEAR(scaled, std::min(2.0 * stiff, 3.3), 0.05 * scaled);
   EXPECT_NEAR(forceWith({{"haptics/max_force", 0.5 * stiff}}), 0.5 * stiff, 1e-9);
-  // At once, as a whole set: the limit of the force's rate still holds.
+  // All values change at once and without a ramp; the limit of the force's rate still holds.
   const double back = forceWith({{"gain_ramp", 0.0},
                                  {"haptics/max_force", 3.3},
                                  {"devices/probe/force_scale", 1.0},
@@ -170,7 +172,7 @@ TEST_F(LiveTest, GainsActAndComeWithoutSteps) {
 }
 
 TEST_F(LiveTest, AStateHoldsTheGainsThatWereAskedFor) {
-  // On the way for the whole test: no two steps have the same gain.
+  // The gain moves for the whole test: no two steps have the same gain.
   accept({{"gain_ramp", 1000.0}, {"probe/coupling_stiffness", 900.0}});
   char folder[] = "/tmp/haptic_cloth_test_XXXXXX";
   ASSERT_NE(mkdtemp(folder), nullptr);
@@ -185,7 +187,7 @@ TEST_F(LiveTest, AStateHoldsTheGainsThatWereAskedFor) {
   load.request.file = file;
   ASSERT_TRUE(ros::service::call("/haptic_cloth/load_state", load));
   EXPECT_TRUE(load.response.success) << load.response.message;
-  // Nor does it fit a node that was asked for something else; the message says for what.
+  // The state does not fit a node with another requested value, and the message names that value.
   accept({{"probe/coupling_stiffness", 900.0000001}});
   ASSERT_TRUE(ros::service::call("/haptic_cloth/load_state", load));
   EXPECT_FALSE(load.response.success);
@@ -198,7 +200,7 @@ TEST_F(LiveTest, AStateHoldsTheGainsThatWereAskedFor) {
 TEST_F(LiveTest, TheSolverWorksHarderOrLess) {
   const double press = steps_.force().norm();
   bool up = false;
-  // A hand that moves: every step is another problem.
+  // The hand moves, so every step is a new problem.
   const auto iterationsBecome = [&](const std::function<bool(double)>& good) {
     return waitFor([&] {
       if (device_->arrived()) {
@@ -211,7 +213,7 @@ TEST_F(LiveTest, TheSolverWorksHarderOrLess) {
   accept({{"solver/tolerance", 1e-9}, {"solver/max_iterations", 100}, {"solver/sleep_speed", 0.0}});
   EXPECT_TRUE(iterationsBecome([](double n) { return n > 15.0; }));
   accept({{"solver/max_iterations", 1}});
-  // A step is solved three times over at most, each with four looks at what sleeps.
+  // A step is solved at most three times, each with four checks of sleeping particles.
   EXPECT_TRUE(iterationsBecome([](double n) { return n > 0.0 && n <= 12.0; }));
   accept({{"solver/tolerance", 0.01}, {"solver/max_iterations", 200}, {"air_damping", 5.0}});
   device_->moveTo(kPressed);
@@ -256,7 +258,7 @@ TEST_F(LiveTest, DisplayRatesAndColoursChange) {
       node_.subscribe<ClothState>("cloth/state", 100, [&](const ClothState::ConstPtr&) { ++states; });
   ros::Subscriber marker = node_.subscribe<visualization_msgs::MarkerArray>(
       "cloth/markers", 100, [&](const visualization_msgs::MarkerArray::ConstPtr& array) {
-        // The lines of ten cells; the list is longer than what is shown.
+        // Lines of the first ten cells, because the list is longer than the visible part.
         const auto& colors = array->markers.at(1).colors;
         float least = 1.0F;
         for (std::size_t k = 0; k < 40; ++k) least = std::min(least, colors.at(k).g);
@@ -264,14 +266,14 @@ TEST_F(LiveTest, DisplayRatesAndColoursChange) {
         ++markers;
       });
   ASSERT_TRUE(waitFor([&] { return states > 0 && markers > 0; }));
-  // Both rates by the same clock: how many states come with twenty markers.
+  // Both rates are measured by the same clock: the number of states per twenty markers.
   const auto statesPerMarker = [&] {
     const long first_state = states, first_marker = markers;
     EXPECT_TRUE(waitFor([&] { return markers >= first_marker + 20; }));
     return static_cast<double>(states - first_state) / static_cast<double>(markers - first_marker);
   };
   accept({{"state/rate", 5.0}, {"markers/rate", 20.0}});
-  statesPerMarker();  // past the change
+  statesPerMarker();  // wait until the change has taken effect
   EXPECT_NEAR(statesPerMarker(), 0.25, 0.15);
   accept({{"state/rate", 40.0}, {"markers/rate", 20.0}});
   statesPerMarker();
@@ -319,7 +321,7 @@ TEST_F(LiveTest, WhatIsInForceStandsAmongTheParameters) {
   EXPECT_TRUE(node_.getParam("/haptic_cloth/solver/max_iterations", iterations));
   EXPECT_EQ(damping, 2.0);
   EXPECT_EQ(iterations, 150);
-  // Tools that come later hear it too.
+  // Tools that subscribe later receive the update too.
   const auto update = ros::topic::waitForMessage<dynamic_reconfigure::Config>(
       "/haptic_cloth/parameter_updates", node_, ros::Duration(kPatience));
   ASSERT_TRUE(update);

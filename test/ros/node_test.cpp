@@ -1,4 +1,4 @@
-/// The running node from outside: topics, rates, services, and what it does with bad poses.
+/// The running node from outside: topics, rates, services, and its response to bad poses.
 #include <geometry_msgs/TransformStamped.h>
 #include <gtest/gtest.h>
 #include <haptic_cloth/ClothState.h>
@@ -25,8 +25,8 @@
 namespace haptic_cloth {
 namespace {
 
-const Vec3 kAbove(0.0, 0.0, 0.125);    ///< free: the probe's radius is 10 mm, the cloth at 0.10 m
-const Vec3 kPressed(0.0, 0.0, 0.100);  ///< its lowest point 10 mm below the flat cloth
+const Vec3 kAbove(0.0, 0.0, 0.125);    ///< free: the radius is 10 mm, the cloth at 0.10 m
+const Vec3 kPressed(0.0, 0.0, 0.100);  ///< the probe's lowest point is 10 mm below the flat cloth
 
 class NodeTest : public testing::Test {
  protected:
@@ -54,7 +54,7 @@ class NodeTest : public testing::Test {
     ASSERT_TRUE(request.response.success);
   }
   double input(const std::string& key) { return diagnostics_.number("probe", key); }
-  /// Waits until the diagnostics say of the poses what `condition` wants.
+  /// Waits until `key` of the probe's diagnostics equals `value`.
   bool inputBecomes(const std::string& key, double value) {
     return waitFor([&] { return input(key) == value; });
   }
@@ -70,13 +70,13 @@ class NodeTest : public testing::Test {
   DiagnosticsListener diagnostics_;
 };
 
-/// A tick a millisecond by the wrenches' own numbers and stamps. Ticks may be made up for within 20 ms;
-/// those that are later are given up and counted, but for one and a part of one each time.
+/// One tick per millisecond by the wrenches' own numbers and stamps. Ticks may be caught up within
+/// 20 ms. Later ones are given up and counted, except for one tick and a fraction each time.
 TEST_F(NodeTest, ZeroForceFlowsAtOneKilohertzWithoutAnyPose) {
   constexpr double kRate = 1000.0, kBacklog = 0.02;
   const auto givenUp = [&] {
     freshDiagnostics();
-    freshDiagnostics();  // their window is a second, too
+    freshDiagnostics();  // the statistics cover a second, too
     return diagnostics_.number("haptic thread", "ticks given up");
   };
   const double before = givenUp();
@@ -208,7 +208,8 @@ TEST_F(NodeTest, ResetStartsAnew) {
   EXPECT_TRUE(waitFor([&] { return time == 0.0; }));
 }
 
-/// A service that answers how it went. @return its message, after "failed: " where it did not work
+/// Calls a service that reports its result. @return its message, with "failed: " before it if it
+/// failed
 template <class Service>
 std::string call(const std::string& name, const std::string& file) {
   Service service;
@@ -248,13 +249,13 @@ TEST_F(NodeTest, GoesOnFromASavedStateWithoutAHandInIt) {
   ASSERT_EQ(call<SaveState>("save_state", folder.file("pressed")).find("saved "), 0u);
   EXPECT_TRUE(waitFor([&] { return reaction_.force().z() > 0.1; })) << "saving must not end the press";
 
-  // In a pause there is one state to look at.
+  // During a pause the state does not change.
   device.silence();
   pause(true);
   ASSERT_TRUE(waitFor([&] { return reaction_.force().isZero(0.0); }));
   ASSERT_EQ(call<LoadState>("load_state", folder.file("pressed")).find("loaded "), 0u);
   ASSERT_EQ(call<SaveState>("save_state", folder.file("paused")).find("saved "), 0u);
-  const int seen = states;  // some of these may still be of the cloth before
+  const int seen = states;  // some of these may still be from the cloth before
   ASSERT_TRUE(waitFor([&] { return states >= seen + 4; }));
   mutex.lock();
   const ClothState then = newest;
@@ -270,7 +271,7 @@ TEST_F(NodeTest, GoesOnFromASavedStateWithoutAHandInIt) {
   EXPECT_EQ(newest.particles, then.particles);
   mutex.unlock();
 
-  // The hand is in the cloth of the state: it feels nothing until it has been clear of it.
+  // The hand is inside the loaded cloth: it feels nothing until the probe has been clear of it.
   pause(false);
   device.resume();
   ASSERT_TRUE(waitFor([&] { return diagnostics_.value("probe", "status") == "free"; }));
@@ -295,13 +296,14 @@ TEST_F(NodeTest, RefusesStatesThatDoNotFitAndGoesOn) {
   expect(call<SaveState>("save_state", folder.file("none/here")), "No such file");
   expect(call<SaveState>("save_state", "/dev/full"), "regular file");
   expect(call<SaveState>("save_state", ""), "must have a name");
-  // Nothing that could give bytes without end, or none for ever, is opened.
+  // Files that could deliver endless bytes, or none for ever, are not opened.
   ASSERT_EQ(mkfifo(folder.file("fifo").c_str(), 0600), 0);
   for (const std::string& file : {folder.file("fifo"), std::string("/dev/null"), folder.path.string()}) {
     expect(call<LoadState>("load_state", file), "must be a regular file");
     expect(call<SaveState>("save_state", file), "must be a regular file");
   }
-  // A relative name is one where the node runs, not where the caller does: the answer says where that is.
+  // A relative name refers to the working directory of the node, not of the caller; the answer has
+  // the full path.
   const std::string saved = call<SaveState>("save_state", "haptic_cloth_node_test.state");
   const std::string::size_type end = saved.find(',');
   ASSERT_EQ(saved.find("saved /"), 0u) << saved;
@@ -319,7 +321,7 @@ TEST_F(NodeTest, BadPosesAreDroppedAndCounted) {
   ASSERT_TRUE(waitFor([&] { return publisher.getNumSubscribers() > 0; }));
   freshDiagnostics();
   const double received = input("received");
-  // One at a time, so that a queue of one loses none.
+  // One at a time, because a queue of one would lose poses.
   double sent = 0.0;
   const auto send = [&](const geometry_msgs::PoseStamped& pose) {
     publisher.publish(pose);
@@ -358,8 +360,9 @@ TEST_F(NodeTest, BadPosesAreDroppedAndCounted) {
   EXPECT_EQ(input("taken: bad quaternion"), quaternion + 1);
   EXPECT_EQ(reaction_.last().header.stamp, pose.header.stamp) << "a sphere needs no orientation";
 
-  // A stamp in the future (within what a device's clock may be off) makes the next one out of order. In
-  // pairs, since after a silence any stamp is good; the node's queue may lose one of a pair.
+  // A stamp in the future (within the possible offset of a device's clock) makes the next pose out
+  // of order. Poses are sent in pairs, because any stamp is good after a silence; the node's queue
+  // may lose one of a pair.
   EXPECT_TRUE(waitFor([&] {
     pose = good;
     pose.header.stamp = ros::Time::now() + ros::Duration(5.0);
@@ -371,7 +374,7 @@ TEST_F(NodeTest, BadPosesAreDroppedAndCounted) {
     return input("dropped: out of order") > order;
   }));
 
-  // More than a second back is a clock that was set: a new start, not silence for ever.
+  // A stamp more than a second back means that the clock was set: the node starts again with it.
   pose.header.stamp = ros::Time::now();
   publisher.publish(pose);
   EXPECT_TRUE(waitFor([&] { return reaction_.last().header.stamp == pose.header.stamp; }));
@@ -385,7 +388,7 @@ TEST_F(NodeTest, PosesOfAKnownFrameAreTransformed) {
   transform.header.stamp = ros::Time::now();
   transform.child_frame_id = "device_base";
   transform.transform.translation.z = 0.2;
-  transform.transform.rotation.x = 1.0;  // half a turn about x: y and z point the other way
+  transform.transform.rotation.x = 1.0;  // half a turn about x: y and z are reversed
   broadcaster.sendTransform(transform);
 
   std::mutex mutex;
@@ -403,12 +406,12 @@ TEST_F(NodeTest, PosesOfAKnownFrameAreTransformed) {
     pose.header.stamp = ros::Time::now();
     publisher.publish(pose);
     const std::lock_guard<std::mutex> lock(mutex);
-    // The proxy follows the device through a spring: a millimetre is near.
+    // The proxy follows the device through a spring, so a millimetre is close enough.
     return (proxy - Vec3(0.01, -0.02, 0.17)).norm() < 1e-3;
   })) << "proxy at "
       << proxy.transpose();
 
-  // Down in the world is up in this frame; the wrench that answers is stated in it, and pushes back.
+  // Down in the world is up in this frame. The wrench is given in this frame and pushes back.
   double height = 0.200 - kAbove.z();
   EXPECT_TRUE(waitFor([&] {
     pose.header.stamp = ros::Time::now();

@@ -3,17 +3,18 @@
 #include <nodelet/NodeletLoad.h>
 #include <nodelet/NodeletUnload.h>
 #include <ros/ros.h>
+#include <signal.h>
 
 #include "ros_test_support.h"
 
 namespace haptic_cloth {
 namespace {
 
-bool load(const std::string& name) {
+bool load(const std::string& name, const std::string& manager = "/manager") {
   nodelet::NodeletLoad request;
   request.request.name = name;
   request.request.type = "haptic_cloth/HapticCloth";
-  return ros::service::call("/manager/load_nodelet", request) && request.response.success;
+  return ros::service::call(manager + "/load_nodelet", request) && request.response.success;
 }
 
 bool unload(const std::string& name) {
@@ -31,8 +32,9 @@ TEST(Nodelet, LoadsIsFeltAndUnloadsWithoutForce) {
   TestDevice device(node, Vec3(0.0, 0.0, 0.125));
   ASSERT_TRUE(load("/cloth"));
   const Vec3 above(0.0, 0.0, 0.125), pressed(0.0, 0.0, 0.100);
-  const DiagnosticsListener diagnostics(node);  // a probe must have been clear of the cloth to press on it
+  const DiagnosticsListener diagnostics(node);  // a press starts with the probe clear of the cloth
   ASSERT_TRUE(waitFor([&] { return diagnostics.value("probe", "status") == "free"; }));
+  EXPECT_TRUE(diagnostics.heard("cloth: probe")) << "its own name, not the manager's";
   device.moveTo(pressed);
   ASSERT_TRUE(waitFor([&] { return reaction.force().z() > 0.1; }));
   ASSERT_TRUE(unload("/cloth"));
@@ -48,8 +50,36 @@ TEST(Nodelet, LoadsIsFeltAndUnloadsWithoutForce) {
   EXPECT_TRUE(waitFor([&] { return reaction.force().z() > 0.1; }));
 }
 
+/// A separate manager that gets a signal while its nodelet is felt.
+class ManagerEnds : public testing::TestWithParam<int> {};
+
+TEST_P(ManagerEnds, WithoutForce) {
+  const std::string manager = "/manager_" + std::to_string(GetParam()), space = "/stage";
+  ros::NodeHandle node;
+  ros::AsyncSpinner spinner(2);
+  spinner.start();
+  Process process({"rosrun", "nodelet", "nodelet", "manager", "__name:=" + manager.substr(1)});
+  std::string scene;
+  ASSERT_TRUE(ros::param::get("/cloth/scene_file", scene));
+  ros::param::set(space + "/cloth/scene_file", scene);
+  ASSERT_TRUE(ros::service::waitForService(manager + "/load_nodelet", ros::Duration(kPatience)));
+  ReactionListener reaction(node, space + "/probe/reaction");
+  TestDevice device(node, Vec3(0.0, 0.0, 0.125), space + "/probe/pose");
+  const DiagnosticsListener diagnostics(node);
+  ASSERT_TRUE(load(space + "/cloth", manager)) << process.output();
+  ASSERT_TRUE(waitFor([&] { return diagnostics.value("probe", "status") == "free"; }));
+  device.moveTo(Vec3(0.0, 0.0, 0.100));
+  ASSERT_TRUE(waitFor([&] { return reaction.force().z() > 0.1; }));
+  process.signal(GetParam());
+  EXPECT_EQ(process.wait(), GetParam() == SIGINT ? 0 : 128 + GetParam()) << process.output();
+  EXPECT_TRUE(waitFor([&] { return reaction.force() == Vec3::Zero(); })) << "the force was left on";
+  ros::param::del(space);
+}
+
+INSTANTIATE_TEST_SUITE_P(Signal, ManagerEnds, testing::Values(SIGINT, SIGTERM));
+
 TEST(Nodelet, SaysWhyItDoesNotLoad) {
-  // A manager says no more than that it failed.
+  // The manager reports only that loading failed.
   Process alone({"rosrun", "nodelet", "nodelet", "standalone", "haptic_cloth/HapticCloth", "__name:=alone",
                  "_scene_file:=/nowhere.yaml"});
   EXPECT_NE(alone.wait(), 0);

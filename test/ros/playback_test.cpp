@@ -1,4 +1,4 @@
-/// A recorded hand, played by the standard tools.
+/// A recorded hand, played with the standard tools.
 #include <gtest/gtest.h>
 #include <ros/ros.h>
 #include <unistd.h>
@@ -21,7 +21,7 @@ TEST(Playback, ARecordedHandFeelsTheCloth) {
   Process convert({folder + "csv_to_bag.py", folder + "hand_motion.csv", bag});
   ASSERT_EQ(convert.wait(), 0) << convert.output();
 
-  // Twice: the second start sets the stamps back by two seconds.
+  // Twice, because the second start sets the stamps back by two seconds.
   double greatest = 0.0;
   for (int run = 0; run < 2; ++run) {
     Process play({"rosbag", "play", "--quiet", "--wait-for-subscribers", bag});

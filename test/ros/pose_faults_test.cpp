@@ -1,7 +1,7 @@
-/// Poses as they should not be: too many, too few, in bursts, out of order, not finite, of two hands.
-/// Criterion of every case (docs/architecture.md): each wrench is finite, within 3.3 N and changes by
-/// no more than five periods' worth of 200 N/s a tick; the fault is counted in the diagnostics; good poses
-/// beside bad ones keep their force; afterwards a press is felt again without anybody having touched the
+/// Faulty poses: too many, too few, in bursts, out of order, not finite, from two hands. Criteria
+/// of every case (docs/architecture.md): each wrench is finite, within 3.3 N, and changes per tick
+/// by no more than five periods of 200 N/s; the fault is counted in the diagnostics; good poses
+/// beside bad ones keep their force; afterwards a press is felt again without any action on the
 /// node.
 #include <algorithm>
 #include <functional>
@@ -23,7 +23,7 @@ constexpr int kBad = 200;  ///< poses of each bad kind sent beside good ones
 
 class PoseFaultTest : public FaultTest {
  protected:
-  // Long: what the node drops must be the node's doing.
+  // The queue is long, so that only the node drops poses.
   PoseFaultTest() : bad_(node_.advertise<PoseStamped>("probe/pose", 1000)) {}
 
   static PoseStamped pressed() {
@@ -34,7 +34,7 @@ class PoseFaultTest : public FaultTest {
     return pose;
   }
 
-  /// Sends `count` poses on which the hand presses, at `rate` [Hz], each changed by `spoil`.
+  /// Sends `count` poses of a pressing hand at `rate` [Hz], each changed by `spoil`.
   void send(int count, double rate, const std::function<void(int, PoseStamped&)>& spoil) {
     double due = steadyNow();
     for (int k = 0; k < count; ++k) {
@@ -46,7 +46,8 @@ class PoseFaultTest : public FaultTest {
     }
   }
 
-  /// Since reaction_ was cleared. A busy machine may stop the hand for a moment, hence the share.
+  /// Checks all wrenches since reaction_ was cleared. A busy machine may stop the hand for a
+  /// moment, so not all of them need a force.
   void expectFeltThroughout() {
     const std::vector<HeardWrench> heard = reaction_.all();
     const auto felt = std::count_if(heard.begin(), heard.end(),
@@ -61,7 +62,8 @@ class PoseFaultTest : public FaultTest {
 TEST_F(PoseFaultTest, BadPosesBesideGoodOnesAreCountedAndNotFelt) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), most = std::numeric_limits<double>::max();
   const double not_finite[] = {nan, most * 2.0, -most * 2.0};
-  const double far[] = {1e8, -1e155, 1e300, -most};  // finite, but not their squares or difference quotients
+  // Finite, but not their squares or difference quotients.
+  const double far[] = {1e8, -1e155, 1e300, -most};
   const double not_unit[] = {0.0, 2.0, 1e-200, 1e200};
   const char* const unknown[] = {"nowhere", "world/", "a frame with spaces"};
   // Each kind of fault has its counter.
@@ -87,7 +89,7 @@ TEST_F(PoseFaultTest, BadPosesBesideGoodOnesAreCountedAndNotFelt) {
   });
   for (std::size_t k = 0; k < faults.size(); ++k) {
     const std::string& key = faults[k].first;
-    // A busy node takes the newest pose and never sees the others.
+    // A busy node takes the newest pose and misses the others.
     EXPECT_TRUE(reaches(key, before[k] + 0.5 * kBad)) << key;
     RecordProperty(key, static_cast<int>(count(key) - before[k]));
   }
@@ -98,7 +100,7 @@ TEST_F(PoseFaultTest, BadPosesBesideGoodOnesAreCountedAndNotFelt) {
 TEST_F(PoseFaultTest, OneStampAheadSilencesTheDeviceForNoLongerThanTheWatchdog) {
   press();
   double dropped = 0.0;
-  ASSERT_TRUE(waitFor([&] {  // until the pose was not just replaced by a newer one
+  ASSERT_TRUE(waitFor([&] {  // repeat if a newer pose replaced this one
     freshDiagnostics();
     const double before = count("dropped: out of order");
     send(1, 500.0, [](int, PoseStamped& pose) { pose.header.stamp += ros::Duration(0.9); });
@@ -106,7 +108,8 @@ TEST_F(PoseFaultTest, OneStampAheadSilencesTheDeviceForNoLongerThanTheWatchdog) 
     dropped = count("dropped: out of order") - before;
     return dropped > 0.0;
   }));
-  // 0.05 s at 500 Hz are 25 poses, where the stamp ahead would be in the way of 450. Half of those: between.
+  // 0.05 s at 500 Hz are 25 poses; without the time limit the stamp ahead would block 450. The
+  // bound is half of that.
   EXPECT_LT(dropped, 225.0);
   RecordProperty("dropped", static_cast<int>(dropped));
   EXPECT_TRUE(recovers());
@@ -136,8 +139,8 @@ TEST_F(PoseFaultTest, OneHertzIsAFaultEachTime) {
   reaction_.clear();
   send(4, 1.0, [](int, PoseStamped&) {});
   EXPECT_TRUE(reaches("force off: poses stopped", before + 3));
-  // A pose counts for 50 ms, and the tick that finds it makes up for five periods at most: that much of a
-  // soft start of 500 ms, however late ticks are.
+  // A pose is valid for 50 ms, and the tick that finds it catches up at most five periods. So the
+  // soft start of 500 ms rises for at most that time, however late the ticks are.
   const HapticOptions options;
   const double counts = options.pose_timeout + 5.0 / options.rate;
   EXPECT_LE(examine(reaction_.all(), options).strongest,
@@ -155,7 +158,7 @@ TEST_F(PoseFaultTest, BurstsWithSilenceBetween) {
   PoseStamped last;
   for (int burst = 0; burst < 20; ++burst) {
     send(50, 1e5, [&](int k, PoseStamped& pose) {
-      pose.pose.position.z -= 1e-4 * k;  // a hand that went on while nothing was sent
+      pose.pose.position.z -= 1e-4 * k;  // a hand that moved while nothing was sent
       last = pose;
     });
     sleepUntil(steadyNow() + 0.12);
@@ -168,9 +171,10 @@ TEST_F(PoseFaultTest, BurstsWithSilenceBetween) {
 }
 
 TEST_F(PoseFaultTest, ADeviceThatJumpsAMetreFeelsNothingThere) {
-  // As a tracker does that loses its marker: from the press to a place 1 m below the cloth for 0.3 s, and
-  // back into the cloth, again and again. The force is off 20 ms after a jump (ramp_time), in 80 % of the
-  // wrenches that answer a pose there, for a busy machine; and off it stays until the probe has been clear.
+  // Poses like those of a tracker that loses its marker: from the press to a place 1 m below the
+  // cloth for 0.3 s and back into the cloth, repeatedly. The force is off 20 ms after a jump
+  // (ramp_time). For a busy machine, 80 % of the wrenches that answer a pose there suffice. The
+  // force stays off until the probe has been clear of the cloth.
   press();
   hand_->silence();
   reaction_.clear();
@@ -201,7 +205,7 @@ TEST_F(PoseFaultTest, ASecondHandWaitsUntilTheFirstIsSilent) {
   const std::unique_ptr<Process> second = startHand("second_hand", Vec3(0.0, 0.0, 1.0));
   ASSERT_TRUE(reaches("dropped: other sender", before + 200));
   expectFeltThroughout();
-  // The first hand falls silent: the second, a metre above the cloth, is the one.
+  // The first hand falls silent, so the second, a metre above the cloth, takes over.
   hand_->silence();
   EXPECT_TRUE(waitFor([this] { return diagnostics_.value("probe", "status") == "free"; }));
   hand_->resume();

@@ -1,6 +1,7 @@
-/// Processes that are killed, stopped, starved or cannot write: the device, the node, the recorder, the
-/// master. Criterion: as in pose_faults_test. Of a device that is killed: the force is zero within 50 ms of
-/// the watchdog's limit (architecture.md), counted in the wrenches, of which there is one every millisecond.
+/// Processes that are killed, stopped, starved or cannot write: the device, the node, the recorder,
+/// the master. Criterion: as in pose_faults_test. After the device is killed the force is zero
+/// within 50 ms of the watchdog's limit (docs/architecture.md), counted in wrenches, one per
+/// millisecond.
 #include <geometry_msgs/Point.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -16,9 +17,10 @@
 namespace haptic_cloth {
 namespace {
 
-const std::string kScene = std::string(HAPTIC_CLOTH_SOURCE_DIR) + "/test/ros/scene.yaml";
+const std::string kFolder = std::string(HAPTIC_CLOTH_SOURCE_DIR) + "/test/ros/";
+const std::string kScene = kFolder + "scene.yaml", kSlowStart = kFolder + "slow_start.yaml";
 
-/// A ramp of which more ticks than this were not heard is no measurement.
+/// A ramp with more missed ticks than this is not a measurement.
 constexpr int kMissed = 5;
 
 /// The master of this test.
@@ -35,13 +37,13 @@ class ProcessFaultTest : public FaultTest {
     ros::param::del("/cloth");
   }
 
-  /// SIGINT, so that roslaunch ends what it has started.
+  /// Sends SIGINT, so that roslaunch ends what it has started.
   static void end(Process& process) {
     process.signal(SIGINT);
     if (process.wait() < 0) ADD_FAILURE() << process.output();
   }
 
-  /// Starts the node. @param before words in front of its command  @param after shell text behind it
+  /// Starts the node. @param before words before its command  @param after shell text after it
   void startNode(const std::string& before = "", const std::string& after = "") {
     const std::string program = programDirectory() + "/haptic_cloth_node";
     const std::string command =
@@ -54,12 +56,14 @@ class ProcessFaultTest : public FaultTest {
   std::unique_ptr<Process> cloth_;
 };
 
-/// What the wrenches after the last pose say.
+/// Findings in the wrenches after the last pose.
 struct RampDown {
-  int watched = 0;  ///< ticks from the first that answers the last pose to the last before the force falls
-  int ramp = 0;     ///< further ticks until it is zero
-  int missed = 0;   ///< ticks at either end whose wrenches were not heard, by which the above may be too long
-  double seconds = 0.0;    ///< of both together, as they were received
+  /// Ticks from the first that answers the last pose to the last before the force falls.
+  int watched = 0;
+  int ramp = 0;  ///< further ticks until the force is zero
+  /// Ticks at either end whose wrenches were lost; the counts above may be too high by them.
+  int missed = 0;
+  double seconds = 0.0;    ///< duration of both, by time of arrival
   double strongest = 0.0;  ///< [N]
 };
 
@@ -69,7 +73,7 @@ RampDown rampDown(const std::vector<HeardWrench>& wrenches) {
   const auto none = [](const HeardWrench& wrench) { return wrench.force.isZero(0.0); };
   const auto first = std::find_if(wrenches.begin() + 1, wrenches.end(), answers);
   const auto zero = std::find_if(first, wrenches.end(), none);
-  // The ramp: what falls without pause until zero.
+  // The ramp: the wrenches that fall steadily until zero.
   auto falls = zero;
   while (falls != first && (falls - 1)->force.norm() > falls->force.norm()) --falls;
   RampDown found;
@@ -84,14 +88,20 @@ RampDown rampDown(const std::vector<HeardWrench>& wrenches) {
   return found;
 }
 
+/// The last wrench before those of another node; the end if all are from one node.
+std::vector<HeardWrench>::const_iterator lastOfFirstNode(const std::vector<HeardWrench>& wrenches) {
+  const auto other = [](const HeardWrench& a, const HeardWrench& b) { return a.connection != b.connection; };
+  return std::adjacent_find(wrenches.begin(), wrenches.end(), other);
+}
+
 class DeviceKilledTest : public ProcessFaultTest {
  protected:
-  /// A device presses and is killed.
+  /// Lets a device press and kills it.
   void killDevice(int number, ros::Publisher& target, RampDown& found) {
     target.publish(toPoint(kAbove));
     const auto device = startHand("device_" + std::to_string(number), kAbove);
     ASSERT_TRUE(waitFor([this] { return diagnostics_.value("probe", "status") == "free"; }));
-    target.publish(toPoint(Vec3(0.0, 0.0, 0.080)));  // deep: as much as 3.3 N
+    target.publish(toPoint(Vec3(0.0, 0.0, 0.080)));  // so deep that the force reaches 3.3 N
     ASSERT_TRUE(waitFor([this] { return reaction_.force().z() > 1.0; }));
     sleepUntil(steadyNow() + 0.3);
     reaction_.clear();
@@ -107,14 +117,14 @@ class DeviceKilledTest : public ProcessFaultTest {
 TEST_F(DeviceKilledTest, LeavesNoForce) {
   startNode();
   press();
-  hand_.reset();  // its poses are followed by those of another process
+  hand_.reset();  // the poses of another process follow
   ros::Publisher target = node_.advertise<geometry_msgs::Point>("hand/target", 1, true);
   int measured = 0;
   for (int k = 0; k < 10 && measured < 3; ++k) {
     RampDown found;
     killDevice(k, target, found);
     if (HasFatalFailure()) return;
-    if (found.missed > kMissed) continue;  // a busy machine; it says nothing
+    if (found.missed > kMissed) continue;  // the machine was too busy for a measurement
     EXPECT_GT(found.strongest, 0.5);
     EXPECT_LE(found.watched + found.ramp, 50 + 50);
     const std::string name = "_" + std::to_string(measured++);
@@ -131,9 +141,9 @@ TEST_F(DeviceKilledTest, LeavesNoForce) {
 }
 
 TEST_F(ProcessFaultTest, AKilledNodeComesBackByItself) {
-  cloth_ =
-      std::make_unique<Process>(std::vector<std::string>{"roslaunch", "haptic_cloth", "haptic_cloth.launch",
-                                                         "respawn:=true", "output:=log", "scene:=" + kScene});
+  cloth_ = std::make_unique<Process>(
+      std::vector<std::string>{"roslaunch", "haptic_cloth", "haptic_cloth.launch", "respawn:=true",
+                               "output:=log", "scene:=" + kScene, "settings:=" + kSlowStart});
   ASSERT_TRUE(waitFor([] { return pidOf("/haptic_cloth") > 0; }, 2.0 * kPatience)) << cloth_->output();
   press();
   for (const int signal : {SIGTERM, SIGKILL}) {
@@ -141,27 +151,50 @@ TEST_F(ProcessFaultTest, AKilledNodeComesBackByItself) {
     const pid_t pid = pidOf("/haptic_cloth");
     ASSERT_GT(pid, 0);
     reaction_.clear();
+    ASSERT_TRUE(waitFor([&] { return !reaction_.all().empty(); }));
     const double start = steadyNow();
     kill(pid, signal);
     ASSERT_TRUE(waitFor([&] { return pidOf("/haptic_cloth") != pid && pidOf("/haptic_cloth") > 0; }));
-    const double changed = steadyNow();
-    ASSERT_TRUE(waitFor([&] { return reaction_.last().received > changed; }));
-    const std::vector<HeardWrench> heard = reaction_.all();
-    // The longest silence lies between the two nodes.
-    auto first = heard.begin();
-    for (auto next = heard.begin(); next + 1 != heard.end(); ++next) {
-      const double silence = (first + 1)->received - first->received;
-      if ((next + 1)->received - next->received > silence) first = next;
-    }
+    std::vector<HeardWrench> heard;
+    ASSERT_TRUE(waitFor([&] {
+      heard = reaction_.all();
+      return lastOfFirstNode(heard) != heard.end();
+    }));
+    const auto last = lastOfFirstNode(heard), first = last + 1;
     const std::string name = signal == SIGTERM ? "SIGTERM" : "SIGKILL";
-    RecordProperty(name + "_last_N", std::to_string(first->force.norm()));
-    RecordProperty(name + "_silent_s", std::to_string((first + 1)->received - start));
+    RecordProperty(name + "_last_N", std::to_string(last->force.norm()));
+    RecordProperty(name + "_first_N", std::to_string(first->force.norm()));
+    RecordProperty(name + "_first_number", static_cast<int>(first->number));
+    RecordProperty(name + "_silent_s", std::to_string(first->received - start));
     if (signal == SIGTERM) {
-      EXPECT_TRUE(first->force.isZero(0.0)) << "zero must be the last";
+      EXPECT_TRUE(last->force.isZero(0.0)) << "zero must be the last";
     }
-    EXPECT_TRUE((first + 1)->force.isZero(0.0)) << "a new node begins with zero";
+    // The first wrench of the new node may be missed: a subscriber of the old node connects about
+    // 200 ticks after the new one starts, and that node feels the hand by then. The slow soft start
+    // still separates this force from a full one.
+    HapticOptions limits;
+    limits.soft_start = 30.0;
+    EXPECT_LE(first->force.norm(), strongestAt(first->number, limits))
+        << "a new node begins with zero; this is its wrench number " << first->number;
     EXPECT_TRUE(recovers());
   }
+}
+
+TEST_F(ProcessFaultTest, ASlowRampIsNotCutShortByTheEnd) {
+  HapticOptions limits;
+  limits.max_force_rate = 0.4;  // [N/s]: from 0.25 N to zero takes 0.6 s
+  startNode("", "_haptics/max_force_rate:=0.4");
+  press();
+  ASSERT_TRUE(waitFor([this] { return reaction_.force().z() > 0.25; }));
+  reaction_.clear();
+  cloth_->signal(SIGTERM);
+  EXPECT_EQ(cloth_->wait(), 0) << cloth_->output();
+  EXPECT_TRUE(waitFor([this] { return reaction_.force().isZero(0.0); }));
+  const WrenchFindings found = examine(reaction_.all(), limits);
+  EXPECT_EQ(found.too_fast, 0) << "up to " << found.fastest << " N a tick";
+  ros::param::del("/cloth");
+  startNode();
+  press();
 }
 
 TEST_F(ProcessFaultTest, AStoppedNodeGoesOn) {
@@ -173,7 +206,7 @@ TEST_F(ProcessFaultTest, AStoppedNodeGoesOn) {
     cloth_->signal(SIGCONT);
     EXPECT_TRUE(recovers());
   }
-  // Of 3 x 500 ticks at least half, whenever the signals arrived.
+  // At least half of 3 x 500 ticks, whatever the time of the signals.
   EXPECT_TRUE(waitFor([this] { return diagnostics_.number("haptic thread", "ticks given up") > 750.0; }));
   RecordProperty("given_up", diagnosed("ticks given up"));
 }
@@ -181,7 +214,8 @@ TEST_F(ProcessFaultTest, AStoppedNodeGoesOn) {
 class StarvedTest : public ProcessFaultTest, public testing::WithParamInterface<bool> {};
 
 TEST_P(StarvedTest, BusyCores) {
-  // Without the capability a haptic thread gets no priority; most machines of users are like that.
+  // Without the capability the haptic thread gets no real-time priority, as on most users'
+  // machines.
   startNode(GetParam() || geteuid() != 0 ? "" : "setpriv --bounding-set=-sys_nice");
   press();
   {
@@ -231,7 +265,7 @@ TEST_F(ProcessFaultTest, AFullDiskStopsTheRecorderAlone) {
   EXPECT_EQ(rmdir(folder), 0);
 }
 
-// Must be the last: this process, too, is unknown to the new master.
+// This test must be last, because this process, too, is unknown to the new master.
 TEST_F(ProcessFaultTest, AKilledMasterIsNotFelt) {
   startNode();
   press();

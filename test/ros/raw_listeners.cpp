@@ -19,9 +19,10 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr int kReceiveBuffer = 16384;  ///< small, so that one who hangs is felt at once [bytes]
+/// Small, so that a listener that hangs has an effect at once [bytes].
+constexpr int kReceiveBuffer = 16384;
 
-/// Where the publisher hands out a topic.
+/// Asks the publisher for the address of its topic.
 void requestTopic(const std::string& node, const std::string& topic, std::string& host, int& port) {
   XmlRpc::XmlRpcValue request, response, uri;
   request[0] = "/raw_listener";
@@ -45,7 +46,8 @@ void requestTopic(const std::string& node, const std::string& topic, std::string
 }
 
 void append(std::string& text, std::uint32_t number) {
-  text.append(reinterpret_cast<const char*>(&number), sizeof number);  // little endian, as TCPROS
+  // Little-endian, as in TCPROS.
+  text.append(reinterpret_cast<const char*>(&number), sizeof number);
 }
 
 std::string header(const std::vector<std::string>& fields) {

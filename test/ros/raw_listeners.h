@@ -1,5 +1,5 @@
-/// Many subscribers of one topic, each with a connection of its own, as so many processes would have; and
-/// subscribers that stop reading, as a program does that hangs.
+/// Many subscribers of one topic, each with its own connection, like as many processes; and
+/// subscribers that stop reading, like a program that hangs.
 #pragma once
 
 #include <atomic>
@@ -9,7 +9,7 @@
 
 namespace haptic_cloth {
 
-/// Speaks TCPROS itself: subscribers within one roscpp process would share one connection.
+/// Speaks TCPROS itself, because subscribers within one roscpp process would share one connection.
 class RawListeners {
  public:
   /// @param node full name of the publisher  @param topic full name
@@ -17,20 +17,20 @@ class RawListeners {
   RawListeners(const std::string& node, const std::string& topic, int count);
   ~RawListeners();
 
-  /// Hangs: bytes stay where they are until resume().
+  /// Stops reading: bytes stay in the connections until resume().
   void stall() { stalled_ = true; }
   void resume() { stalled_ = false; }
 
-  /// Messages that came to the one that got fewest.
+  /// Messages of the subscriber with the fewest.
   long fewest() const;
-  /// How many connections the node has closed.
+  /// Number of connections that the node has closed.
   int closed() const { return closed_; }
 
  private:
   struct Connection {
     int socket = -1;
-    std::vector<char> bytes;  ///< not yet a whole message
-    long messages = -1;       ///< the publisher's header comes first
+    std::vector<char> bytes;  ///< part of a message that is not yet complete
+    long messages = -1;       ///< -1, because the publisher's header comes first
   };
   void open(const std::string& host, int port, const std::string& topic, int number);
   void run();

@@ -7,6 +7,7 @@
 #include <unistd.h>
 #include <xmlrpcpp/XmlRpcClient.h>
 
+#include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <sstream>
@@ -107,7 +108,10 @@ DiagnosticsListener::DiagnosticsListener(ros::NodeHandle& node) {
       "/diagnostics", 10, [this](const diagnostic_msgs::DiagnosticArray::ConstPtr& array) {
         const std::lock_guard<std::mutex> lock(mutex_);
         for (const auto& status : array->status) {
-          for (const auto& entry : status.values) values_[status.name + "/" + entry.key] = entry.value;
+          names_.insert(status.name);
+          const std::string part =
+              status.name.substr(std::min(status.name.size(), status.name.find(": ") + 2));
+          for (const auto& entry : status.values) values_[part + "/" + entry.key] = entry.value;
         }
         ++count_;
       });
@@ -115,8 +119,13 @@ DiagnosticsListener::DiagnosticsListener(ros::NodeHandle& node) {
 
 std::string DiagnosticsListener::value(const std::string& part, const std::string& key) const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  const auto entry = values_.find("haptic_cloth: " + part + "/" + key);
+  const auto entry = values_.find(part + "/" + key);
   return entry == values_.end() ? "" : entry->second;
+}
+
+bool DiagnosticsListener::heard(const std::string& name) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return names_.count(name) > 0;
 }
 
 double DiagnosticsListener::number(const std::string& part, const std::string& key) const {
@@ -130,7 +139,7 @@ Process::Process(const std::vector<std::string>& command, const std::vector<std:
   output_file_ = name;
   pid_ = fork();
   if (pid_ == 0) {
-    dup2(file, STDOUT_FILENO);  // rosconsole sends warnings there
+    dup2(file, STDOUT_FILENO);  // rosconsole prints warnings there
     dup2(file, STDERR_FILENO);
     for (const std::string& entry : environment) {
       const std::size_t equals = entry.find('=');

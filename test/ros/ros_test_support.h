@@ -1,4 +1,5 @@
-/// What the node tests share: a device, listeners that wait for conditions, and processes of their own.
+/// Parts that the node tests share: a device, listeners that wait for conditions, and separate
+/// processes.
 #pragma once
 
 #include <diagnostic_msgs/DiagnosticArray.h>
@@ -12,6 +13,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -20,13 +22,13 @@
 
 namespace haptic_cloth {
 
-/// Long enough for a busy machine; a test waits for its condition, never for this [s].
+/// Longest wait for a condition, long enough for a busy machine [s].
 constexpr double kPatience = 30.0;
 
-/// @return whether `condition` came true within `seconds`
+/// @return whether `condition` became true within `seconds`
 bool waitFor(const std::function<bool()>& condition, double seconds = kPatience);
 
-/// The directory of this program, where those under test lie too.
+/// Directory of this program, which also holds the programs under test.
 std::string programDirectory();
 
 /// A device at 500 Hz that moves towards its target at 0.1 m/s.
@@ -35,10 +37,10 @@ class TestDevice {
   TestDevice(ros::NodeHandle& node, const Vec3& start, const std::string& topic = "probe/pose");
   ~TestDevice();
   void moveTo(const Vec3& target);
-  /// Its orientation from the next pose on.
+  /// Sets the orientation from the next pose on.
   void turn(const Quat& orientation);
   bool arrived() const { return arrived_; }
-  /// Silence: no more poses until resume().
+  /// Stops sending poses until resume().
   void silence() { silent_ = true; }
   void resume() { silent_ = false; }
 
@@ -52,7 +54,7 @@ class TestDevice {
   std::thread thread_;
 };
 
-/// Everything that came on probe/reaction.
+/// Records the messages on probe/reaction.
 class ReactionListener {
  public:
   ReactionListener(ros::NodeHandle& node, const std::string& topic);
@@ -67,23 +69,27 @@ class ReactionListener {
   geometry_msgs::WrenchStamped last_;
   std::atomic<long> count_{0};
   std::atomic<bool> finite_{true};
-  ros::Subscriber subscriber_;  ///< last: its callback uses all above
+  ros::Subscriber subscriber_;  ///< last member: its callback uses all members above
 };
 
-/// The newest diagnostics of the node.
+/// Keeps the newest diagnostics of the node.
 class DiagnosticsListener {
  public:
   explicit DiagnosticsListener(ros::NodeHandle& node);
-  /// "" until it has been heard. @param part "solver", "haptic thread", "display", a probe's name
+  /// Value in the diagnostics, "" until it is received. @param part "solver", "haptic thread",
+  /// "display" or the name of a probe
   std::string value(const std::string& part, const std::string& key) const;
   double number(const std::string& part, const std::string& key) const;
+  /// Whether a status with this name, which includes the node's, was ever received.
+  bool heard(const std::string& name) const;
   long count() const { return count_; }
 
  private:
   mutable std::mutex mutex_;
   std::map<std::string, std::string> values_;
+  std::set<std::string> names_;
   std::atomic<long> count_{0};
-  ros::Subscriber subscriber_;  ///< last: its callback uses all above
+  ros::Subscriber subscriber_;  ///< last member: its callback uses all members above
 };
 
 /// A child process whose standard output and error are kept.
@@ -104,15 +110,16 @@ class Process {
   std::string output_file_;
 };
 
-/// A master on a port of its own, which can be killed without harm to the test's.
+/// A ROS master on its own port, which can be killed without affecting the test's master.
 class OwnMaster {
  public:
   OwnMaster();
   void start();
   void kill();
-  /// "http://…" of it.
+  void signal(int number) const { process_->signal(number); }
+  /// URI of the master, "http://…".
   std::string uri() const;
-  /// @return whether the master knows a node, and answers at all
+  /// @return whether the master answers and knows a node
   bool knows(const std::string& node) const { return ask("lookupNode", node); }
   bool knowsService(const std::string& service) const { return ask("lookupService", service); }
 

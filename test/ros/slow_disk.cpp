@@ -1,6 +1,6 @@
-/// Preloaded into a node (LD_PRELOAD), this makes all files whose names hold "slow_disk" lie on a
-/// file system that does not answer: who opens one waits for ever. A file waiting_to_load, or
-/// waiting_to_save for the temporary file of a state, beside it says so.
+/// Library for LD_PRELOAD. It makes a node see all files whose names contain "slow_disk" on a file
+/// system that does not answer: opening one blocks for ever. A file waiting_to_load, or
+/// waiting_to_save for the temporary file of a state, appears beside it when a call blocks.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <unistd.h>

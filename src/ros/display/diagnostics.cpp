@@ -12,11 +12,11 @@ namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
 
-constexpr double kHanging = 2.0;        ///< without news [s]
-constexpr double kRateShare = 0.9;      ///< of the wanted rate that is good enough [-]
-constexpr double kLatenessGood = 1e-3;  ///< 99 % of ticks are less late [s]
-constexpr double kNow = 0.5;            ///< messages of a device come closer together [s]
-constexpr double kLately = 5.0;         ///< a fault that is over is a warning no longer than this [s]
+constexpr double kHanging = 2.0;        ///< older statistics mean that the thread hangs [s]
+constexpr double kRateShare = 0.9;      ///< share of the wanted rate that is good enough [-]
+constexpr double kLatenessGood = 1e-3;  ///< 99 % of the ticks must be less late than this [s]
+constexpr double kNow = 0.5;            ///< longest interval between good messages [s]
+constexpr double kLately = 5.0;         ///< time for which a past fault remains a warning [s]
 
 void add(DiagnosticStatus& status, const std::string& key, const std::string& value) {
   diagnostic_msgs::KeyValue entry;
@@ -42,7 +42,7 @@ void judge(DiagnosticStatus& status, int level, const std::string& message) {
 
 using DropReason = std::pair<const char*, std::uint64_t>;
 
-/// Why messages were dropped, and how many for that.
+/// Reasons for dropping messages, each with its count.
 std::array<DropReason, 6> dropReasons(const InputCounters& counters) {
   return {DropReason{"not finite", counters.not_finite}, {"unknown frame", counters.unknown_frame},
           {"out of order", counters.out_of_order},       {"late", counters.late},
@@ -72,7 +72,7 @@ const char* graspText(GraspState grasp) {
 
 DiagnosticStatus solverStatus(const SolverStats& stats, bool paused, double now) {
   DiagnosticStatus status;
-  status.name = "haptic_cloth: solver";
+  status.name = "solver";
   if (paused) {
     judge(status, DiagnosticStatus::OK, "paused");
   } else if (stats.taken < 0.0 || now - stats.taken > kHanging) {
@@ -100,7 +100,7 @@ DiagnosticStatus solverStatus(const SolverStats& stats, bool paused, double now)
 DiagnosticStatus hapticStatus(const HapticStats& stats, const std::string& scheduling, double now) {
   const double measured = stats.wall > 0.0 ? stats.ticks / stats.wall : 0.0;
   DiagnosticStatus status;
-  status.name = "haptic_cloth: haptic thread";
+  status.name = "haptic thread";
   if (stats.taken < 0.0) {
     judge(status, DiagnosticStatus::OK, "starting");
   } else if (now - stats.taken > kHanging) {
@@ -121,7 +121,7 @@ DiagnosticStatus hapticStatus(const HapticStats& stats, const std::string& sched
 
 DiagnosticStatus optionsStatus(const LiveReport& report) {
   DiagnosticStatus status;
-  status.name = "haptic_cloth: options";
+  status.name = "options";
   judge(status, report.refused_last ? DiagnosticStatus::WARN : DiagnosticStatus::OK,
         report.refused_last ? "refused: " + report.refusal
         : report.taken > 0  ? "changed live"
@@ -135,7 +135,7 @@ DiagnosticStatus optionsStatus(const LiveReport& report) {
 DiagnosticStatus probeStatus(const std::string& name, const InputCounters& counters, const FeltForce& felt,
                              GraspState grasp, double now, const std::string& message) {
   DiagnosticStatus status;
-  status.name = "haptic_cloth: " + name;
+  status.name = name;
   const std::uint64_t dropped = counters.dropped();
   const UnitDoubt doubt = counters.doubt;
   const bool stale = felt.status == HapticStatus::PoseStale || felt.status == HapticStatus::ForceStale;
@@ -172,7 +172,7 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
 
 DiagnosticStatus obstacleStatus(const std::string& name, const ObstacleCounters& counters, double now) {
   DiagnosticStatus status;
-  status.name = "haptic_cloth: obstacle " + name;
+  status.name = "obstacle " + name;
   const std::uint64_t dropped = counters.dropped();
   if (dropped > 0 && now - counters.last_dropped < kLately) {
     judge(status, DiagnosticStatus::WARN, std::to_string(dropped) + " poses dropped");
@@ -190,7 +190,7 @@ DiagnosticStatus obstacleStatus(const std::string& name, const ObstacleCounters&
 DiagnosticStatus displayStatus(std::uint64_t marker_frames, std::uint64_t state_frames, bool master_reachable,
                                std::uint64_t registrations) {
   DiagnosticStatus status;
-  status.name = "haptic_cloth: display";
+  status.name = "display";
   judge(status, master_reachable ? DiagnosticStatus::OK : DiagnosticStatus::WARN,
         master_reachable ? "running" : "ROS master lost; connected peers go on");
   add(status, "marker frames", marker_frames);

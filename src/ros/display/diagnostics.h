@@ -1,4 +1,5 @@
-/// What /diagnostics says (REP-107). Pure functions.
+/// Content of /diagnostics (REP-107). Pure functions. Names are those of the parts, without the
+/// node's name.
 #pragma once
 
 #include <diagnostic_msgs/DiagnosticStatus.h>
@@ -15,24 +16,25 @@ namespace haptic_cloth {
 /// @param now steady clock [s]; statistics older than 2 s mean that the thread hangs
 diagnostic_msgs::DiagnosticStatus solverStatus(const SolverStats& stats, bool paused, double now);
 
-/// One probe: what its device sends, what it feels, what it holds. A dropped message is a warning for 5 s.
-/// @param message what the device sends: "pose" or "force"
+/// Status of one probe: messages of its device, force and grasp. A dropped message is a warning for
+/// at most 5 s.
+/// @param message kind of message that the device sends: "pose" or "force"
 diagnostic_msgs::DiagnosticStatus probeStatus(const std::string& name, const InputCounters& counters,
                                               const FeltForce& felt, GraspState grasp, double now,
                                               const std::string& message = "pose");
 
-/// One obstacle that can be moved. A dropped pose is a warning for 5 s.
+/// Status of one obstacle that can be moved. A dropped pose is a warning for 5 s.
 diagnostic_msgs::DiagnosticStatus obstacleStatus(const std::string& name, const ObstacleCounters& counters,
                                                  double now);
 
-/// @param scheduling as given by requestRealTime()
+/// @param scheduling as returned by requestRealTime()
 diagnostic_msgs::DiagnosticStatus hapticStatus(const HapticStats& stats, const std::string& scheduling,
                                                double now);
 
-/// Live changes of options.
+/// Status of the live changes of options.
 diagnostic_msgs::DiagnosticStatus optionsStatus(const LiveReport& report);
 
-/// @param registrations renewed after the master was lost
+/// @param registrations number of registrations with a new master
 diagnostic_msgs::DiagnosticStatus displayStatus(std::uint64_t marker_frames, std::uint64_t state_frames,
                                                 bool master_reachable, std::uint64_t registrations);
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kDiagnosticsPeriod = 1.0;  ///< [s]
 
-/// Whether something that comes every `period` is due; moves `due` on without piling up what was missed.
+/// Whether a periodic task is due. If so, advances `due`; missed periods are not made up.
 bool isDue(double now, double period, double& due) {
   if (now < due) return false;
   due = std::max(due + period, now);
@@ -48,7 +48,8 @@ void DisplayThread::run() {
     const bool mesh = state && publishers_.state.getNumSubscribers() > 0;
     const bool proxy = state && proxiesWanted();
     if (markers || mesh || proxy) {
-      // The copy that answers this wish is shown next time: at most one frame old, and nobody waits.
+      // The solver answers this request with a copy that is shown in the next round. So a frame is
+      // one round old, and neither thread waits.
       const DisplayFrame& frame = shared_.frame.read();
       shared_.frame_wanted = true;
       if (frame.valid && markers) publishMarkers(frame);
@@ -65,7 +66,7 @@ void DisplayThread::takeOptions() {
   builder_.setOptions(live.options->markers);
   markers_period_ = 1.0 / live.options->markers.rate;
   state_period_ = 1.0 / live.options->state_rate;
-  // What a slow rate had put off for long comes at the new one.
+  // A deadline set by a slow rate is moved forward to the new rate.
   markers_due_ = std::min(markers_due_, steadyNow() + markers_period_);
   state_due_ = std::min(state_due_, steadyNow() + state_period_);
 }
@@ -119,6 +120,8 @@ void DisplayThread::publishDiagnostics(double now) {
   for (const ObstacleTopics& obstacle : sources_.obstacles) {
     array.status.push_back(obstacleStatus(obstacle.name(), obstacle.counters(), now));
   }
+  for (diagnostic_msgs::DiagnosticStatus& status : array.status)
+    status.name = sources_.name + ": " + status.name;
   publishers_.diagnostics.publish(array);
 }
 

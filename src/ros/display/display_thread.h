@@ -1,4 +1,4 @@
-/// The display thread: markers and mesh for those who listen, diagnostics for all.
+/// The display thread: markers, mesh and proxies for subscribers, diagnostics for all.
 #pragma once
 
 #include <haptic_cloth/ClothState.h>
@@ -17,13 +17,14 @@
 
 namespace haptic_cloth {
 
-/// What the display thread publishes to.
+/// Publishers of the display thread.
 struct DisplayPublishers {
   ros::Publisher markers, state, diagnostics;
 };
 
-/// The parts of the node that the display thread speaks of.
+/// The parts of the node that the display thread reports on.
 struct DisplaySources {
+  std::string name;  ///< name of the node, put before the name of each status
   const std::deque<ProbeTopics>& probes;
   const std::deque<ObstacleTopics>& obstacles;
   const HapticThread& haptics;
@@ -35,7 +36,7 @@ class DisplayThread {
   DisplayThread(const NodeOptions& options, const DisplayPublishers& publishers,
                 const DisplaySources& sources, SharedState& shared);
 
-  /// Runs until shared.stop.
+  /// Runs until `shared.stop`.
   void run();
 
  private:

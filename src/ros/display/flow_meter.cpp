@@ -15,7 +15,7 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr int kCountQueue = 1000;  ///< long enough that none is lost while the others are looked at
+constexpr int kCountQueue = 1000;  ///< long enough that no message is lost while others are handled
 
 bool isFinite(const std::vector<float>& numbers) {
   return std::all_of(numbers.begin(), numbers.end(), [](float number) { return std::isfinite(number); });

@@ -1,4 +1,4 @@
-/// Whether a topic flows: messages counted, numbers checked.
+/// Measures whether topics flow: counts messages and checks their numbers.
 #pragma once
 
 #include <ros/node_handle.h>
@@ -10,12 +10,12 @@
 
 namespace haptic_cloth {
 
-/// Counts one topic. All calls from one thread.
+/// Counter of one topic. Not thread-safe.
 struct Flow {
   std::string name;
   double wanted = 0.0;  ///< lowest good rate [Hz]
   long count = 0;       ///< messages since the last clear
-  bool finite = true;   ///< all numbers so far
+  bool finite = true;   ///< whether all numbers so far were finite
 
   void add(bool good) {
     ++count;
@@ -23,21 +23,21 @@ struct Flow {
   }
 };
 
-/// What the demonstration sends, counted by a subscriber that can follow 1 kHz.
+/// Subscribes to the topics of the node and counts their messages. It can follow 1 kHz.
 class FlowMeter {
  public:
-  /// @param probes their names
+  /// @param probes names of the probes
   FlowMeter(ros::NodeHandle& node, const std::vector<std::string>& probes, double reaction_rate,
             double display_rate);
 
-  /// Whether every topic has sent something.
+  /// Whether every topic has delivered a message.
   bool allFlow() const;
   void clear();
 
-  /// One line on the last `seconds`.
+  /// Report on the last `seconds` in one line.
   std::string line(double seconds) const;
 
-  /// One line that begins with PASS or FAIL, on the last `seconds`.
+  /// Verdict on the last `seconds` in one line, which begins with PASS or FAIL.
   std::string verdict(double seconds, bool& passed) const;
 
  private:
@@ -45,20 +45,20 @@ class FlowMeter {
     Flow reaction;
     double force = 0.0;      ///< newest [N]
     double max_force = 0.0;  ///< since clear [N]
-    double height = 0.0;     ///< of the proxy [m]
+    double height = 0.0;     ///< z of the proxy [m]
     ros::Subscriber reaction_subscriber, proxy_subscriber;
   };
   void subscribe(ros::NodeHandle& node, const std::string& name, Probe& probe);
   std::vector<const Flow*> flows() const;
 
-  std::deque<Probe> probes_;  ///< stay where they are
+  std::deque<Probe> probes_;  ///< a deque, because callbacks refer to the elements
   Flow markers_, state_;
   std::size_t cells_ = 0;
-  /// When a state was simulated and when it came.
+  /// Simulated time of a state, and when it was received.
   struct Arrival {
     double time, received;  ///< [s]
   };
-  Arrival newest_{}, first_{};  ///< the newest state, and the first of those counted
+  Arrival newest_{}, first_{};  ///< the newest state, and the first one counted
   ros::Subscriber markers_subscriber_, state_subscriber_;
 };
 

@@ -11,10 +11,12 @@ namespace {
 
 using visualization_msgs::Marker;
 
-/// rviz shows 20,000 triangles at 30 Hz even without a graphics card; a finer grid is thinned out.
+/// Largest number of triangles. rviz shows 20,000 at 30 Hz even without a graphics card; a finer
+/// grid is thinned out.
 constexpr int kMaxTriangles = 20000;
-constexpr double kAmbient = 0.35;   ///< share of light from everywhere [-]
-constexpr double kLineLift = 3e-4;  ///< mesh lines above the surface, against flicker [m]
+constexpr double kAmbient = 0.35;  ///< share of ambient light [-]
+/// Height of the mesh lines above the surface, against flicker [m].
+constexpr double kLineLift = 3e-4;
 constexpr float kClothRed = 0.25F, kClothGreen = 0.50F, kClothBlue = 0.85F;
 
 std_msgs::ColorRGBA levelColor(int level) {
@@ -24,13 +26,13 @@ std_msgs::ColorRGBA levelColor(int level) {
   return kColors[std::clamp(level, 0, 3)];
 }
 
-/// Of a load: white without, red where it is full.
+/// Colour of a load: white for zero, red for `full` or more.
 std_msgs::ColorRGBA loadColor(double load, double full) {
   const auto share = static_cast<float>(std::clamp(load / full, 0.0, 1.0));
   return markerColor(0.95F - 0.05F * share, 0.95F - 0.85F * share, 0.95F - 0.90F * share);
 }
 
-/// Of a proxy: orange, greener when its grasp is closed, green when it holds cloth.
+/// Colour of a proxy: orange if open, yellow-green if closed, green if it holds cloth.
 std_msgs::ColorRGBA graspColor(GraspState grasp) {
   switch (grasp) {
     case GraspState::Closed:
@@ -43,7 +45,8 @@ std_msgs::ColorRGBA graspColor(GraspState grasp) {
   return markerColor(0.95F, 0.55F, 0.1F);
 }
 
-/// Smallest step that divides the grid and keeps the surface below kMaxTriangles.
+/// Smallest power of two that divides the grid and keeps the surface within kMaxTriangles. If there
+/// is none, the largest that divides the grid.
 int surfaceStride(int columns, int rows) {
   int stride = 1;
   while (2 * ((columns - 1) / stride) * ((rows - 1) / stride) > kMaxTriangles &&
@@ -92,8 +95,9 @@ const visualization_msgs::MarkerArray& MarkerBuilder::build(const DisplayFrame& 
   return markers_;
 }
 
-/// Smooth normals by central differences on the grid, and from them the light: rviz itself would shade
-/// every triangle flat, and not at all where vertices have colours.
+/// Computes smooth normals by central differences on the grid, and the shading from them. rviz
+/// itself would shade every triangle flat, and would not shade triangles whose vertices have
+/// colours.
 void MarkerBuilder::updateNormals(const DisplayFrame& frame) {
   const Vec3 light = Vec3(0.35, -0.5, 0.8).normalized();
   normals_.resize(frame.positions.size());
@@ -146,7 +150,7 @@ std_msgs::ColorRGBA MarkerBuilder::lineColor(const DisplayFrame& frame, std::siz
   return levelColor(frame.cells[cell].level);
 }
 
-/// Left and lower side of every leaf, and the cloth's far border: together every line once.
+/// Draws the left and lower side of every leaf and the far borders of the cloth: every line once.
 void MarkerBuilder::updateMesh(const DisplayFrame& frame) {
   Marker& mesh = markers_.markers[kMesh];
   mesh.points.clear();
@@ -180,7 +184,7 @@ void MarkerBuilder::updateProbe(const ProbeMarkers& markers, const ProbeView& pr
   Marker& arrow = markers_.markers[markers.arrow];
   const Vec3 tip = report.proxy + options_.force_scale * force;
   arrow.points = {toPoint(report.proxy), toPoint(tip)};
-  // rviz warns of an arrow without length.
+  // rviz warns about an arrow without length.
   arrow.action = (tip - report.proxy).norm() > 1e-4 ? Marker::ADD : Marker::DELETE;
 }
 

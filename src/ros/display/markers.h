@@ -1,4 +1,4 @@
-/// The picture: cloth, mesh, probes, forces and obstacles as rviz markers.
+/// The picture in rviz: cloth, mesh, probes, forces and obstacles as markers.
 #pragma once
 
 #include <visualization_msgs/MarkerArray.h>
@@ -12,24 +12,24 @@
 
 namespace haptic_cloth {
 
-/// Builds one MarkerArray a frame. Every marker keeps namespace, id and number of points from frame to
-/// frame, so that rviz updates its buffers instead of rebuilding them.
+/// Builds one MarkerArray per frame. Every marker keeps its namespace, id and number of points, so
+/// rviz updates its buffers instead of rebuilding them.
 class MarkerBuilder {
  public:
   MarkerBuilder(const Scene& scene, const std::string& frame_id, const MarkerOptions& options);
 
-  /// From the next frame on.
+  /// Takes effect with the next frame.
   void setOptions(const MarkerOptions& options) { options_ = options; }
 
-  /// @param forces on each probe, as sent to its device [N]
+  /// @param forces force on each probe, as sent to its device [N]
   const visualization_msgs::MarkerArray& build(const DisplayFrame& frame, const std::vector<Vec3>& forces,
                                                const ros::Time& stamp);
 
  private:
-  /// A probe where its device is, where the cloth lets it be, and the force between.
+  /// Markers of one probe: its device, its proxy and its force.
   struct ProbeMarkers {
     SolidMarkers device, proxy;
-    std::size_t arrow;  ///< index among the markers
+    std::size_t arrow;  ///< index in the array
   };
 
   void addProbe(const ProbeOptions& probe);
@@ -40,7 +40,7 @@ class MarkerBuilder {
   void updateProbe(const ProbeMarkers& markers, const ProbeView& probe, const Vec3& force);
 
   int columns_, rows_;
-  int stride_;  ///< of the surface's vertices on the finest grid
+  int stride_;  ///< distance of the surface's vertices on the finest grid
   MarkerOptions options_;
   std::string frame_id_;
   std::vector<Vec3> normals_;                ///< per finest particle

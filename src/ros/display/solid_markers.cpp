@@ -8,9 +8,9 @@ namespace {
 using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
 
-constexpr double kPlaneSide = 2.0;     ///< of the drawn part of a plane [m]
+constexpr double kPlaneSide = 2.0;     ///< side length of the drawn part of a plane [m]
 constexpr double kPlaneDepth = 0.002;  ///< [m]
-constexpr double kNothing = 1e-6;      ///< size of what is not there [m]
+constexpr double kNothing = 1e-6;      ///< size of a hidden marker [m]
 
 }  // namespace
 

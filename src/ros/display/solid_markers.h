@@ -1,4 +1,4 @@
-/// One solid of the picture: a marker, or three for a capsule.
+/// One solid in the picture: a marker, or three for a capsule.
 #pragma once
 
 #include <visualization_msgs/MarkerArray.h>
@@ -13,11 +13,11 @@ namespace haptic_cloth {
 std_msgs::ColorRGBA markerColor(float r, float g, float b, float a = 1.0F);
 void setScale(visualization_msgs::Marker& marker, double x, double y, double z);
 
-/// Appends a marker of no size. Every id is used once in the array.
+/// Appends a marker with unit scale. Its id is its index in the array.
 visualization_msgs::Marker& addMarker(visualization_msgs::MarkerArray& array, const std::string& name,
                                       int type, const std::string& frame_id);
 
-/// A solid among the markers of an array. It keeps its markers from frame to frame.
+/// A solid among the markers of an array. It keeps the same markers in every frame.
 class SolidMarkers {
  public:
   SolidMarkers(visualization_msgs::MarkerArray& array, const std::string& name, const Obstacle& solid,
@@ -25,7 +25,8 @@ class SolidMarkers {
 
   void place(visualization_msgs::MarkerArray& array, const Pose& pose) const;
   void paint(visualization_msgs::MarkerArray& array, const std_msgs::ColorRGBA& color) const;
-  /// What is not there is not deleted but shrunk to nothing visible, so that it needs no second message.
+  /// Shows or hides the solid. A hidden solid is shrunk instead of deleted, so no second message is
+  /// needed.
   void show(visualization_msgs::MarkerArray& array, bool visible) const;
 
  private:

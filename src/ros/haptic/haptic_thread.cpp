@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kWindow = 1.0;       ///< of the statistics [s]
 constexpr double kMaxBacklog = 0.02;  ///< ticks older than this are given up [s]
-constexpr int kMaxRampTicks = 200;    ///< before the zeros at the end
+constexpr double kMaxRamp = 3.0;      ///< before the zeros at the end [s]; node_main ends all after 5 s
 constexpr int kZeros = 20;            ///< sent at the end: drivers hold the last force for ever
 constexpr double kZeroPeriod = 2e-3;  ///< between them [s]
 
@@ -37,6 +37,8 @@ HapticThread::HapticThread(const NodeOptions& options, const std::vector<ProbePu
 void HapticThread::run() {
   scheduling_ = requestRealTime();
   scheduling_ready_ = true;
+  // Zero comes first, whatever the other threads know by then.
+  tick(steadyNow(), true);
   double due = steadyNow() + period_;
   while (!shared_.stop) {
     sleepUntil(due);
@@ -101,7 +103,8 @@ void HapticThread::record(double now, double lateness) {
 
 void HapticThread::endAtRest() {
   // As in a pause: down within the ramp time.
-  for (int i = 0; i < kMaxRampTicks && !isQuiet(); ++i) {
+  const double give_up = steadyNow() + kMaxRamp;
+  while (!isQuiet() && steadyNow() < give_up) {
     sleepUntil(steadyNow() + period_);
     tick(steadyNow(), true);
   }

@@ -12,11 +12,11 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kAskPeriod = 0.5;    ///< between two questions to the master [s]
-constexpr double kSayPeriod = 5.0;    ///< between two warnings of the same kind [s]
-constexpr int kZeros = 20;            ///< sent at the end
-constexpr double kZeroPeriod = 2e-3;  ///< between them [s]
-constexpr double kFlush = 0.05;       ///< for the last to leave the process [s]
+constexpr double kAskPeriod = 0.5;    ///< interval between two questions to the master [s]
+constexpr double kSayPeriod = 5.0;    ///< interval between two warnings of the same kind [s]
+constexpr int kZeros = 20;            ///< number of zeros sent at the end
+constexpr double kZeroPeriod = 2e-3;  ///< interval between them [s]
+constexpr double kFlush = 0.05;       ///< time for the last message to leave the process [s]
 
 }  // namespace
 
@@ -152,7 +152,7 @@ void ForceAdapter::learn() {
     advertise(*type);
   } catch (const InputError& error) {
     refused_ = *name;
-    ROS_ERROR_STREAM(error.what());  // the driver may come again with another type
+    ROS_ERROR_STREAM(error.what());  // the driver may subscribe again with another type
   }
 }
 

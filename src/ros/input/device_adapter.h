@@ -1,4 +1,4 @@
-/// Between the node and a driver whose messages are neither PoseStamped nor WrenchStamped.
+/// Adapter between the node and a driver with other messages than PoseStamped and WrenchStamped.
 #pragma once
 
 #include <geometry_msgs/PoseStamped.h>
@@ -18,21 +18,20 @@
 
 namespace haptic_cloth {
 
-/// The private parameters of the adapter. Each default stands here only.
+/// Private parameters of the adapter, with their defaults.
 struct AdapterOptions {
-  std::string
-      pose_field;  ///< where the position stands, as "pose.position"; empty: the first place that fits
+  std::string pose_field;        ///< dotted path of the position; empty: the first that fits
   std::string pose_frame;        ///< frame_id of the pose; empty: that of the driver's header
-  std::string force_type;        ///< package/Name; empty: as the driver subscribed to it
-  std::string force_definition;  ///< of a type that is not known here, with the types in it
-  std::string force_field;       ///< where the force stands; empty: the first place that fits
-  double timeout = 0.05;         ///< after which the force is zero unless the node renews it [s]
+  std::string force_type;        ///< package/Name; empty: the type with which the driver subscribes
+  std::string force_definition;  ///< text of an unknown type, with the types it contains
+  std::string force_field;       ///< dotted path of the force; empty: the first that fits
+  double timeout = 0.05;         ///< zero is sent after this silence of the node [s]
 };
 
-/// @throws InputError for unknown keys and impossible values
+/// @throws InputError for an unknown key or an invalid value
 AdapterOptions readAdapterOptions(ParameterGroup group);
 
-/// The type that somebody on `topic` has told the master of, if any.
+/// Type of `topic` according to the master, if the master knows one.
 std::optional<std::string> typeOnMaster(const std::string& topic);
 
 /// device/pose (any type) → probe/pose.
@@ -42,48 +41,50 @@ class PoseAdapter {
 
  private:
   void accept(const topic_tools::ShapeShifter::ConstPtr& message);
-  /// Learns where the position stands. @return whether it is known
+  /// Finds the position in the message. @return whether it is known
   bool learn(const topic_tools::ShapeShifter& message);
 
   AdapterOptions options_;
   ros::Publisher pose_;
   ros::Subscriber subscriber_;
-  std::string fingerprint_;  ///< of the type the reader is for; empty before the first message
+  /// MD5 sum of the type that was examined last; empty before the first message.
+  std::string fingerprint_;
   std::optional<VectorReader> reader_;
   std::vector<unsigned char> bytes_;
 };
 
-/// probe/reaction → device/force (any type). Sends zero when the node is silent, when a force is not finite,
-/// and at the end: drivers hold the last force for ever.
+/// probe/reaction → device/force (any type). Sends zero if the node is silent, if a force is not
+/// finite, and at the end, because drivers hold the last force for ever.
 class ForceAdapter {
  public:
   /// @throws InputError for a type that cannot take a force
   ForceAdapter(ros::NodeHandle& node, const AdapterOptions& options);
 
-  /// To be called every few milliseconds: learns the driver's type, and watches that forces come.
+  /// Asks for the driver's type until it is known, and sends zero if no force comes. Call it every
+  /// few milliseconds.
   void look();
 
-  /// Sends zeros, and gives the last one time to go.
+  /// Sends zeros and waits until the last one has left the process.
   void end();
 
  private:
   void accept(const geometry_msgs::WrenchStamped& wrench);
-  /// Advertises a type once it is known.
+  /// Asks the master for the driver's type and advertises it if it is known.
   void learn();
   void advertise(const ForceType& type);
   void send(const Vec3& force, const MessageHeader& header);
 
   AdapterOptions options_;
   ros::NodeHandle node_;
-  std::mutex mutex_;  ///< of all below
+  std::mutex mutex_;  ///< protects all members below
   std::optional<VectorWriter> writer_;
   topic_tools::ShapeShifter message_;
   ros::Publisher force_;
   double received_ = -1.0;  ///< last finite force, steady clock [s]; < 0: none yet
-  double asked_ = -1.0;     ///< the master for the type, steady clock [s]
-  std::string refused_;     ///< a type that was found and not understood; said once
+  double asked_ = -1.0;     ///< last question to the master for the type, steady clock [s]
+  std::string refused_;     ///< type that was found but not understood; reported once
   bool ended_ = false;
-  ros::Subscriber subscriber_;  ///< last: its callbacks use all above
+  ros::Subscriber subscriber_;  ///< last member: its callbacks use all members above
 };
 
 }  // namespace haptic_cloth

@@ -8,8 +8,8 @@
 namespace haptic_cloth {
 namespace {
 
-/// From the origin of the cloth's frame [m]: the earth's circumference. Numbers beyond are no places, and
-/// their squares and quotients would leave what a double holds.
+/// Largest distance from the origin of the cloth's frame [m]: the circumference of the earth.
+/// Beyond it, squares and quotients could overflow a double.
 constexpr double kFarthest = 4e7;
 
 }  // namespace
@@ -97,7 +97,7 @@ std::atomic<std::uint64_t>* DeviceInput::refused(const geometry_msgs::PoseStampe
 }
 
 void DeviceInput::warnOf(const std::string& sender) const {
-  if (counters_.other_sender > 0) return;  // once; the diagnostics go on counting
+  if (counters_.other_sender > 0) return;  // only one warning; the diagnostics continue to count
   ROS_WARN_STREAM("poses of " << sender << " are dropped as long as " << gate_.sender() << " sends, too");
 }
 

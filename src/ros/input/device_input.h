@@ -1,4 +1,4 @@
-/// Device poses on their way in: checked, moved into the cloth's frame, filtered.
+/// Input of device poses: checked, transformed into the cloth's frame, velocity filtered.
 #pragma once
 
 #include <geometry_msgs/PoseStamped.h>
@@ -17,18 +17,19 @@
 
 namespace haptic_cloth {
 
-/// What became of the poses since start. Written by the pose callback, read by the display thread.
+/// Counts of received and dropped messages since start. Written by the pose thread, read by the
+/// display thread.
 struct InputCounters {
   std::atomic<std::uint64_t> received{0}, not_finite{0}, unknown_frame{0}, out_of_order{0}, late{0};
   std::atomic<std::uint64_t> other_sender{0}, too_far{0};
-  std::atomic<std::uint64_t> bad_quaternion{0};  ///< taken all the same, with the last good orientation
+  std::atomic<std::uint64_t> bad_quaternion{0};  ///< poses taken with the last good orientation
   std::atomic<UnitDoubt> doubt{UnitDoubt::None};
   std::atomic<double> last_dropped{-1e30};  ///< steady clock [s]
   std::uint64_t dropped() const {
     return not_finite + unknown_frame + out_of_order + late + other_sender + too_far;
   }
 
-  /// The one for a message that the gate refuses; nullptr for one that it accepts.
+  /// Counter for a message that the gate refuses; nullptr if the gate accepts it.
   std::atomic<std::uint64_t>* of(PoseVerdict verdict);
 
   /// @param when steady clock [s]
@@ -38,28 +39,28 @@ struct InputCounters {
   }
 };
 
-/// Of one probe. One thread calls accept().
+/// Input of one probe. Only one thread may call accept().
 class DeviceInput {
  public:
-  /// @param number of the probe in the scene
+  /// @param number index of the probe in the scene
   DeviceInput(const NodeOptions& options, std::size_t number, const tf2_ros::Buffer& transforms,
               SharedState& shared);
 
-  /// @param sender name of the node that sent it
+  /// @param sender name of the sending node
   void accept(const geometry_msgs::PoseStamped& pose, const std::string& sender);
 
   const InputCounters& counters() const { return counters_; }
 
  private:
   void takeOptions();
-  /// @return the counter for a pose that the gate refuses; nullptr for one that it accepts
+  /// @return the counter for a pose that the gate refuses; nullptr if the gate accepts it
   std::atomic<std::uint64_t>* refused(const geometry_msgs::PoseStamped& pose, const std::string& sender,
                                       double received);
-  /// Says who sends beside whom.
+  /// Warns that a second node sends poses of this probe.
   void warnOf(const std::string& sender) const;
-  /// Warns once when the positions cannot be metres.
+  /// Warns once if the positions cannot be in metres.
   void checkUnits(const Vec3& position, double received);
-  /// Remembers the orientation of the pose if it is one.
+  /// Remembers the orientation if it is a unit quaternion.
   void takeOrientation(const geometry_msgs::Quaternion& orientation);
 
   DeviceOptions device_;
@@ -69,7 +70,7 @@ class DeviceInput {
   PoseGate gate_;
   VelocityFilter filter_;
   UnitCheck units_;
-  Quat orientation_ = Quat::Identity();  ///< last good one, by the driver
+  Quat orientation_ = Quat::Identity();  ///< last good one, as given by the driver
   InputCounters counters_;
   DropNotice notice_;
 };

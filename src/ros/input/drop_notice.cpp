@@ -7,7 +7,7 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kPatience = 1.0;  ///< [s]
+constexpr double kPatience = 1.0;  ///< time in which all messages were dropped [s]
 
 }  // namespace
 

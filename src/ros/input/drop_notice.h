@@ -1,4 +1,4 @@
-/// Why nothing of a device is taken, in words for the log.
+/// Log messages that say why all messages of a device are dropped.
 #pragma once
 
 #include <set>
@@ -6,21 +6,23 @@
 
 namespace haptic_cloth {
 
-/// Says a reason once, after a second in which all messages were dropped: one that is dropped among good
-/// ones, or before tf has come, is only counted.
+/// Reports each reason once, after all messages were dropped for a second. A message dropped among
+/// good ones, or before tf is available, is only counted.
 class DropNotice {
  public:
-  /// @param what is dropped, as "poses of probe"  @param cloth_frame see NodeOptions::frame_id
+  /// @param what name of the messages, for example "poses of probe"
+  /// @param cloth_frame see NodeOptions::frame_id
   DropNotice(const std::string& what, const std::string& cloth_frame)
       : what_(what), cloth_frame_(cloth_frame) {}
 
-  /// One message was dropped for its frame. @param now steady clock [s]  @return what to say, or nothing
+  /// A message was dropped because of its frame. @param now steady clock [s]  @return text to log,
+  /// or empty
   std::string unknownFrame(const std::string& frame, double now);
 
-  /// One was dropped for its stamp. @param age of the stamp [s]
+  /// A message was dropped because of its stamp. @param age of the stamp [s]
   std::string late(double age, double max_age, double now);
 
-  /// One was taken.
+  /// A message was accepted.
   void taken() { since_ = -1.0; }
 
  private:
@@ -28,11 +30,11 @@ class DropNotice {
   bool isDue(Reason reason, double now);
 
   std::string what_, cloth_frame_;
-  double since_ = -1.0;  ///< of the first dropped since one was taken [s]; < 0: none
+  double since_ = -1.0;  ///< time of the first drop since the last accepted message [s]; < 0: none
   std::set<Reason> said_;
 };
 
-/// Warns in the log; of an empty text nothing.
+/// Logs a warning unless the text is empty.
 void warn(const std::string& text);
 
 }  // namespace haptic_cloth

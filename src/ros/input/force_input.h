@@ -1,4 +1,4 @@
-/// Measured forces on their way in: checked, turned into the cloth's frame.
+/// Input of measured forces: checked, rotated into the cloth's frame.
 #pragma once
 
 #include <geometry_msgs/WrenchStamped.h>
@@ -7,15 +7,15 @@
 
 namespace haptic_cloth {
 
-/// Of one probe whose device is of the admittance kind. One thread calls accept().
+/// Input of one probe with an admittance device. Only one thread may call accept().
 class ForceInput {
  public:
-  /// @param number of the probe in the scene
+  /// @param number index of the probe in the scene
   ForceInput(const NodeOptions& options, std::size_t number, const tf2_ros::Buffer& transforms,
              SharedState& shared);
 
-  /// @param wrench whose force the hand exerts on the device; its torque is not used
-  /// @param sender name of the node that sent it
+  /// @param wrench its force is that of the hand on the device; its torque is ignored
+  /// @param sender name of the sending node
   void accept(const geometry_msgs::WrenchStamped& wrench, const std::string& sender);
 
   const InputCounters& counters() const { return counters_; }

@@ -17,7 +17,7 @@ ForceType standard() {
   return {ros::message_traits::datatype<Message>(), ros::message_traits::definition<Message>(), {}};
 }
 
-/// A driver's own message, given by its members; what they need of geometry_msgs is added.
+/// Message type of a driver, given by its fields; geometry_msgs/Vector3 is added.
 ForceType own(const std::string& members, const std::map<std::string, int>& lengths = {}) {
   return {"",
           members + "===\nMSG: geometry_msgs/Vector3\n" +
@@ -27,12 +27,12 @@ ForceType own(const std::string& members, const std::map<std::string, int>& leng
 
 const std::map<std::string, ForceType>& driverTypes() {
   static const std::map<std::string, ForceType> kTypes = {
-      // phantom_omni and its successors; `position` is where the driver holds the tool while it is locked.
+      // phantom_omni and its successors; `position` is where the driver holds a locked tool.
       {"OmniFeedback", own("geometry_msgs/Vector3 force\ngeometry_msgs/Vector3 position\n")},
-      // ros_geomagic reads three locks whatever came.
+      // ros_geomagic reads three locks whatever the length of the array.
       {"DeviceFeedback",
        own("geometry_msgs/Vector3 force\ngeometry_msgs/Vector3 position\nbool[] lock\n", {{"lock", 3}})},
-      // ros_falcon takes whole newtons.
+      // ros_falcon takes forces in whole newtons.
       {"falconForces", own("int16 X\nint16 Y\nint16 Z\n")}};
   return kTypes;
 }

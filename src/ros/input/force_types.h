@@ -1,4 +1,4 @@
-/// Messages by which drivers take forces.
+/// Message types by which drivers take forces.
 #pragma once
 
 #include <map>
@@ -10,11 +10,11 @@ namespace haptic_cloth {
 struct ForceType {
   std::string datatype;                ///< package/Name
   std::string definition;              ///< as in a connection header
-  std::map<std::string, int> lengths;  ///< of arrays of variable length that must not be empty
+  std::map<std::string, int> lengths;  ///< lengths of variable arrays that must not be empty
 };
 
-/// What is known of a type. Types of drivers go by their name alone: forks of a driver move them between
-/// packages.
+/// Type with this name, if it is known. For a driver's own type only the part after the slash
+/// counts, because forks of a driver move it between packages.
 std::optional<ForceType> findForceType(const std::string& datatype);
 
 }  // namespace haptic_cloth

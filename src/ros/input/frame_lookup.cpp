@@ -19,13 +19,14 @@ FrameLookup::FrameLookup(const std::string& frame_id, const tf2_ros::Buffer& tra
 std::optional<Pose> FrameLookup::find(const std::string& frame) const {
   const std::string name = withoutSlash(frame);
   if (name.empty() || name == frame_id_) return Pose();
-  // The newest transform, not that of the stamp: a 1 kHz pose must not wait for a slower transform.
+  // The newest transform is used, not that at the stamp: a 1 kHz pose must not wait for slower
+  // transforms.
   if (!transforms_.canTransform(frame_id_, name, ros::Time(0))) return std::nullopt;
   try {
     const Pose pose = toPose(transforms_.lookupTransform(frame_id_, name, ros::Time(0)));
     if (pose.position.allFinite() && pose.orientation.coeffs().allFinite()) return pose;
   } catch (const tf2::TransformException&) {
-    // tf2 reports by exception when the buffer was cleared in between (clock set back).
+    // tf2 throws if the buffer was cleared after canTransform(), for instance by a clock set back.
   }
   return std::nullopt;
 }

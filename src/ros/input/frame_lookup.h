@@ -1,4 +1,4 @@
-/// Where the frames of poses stand in the cloth's.
+/// Looks up frames of poses in tf.
 #pragma once
 
 #include <tf2_ros/buffer.h>
@@ -15,8 +15,8 @@ class FrameLookup {
   /// @param frame_id the cloth's frame
   FrameLookup(const std::string& frame_id, const tf2_ros::Buffer& transforms);
 
-  /// The newest pose of `frame` in the cloth's frame; an empty name means that one. Nothing without a finite
-  /// transform.
+  /// Newest pose of `frame` in the cloth's frame. An empty name means the cloth's frame. Empty if
+  /// there is no finite transform.
   std::optional<Pose> find(const std::string& frame) const;
 
   const std::string& clothFrame() const { return frame_id_; }

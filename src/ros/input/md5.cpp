@@ -14,7 +14,7 @@ constexpr int kRotations[4][4] = {{7, 12, 17, 22}, {5, 9, 14, 20}, {4, 11, 16, 2
 
 std::uint32_t rotated(std::uint32_t word, int by) { return (word << by) | (word >> (32 - by)); }
 
-/// One block of 64 bytes.
+/// Digests one block of 64 bytes.
 void digest(const unsigned char* block, Words& state) {
   std::array<std::uint32_t, 16> input;
   for (std::uint32_t k = 0; k < 16; ++k) {

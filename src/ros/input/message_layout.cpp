@@ -13,7 +13,7 @@ namespace haptic_cloth {
 namespace {
 
 constexpr char kHeader[] = "std_msgs/Header";
-constexpr int kDeepest = 32;  ///< messages within messages
+constexpr int kDeepest = 32;  ///< nesting of messages
 
 std::string trimmed(const std::string& text) {
   const char* spaces = " \t\r\n";
@@ -23,13 +23,13 @@ std::string trimmed(const std::string& text) {
 
 bool isBuiltin(const std::string& type) { return type == "string" || builtinSize(type) > 0; }
 
-/// The full name of a type named in a message of `package`.
+/// Full name of a type that a message of `package` uses.
 std::string fullName(const std::string& type, const std::string& package) {
   if (isBuiltin(type) || type.find('/') != std::string::npos) return type;
   return type == "Header" ? kHeader : package + "/" + type;
 }
 
-/// `type[]`, `type[3]` or `type` as written, taken apart.
+/// Parses a type written as `type`, `type[]` or `type[3]`.
 MessageField fieldOf(const std::string& written, const std::string& name, const std::string& package,
                      const std::string& origin) {
   MessageField field;
@@ -57,7 +57,7 @@ void write(double value, unsigned char* bytes) {
     const auto low = static_cast<double>(std::numeric_limits<Number>::lowest());
     const auto high = static_cast<double>(std::numeric_limits<Number>::max());
     value = std::round(value);
-    // At 64 bits the limits are no doubles; what is not inside is the limit itself.
+    // At 64 bits the limits are not exact doubles. A value outside them becomes the limit itself.
     const Number held = value <= low    ? std::numeric_limits<Number>::lowest()
                         : value >= high ? std::numeric_limits<Number>::max()
                                         : static_cast<Number>(value);
@@ -68,7 +68,7 @@ void write(double value, unsigned char* bytes) {
   }
 }
 
-/// What is known of a built-in number.
+/// Size and access of a built-in number.
 struct NumberType {
   std::size_t size;
   double (*read)(const unsigned char*);
@@ -80,7 +80,7 @@ NumberType numberType() {
   return {sizeof(Number), read<Number>, write<Number>};
 }
 
-/// @return nullptr for what is not a number
+/// @return nullptr if the type is not a number
 const NumberType* findNumber(const std::string& type) {
   static const std::map<std::string, NumberType> kNumbers = {
       {"bool", numberType<std::uint8_t>()},    {"byte", numberType<std::int8_t>()},
@@ -112,7 +112,7 @@ MessageLayout::MessageLayout(const std::string& datatype, const std::string& def
     }
   }
   addType(name, text);
-  fingerprint();  // every type in it must be there
+  fingerprint();  // throws if the definition of a contained type is missing
 }
 
 void MessageLayout::addType(const std::string& name, const std::string& text) {
@@ -133,7 +133,7 @@ void MessageLayout::addType(const std::string& name, const std::string& text) {
       type.fields.push_back(fieldOf(written, rest, package, origin));
       continue;
     }
-    // The text of a string constant goes on to the end of the line, whatever stands in it.
+    // The value of a string constant extends to the end of the line, including any '#'.
     const std::string value = written == "string" ? line.substr(line.find('=') + 1) : rest.substr(equals + 1);
     type.constants += written + " " + trimmed(rest.substr(0, equals)) + "=" + trimmed(value) + "\n";
   }

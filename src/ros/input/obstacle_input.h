@@ -1,4 +1,4 @@
-/// Poses of an obstacle on their way in.
+/// Input of obstacle poses.
 #pragma once
 
 #include <geometry_msgs/PoseStamped.h>
@@ -11,10 +11,11 @@
 
 namespace haptic_cloth {
 
-/// What became of the poses since start. Written by the pose callback, read by the display thread.
+/// Counts of received and dropped poses since start. Written by the pose thread, read by the
+/// display thread.
 struct ObstacleCounters {
   std::atomic<std::uint64_t> received{0}, not_finite{0}, unknown_frame{0};
-  std::atomic<std::uint64_t> bad_quaternion{0};  ///< taken all the same, with the last good orientation
+  std::atomic<std::uint64_t> bad_quaternion{0};  ///< poses taken with the last good orientation
   std::atomic<double> last_dropped{-1e30};       ///< steady clock [s]
   std::uint64_t dropped() const { return not_finite + unknown_frame; }
 
@@ -25,7 +26,7 @@ struct ObstacleCounters {
   }
 };
 
-/// Of one obstacle. One thread calls accept().
+/// Input of one obstacle. Only one thread may call accept().
 class ObstacleInput {
  public:
   /// @param start pose in the scene

@@ -1,4 +1,4 @@
-/// What the node offers to others for one obstacle with a name.
+/// Topic of a named obstacle.
 #pragma once
 
 #include <geometry_msgs/PoseStamped.h>

@@ -5,7 +5,8 @@
 namespace haptic_cloth {
 namespace {
 
-/// Stamps that fall back by more than this come from a clock that was set, not from a late message [s].
+/// Stamps that fall back by more than this mean that the clock was set, not that a message is late
+/// [s].
 constexpr double kClockJump = 1.0;
 
 }  // namespace

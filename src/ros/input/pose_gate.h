@@ -1,4 +1,4 @@
-/// Which device poses are taken.
+/// Decides which device poses are accepted.
 #pragma once
 
 #include <geometry_msgs/PoseStamped.h>
@@ -10,11 +10,12 @@ namespace haptic_cloth {
 
 enum class PoseVerdict { Accepted, NotFinite, OtherSender, OutOfOrder, Late };
 
-/// Judges poses, and forces, by content, sender and stamp. A zero stamp says nothing and passes.
+/// Judges poses and forces by content, sender and stamp. A stamp of zero is always accepted.
 class PoseGate {
  public:
-  /// @param max_age an older stamp is late [s]; 0: never
-  /// @param silence after which there is nothing to be in order with: any stamp is good, from any sender [s]
+  /// @param max_age a pose with an older stamp is late [s]; 0: never
+  /// @param silence after this time without a pose any sender and any order of stamps is accepted
+  /// [s]
   PoseGate(double max_age, double silence) : max_age_(max_age), silence_(silence) {}
 
   void setTimes(double max_age, double silence) {
@@ -22,29 +23,30 @@ class PoseGate {
     silence_ = silence;
   }
 
-  /// @param sender name of the node that sent it. Who was first keeps the probe until it is silent: two hands
-  ///   would throw it to and fro
+  /// @param sender name of the sending node. The first sender keeps the probe until it is silent,
+  /// because two hands would throw the probe back and forth
   /// @param now clock of the stamps
   /// @param received steady clock [s]
   PoseVerdict judge(const geometry_msgs::PoseStamped& pose, const std::string& sender, const ros::Time& now,
                     double received) const;
 
-  /// The same for any message. @param finite whether its numbers are
+  /// Judges any message. @param finite whether all its numbers are finite
   PoseVerdict judge(const std_msgs::Header& header, bool finite, const std::string& sender,
                     const ros::Time& now, double received) const;
 
-  /// A pose that was good in every other respect, too, is what the next ones are compared with.
+  /// Records an accepted message. Later messages are compared with it. Call it only if all other
+  /// checks passed too.
   void take(const std_msgs::Header& header, const std::string& sender, double received);
 
   double maxAge() const { return max_age_; }
 
-  /// Whose poses are taken; empty before the first.
+  /// Sender whose poses are accepted; empty before the first pose.
   const std::string& sender() const { return sender_; }
 
  private:
   double max_age_, silence_;
-  ros::Time last_;           ///< stamp of the last pose taken
-  double received_ = -1e30;  ///< of the last pose taken, steady clock [s]
+  ros::Time last_;           ///< stamp of the last accepted pose
+  double received_ = -1e30;  ///< time of the last accepted pose, steady clock [s]
   std::string sender_;
 };
 

@@ -3,14 +3,14 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kFarthest =
-    5.0;                        ///< from the driver's origin; more than any arm that stands on the floor [m]
-constexpr double kReach = 6.0;  ///< way of a device over the radius of its workspace: a Touch, whose
-                                ///< workspace has 75 mm, reaches 0.43 m mechanically [-]
-constexpr double kFastest = 10.0;  ///< no hand that holds a device is faster [m/s]
-constexpr double kWindow = 0.02;  ///< shortest time a speed is taken over, since messages come in bunches [s]
-constexpr double kLongWindow = 0.5;  ///< after a longer silence nothing is known of the speed [s]
-constexpr int kFastWindows = 3;      ///< in a row; one may be a tool that was set down elsewhere
+constexpr double kFarthest = 5.0;  ///< from the driver's origin; no arm reaches farther [m]
+/// Travel of a device over the radius of its workspace; a Touch with 75 mm reaches 0.43 m [-].
+constexpr double kReach = 6.0;
+constexpr double kFastest = 10.0;  ///< faster than any hand that holds a device [m/s]
+/// Shortest interval for a speed, because messages come in bursts [s].
+constexpr double kWindow = 0.02;
+constexpr double kLongWindow = 0.5;  ///< after a longer silence the speed is unknown [s]
+constexpr int kFastWindows = 3;      ///< in a row; a single one may be a tool put down elsewhere
 
 }  // namespace
 

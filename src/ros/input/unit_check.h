@@ -1,4 +1,4 @@
-/// Whether positions can be metres of a hand. The commonest mistake of a new driver is millimetres.
+/// Checks whether positions can be in metres. The commonest mistake of a new driver is millimetres.
 #pragma once
 
 #include <string>
@@ -9,13 +9,14 @@ namespace haptic_cloth {
 
 enum class UnitDoubt { None, TooFar, TooFast };
 
-/// Looks at every position. The first doubt stays: what was wrong once is not right because the hand rests.
+/// Checks every position. The first doubt remains, because a resting hand does not make the unit
+/// right.
 class UnitCheck {
  public:
-  /// @param workspace_radius of the device [m]; 0: not known
+  /// @param workspace_radius of the device [m]; 0: unknown
   explicit UnitCheck(double workspace_radius) : workspace_radius_(workspace_radius) {}
 
-  /// @param position by the driver, in what is taken for metres
+  /// @param position from the driver, taken as metres
   /// @param received steady clock [s]
   UnitDoubt look(const Vec3& position, double received);
 
@@ -28,11 +29,11 @@ class UnitCheck {
   bool started_ = false;
   Vec3 first_ = Vec3::Zero();         ///< position
   Vec3 window_start_ = Vec3::Zero();  ///< position
-  double window_begin_ = 0.0;         ///< [s]
-  int fast_windows_ = 0;              ///< in a row
+  double window_begin_ = 0.0;         ///< start of the window [s]
+  int fast_windows_ = 0;              ///< fast windows in a row
 };
 
-/// What is wrong and what mends it; empty without doubt.
+/// Fault and remedy as text; empty without doubt.
 std::string toText(UnitDoubt doubt);
 
 }  // namespace haptic_cloth

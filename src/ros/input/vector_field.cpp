@@ -17,7 +17,7 @@ std::string element(const std::string& path, std::size_t index) {
   return path + "[" + std::to_string(index) + "]";
 }
 
-/// The member that a dotted path names; nullptr if there is none or it lies in an array.
+/// Member at a dotted path; nullptr if there is none or if it lies in an array.
 const MessageField* findField(const MessageLayout& layout, const std::string& path) {
   std::string type = layout.datatype();
   const MessageField* found = nullptr;
@@ -39,7 +39,7 @@ const MessageField* findField(const MessageLayout& layout, const std::string& pa
   return found;
 }
 
-/// Paths of the numbers x, y, z of the vector at `path`; empty if there is none.
+/// Paths of the three numbers of the vector at `path`; empty if there is no vector.
 std::vector<std::string> componentPaths(const MessageLayout& layout, const std::string& path) {
   std::string type = layout.datatype();
   if (!path.empty()) {
@@ -74,14 +74,14 @@ std::map<std::string, int> wantedNumbers(const MessageLayout& layout, const std:
                    "must be a member with x, y and z or an array of three numbers");
 }
 
-/// Goes through the bytes of a message and picks numbers.
+/// Walks through the bytes of a message and picks the wanted numbers.
 class Walk {
  public:
   Walk(const MessageLayout& layout, const std::map<std::string, int>& wanted,
        const std::vector<unsigned char>& bytes)
       : layout_(layout), wanted_(wanted), bytes_(bytes) {}
 
-  /// @return whether all three were found
+  /// @return whether all three numbers were found
   bool run() {
     good_ = true;
     message(layout_.datatype(), "");
@@ -185,7 +185,7 @@ std::optional<Vec3> VectorReader::read(const std::vector<unsigned char>& bytes) 
 }
 
 MessageHeader VectorReader::header(const std::vector<unsigned char>& bytes) const {
-  constexpr std::size_t kFixed = 16;  // sequence number, seconds, nanoseconds, length of the name
+  constexpr std::size_t kFixed = 16;  // sequence number, seconds, nanoseconds, length of frame_id
   MessageHeader header;
   if (!layout_.hasHeader() || bytes.size() < kFixed) return header;
   std::uint32_t words[4];
@@ -201,7 +201,7 @@ VectorWriter::VectorWriter(const MessageLayout& layout, const std::string& path,
                            const std::map<std::string, int>& lengths)
     : has_header_(layout.hasHeader()), wanted_(wantedNumbers(layout, path)) {
   std::map<std::string, int> all = lengths;
-  all.emplace(path, 3);  // where the vector itself is an array of variable length
+  all.emplace(path, 3);  // if the vector itself is a variable array
   append(layout.datatype(), "", all, layout);
 }
 

@@ -1,4 +1,4 @@
-/// Three numbers somewhere in a message of a type known only at run time.
+/// Access to three numbers in a message whose type is known only at run time.
 #pragma once
 
 #include <ros/time.h>
@@ -13,21 +13,22 @@
 
 namespace haptic_cloth {
 
-/// The first of `candidates` that leads to three numbers, empty for the message itself.
-/// A path is dotted: "pose.position". Three numbers are a member with x, y and z (in either case), or an
+/// First of `candidates` that leads to three numbers; an empty path is the message itself. A path
+/// is dotted: "pose.position". Three numbers are a member with x, y and z (in either case), or an
 /// array.
 std::optional<std::string> findVector(const MessageLayout& layout,
                                       const std::vector<std::string>& candidates);
 
-/// Where positions stand in messages that devices send: PoseStamped and all with a `pose`, Pose,
-/// Vector3Stamped, PointStamped, Twist, TransformStamped, and Vector3, Point and all with x, y, z themselves.
+/// Paths of positions in common messages: PoseStamped and others with a `pose`, Pose,
+/// Vector3Stamped, PointStamped, Twist, Transform, TransformStamped, and messages with x, y, z as
+/// members.
 const std::vector<std::string>& positionPaths();
 
-/// Where forces stand in messages that devices take: WrenchStamped, Wrench and feedbacks, Vector3Stamped,
-/// Vector3.
+/// Paths of forces in common messages: WrenchStamped, Wrench and feedback types of drivers,
+/// Vector3Stamped, Twist, and messages with x, y, z as members.
 const std::vector<std::string>& forcePaths();
 
-/// What a message begins with, if it has a header.
+/// Stamp and frame of a message that has a header.
 struct MessageHeader {
   ros::Time stamp;
   std::string frame_id;
@@ -39,26 +40,26 @@ class VectorReader {
   /// @throws InputError if `path` does not lead to three numbers
   VectorReader(const MessageLayout& layout, const std::string& path);
 
-  /// @return nothing if the bytes are not such a message
+  /// @return empty if the bytes are not such a message
   std::optional<Vec3> read(const std::vector<unsigned char>& bytes) const;
 
-  /// Zero stamp and no name for messages without header.
+  /// Header of the message; zero stamp and empty frame if it has none.
   MessageHeader header(const std::vector<unsigned char>& bytes) const;
 
  private:
   MessageLayout layout_;
-  std::map<std::string, int> wanted_;  ///< path of a number → which of the three it is
+  std::map<std::string, int> wanted_;  ///< path of a number → its index, 0 to 2
 };
 
-/// Writes a message that is zero but for three numbers.
+/// Writes a message that is zero except for three numbers.
 class VectorWriter {
  public:
-  /// @param lengths of arrays of variable length, by path; the others stay empty
+  /// @param lengths lengths of variable arrays, by path; other variable arrays stay empty
   /// @throws InputError if `path` does not lead to three numbers
   VectorWriter(const MessageLayout& layout, const std::string& path,
                const std::map<std::string, int>& lengths);
 
-  /// The message as bytes. @param header of messages that have one
+  /// The message as bytes. @param header used if the type has a header
   std::vector<unsigned char> write(const Vec3& value, const MessageHeader& header) const;
 
  private:
@@ -72,8 +73,8 @@ class VectorWriter {
                       const std::map<std::string, int>& lengths, const MessageLayout& layout);
 
   bool has_header_;
-  std::map<std::string, int> wanted_;  ///< path of a number → which of the three it is
-  std::vector<unsigned char> zero_;    ///< the message after its header
+  std::map<std::string, int> wanted_;  ///< path of a number → its index, 0 to 2
+  std::vector<unsigned char> zero_;    ///< bytes of the message after its header
   Target targets_[3];
 };
 

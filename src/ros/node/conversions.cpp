@@ -17,7 +17,7 @@ bool readsAsNumber(const std::string& text) {
   return std::regex_match(text, number);
 }
 
-/// YAML's double-quoted form, which has JSON's escapes.
+/// Quotes text as a double-quoted YAML string, which has the escapes of JSON.
 std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {

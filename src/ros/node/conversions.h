@@ -1,4 +1,4 @@
-/// Between ROS messages or parameters and the library's types. Pure functions.
+/// Conversions between ROS messages or parameters and the types of the library. Pure functions.
 #pragma once
 
 #include <geometry_msgs/PoseStamped.h>
@@ -25,31 +25,33 @@ Pose toPose(const geometry_msgs::Pose& pose);
 /// Whether all numbers of the pose are finite.
 bool isFinite(const geometry_msgs::Pose& pose);
 
-/// Whether the quaternion's norm is 1 within 0.1.
+/// Whether the norm of the quaternion is within 0.1 of 1.
 bool isUnit(const geometry_msgs::Quaternion& orientation);
 
-/// The pose of the child frame in the header's.
+/// Pose of the child frame in the header's frame.
 Pose toPose(const geometry_msgs::TransformStamped& transform);
 
-/// A pose given in `frame`, in what `frame` is given in.
+/// Transforms a pose from `frame` into the parent of `frame`.
 Pose composed(const Pose& frame, const Pose& pose);
 
 geometry_msgs::WrenchStamped toWrench(const Wrench& wrench, const ros::Time& stamp,
                                       const std::string& frame_id);
 
-/// The active mesh of a frame as a message. @param columns, rows of the finest grid
+/// Writes the active mesh of a frame into a message.
+/// @param columns, rows size of the finest grid
 /// @param scratch maps finest particles to vertices; reused between calls
 void toClothState(const DisplayFrame& frame, int columns, int rows, std::vector<int>& scratch,
                   ClothState& message);
 
-/// The number a parameter holds, also where rosparam's YAML loader took it for a string (1e-3).
+/// Number in a parameter, even if rosparam's YAML loader read it as text (1e-3).
 std::optional<double> toNumber(const XmlRpc::XmlRpcValue& value);
 
-/// A parameter tree as YAML flow text. Strings that read as numbers stay plain (see toNumber).
-/// @throws InputError for what YAML has no word for (binary, date); `key` names the place
+/// Parameter tree as YAML in flow style. Text that reads as a number is not quoted (see toNumber).
+/// @throws InputError for types that YAML lacks (binary, date); `key` names the place in the
+/// message
 std::string toYaml(const XmlRpc::XmlRpcValue& value, const std::string& origin, const std::string& key);
 
-/// The leaves of a tree of maps as overrides "a.b=YAML"; a list is a leaf.
+/// Leaves of a tree of maps as overrides "a.b=YAML". A list is a leaf.
 std::vector<std::string> toOverrides(const XmlRpc::XmlRpcValue& tree, const std::string& origin);
 
 }  // namespace haptic_cloth

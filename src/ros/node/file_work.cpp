@@ -13,10 +13,11 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kLastWait = 1.0;               ///< for a file that is nearly written [s]
-constexpr std::chrono::milliseconds kLook(10);  ///< between two questions whether to go on
+/// Extra wait for a file that is nearly written, after the call is cancelled [s].
+constexpr double kLastWait = 1.0;
+constexpr std::chrono::milliseconds kLook(10);  ///< interval at which cancellation is checked
 
-/// Belongs to both threads, as either may be the last.
+/// Result of the work. Both threads own it, because either may end last.
 struct Outcome {
   std::mutex mutex;
   std::condition_variable changed;

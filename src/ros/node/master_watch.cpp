@@ -16,10 +16,11 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kPeriod = 1.0;  ///< between two looks [s]
-constexpr double kPoll = 0.05;   ///< between two looks at the stop flag [s]
+constexpr double kPeriod = 1.0;  ///< interval between two checks [s]
+constexpr double kPoll = 0.05;   ///< interval between two checks of the stop flag [s]
 
-/// A call to the master that does not wait for it. The first argument is always the caller.
+/// Calls the master; fails at once if it does not answer. The first argument is always the caller's
+/// name.
 bool call(const std::string& method, const std::vector<std::string>& arguments,
           XmlRpc::XmlRpcValue& payload) {
   XmlRpc::XmlRpcValue request, response;
@@ -28,7 +29,7 @@ bool call(const std::string& method, const std::vector<std::string>& arguments,
   return ros::master::execute(method, request, response, payload, false);
 }
 
-/// Hands the publishers of a topic to roscpp, as the master does when they change.
+/// Passes the publishers of a topic to roscpp, as the master does when they change.
 void connectTo(const std::string& topic, const XmlRpc::XmlRpcValue& publishers) {
   if (publishers.getType() != XmlRpc::XmlRpcValue::TypeArray || publishers.size() == 0) return;
   const auto& manager = ros::XMLRPCManager::instance();
@@ -57,12 +58,13 @@ void MasterWatch::look() {
   if (reachable != reachable_) {
     ROS_WARN_STREAM("ROS master " << (reachable ? "found again" : "lost; connected peers go on"));
   }
-  // A master that was away may be a new one that already knows a part of this node: whatever it was just
-  // registering. So everything is registered again; that changes nothing for a master that knows it.
+  // A master that was lost may be a new one that knows only a part of this node: what was being
+  // registered. So everything is registered again. A master that already knows it changes nothing.
   if (reachable && !reachable_) incomplete_ = true;
   reachable_ = reachable;
   unknown_ = !reachable || isKnown() ? 0 : unknown_ + 1;
-  // Twice: a node that is just being renamed or killed is unknown for a moment too.
+  // Two checks in a row are needed, because a node that is being renamed or killed is briefly
+  // unknown.
   if (unknown_ < 2 && !(incomplete_ && reachable)) return;
   unknown_ = 0;
   incomplete_ = !registerAnew();

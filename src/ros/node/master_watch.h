@@ -1,4 +1,4 @@
-/// Life without the ROS master.
+/// Keeps the node registered when the ROS master is lost and comes back.
 #pragma once
 
 #include <atomic>
@@ -8,12 +8,13 @@
 
 namespace haptic_cloth {
 
-/// Looks once a second whether the master is there and knows this node. Connections between nodes need no
-/// master, so its loss changes nothing for the hand; but roscpp never registers again with a new master, and
-/// then nobody new could find the node. So this does, without touching the connections there are.
+/// Checks once a second whether the master is reachable and knows this node. Connections between
+/// nodes need no master, so its loss does not affect the hand. But roscpp never registers with a
+/// new master, and new nodes could not find this one. This class registers again; existing
+/// connections stay.
 class MasterWatch {
  public:
-  /// @param services full names of the services this node offers
+  /// @param services full names of the services of this node
   explicit MasterWatch(const std::vector<std::string>& services) : services_(services) {}
 
   /// Runs until `stop`.
@@ -21,19 +22,19 @@ class MasterWatch {
 
   bool reachable() const { return reachable_; }
 
-  /// How often the node has registered anew.
+  /// Number of registrations with a new master.
   std::uint64_t renewals() const { return renewals_; }
 
  private:
   void look();
   /// @return whether the master knows the node and all its services
   bool isKnown() const;
-  /// @return whether the master took everything
+  /// @return whether the master accepted everything
   bool registerAnew() const;
 
   std::vector<std::string> services_;
-  bool incomplete_ = false;  ///< the last registration must be repeated
-  int unknown_ = 0;          ///< looks in a row at which the master did not know this node
+  bool incomplete_ = false;  ///< whether the last registration must be repeated
+  int unknown_ = 0;          ///< checks in a row at which the master did not know this node
   std::atomic<bool> reachable_{true};
   std::atomic<std::uint64_t> renewals_{0};
 };

@@ -15,17 +15,17 @@
 namespace haptic_cloth {
 namespace {
 
-/// Above user threads, below the kernel's interrupt threads (90+).
+/// Priorities above user threads and below the kernel's interrupt threads (90 and more).
 constexpr int kHapticPriority = 80, kMessagePriority = 79;
 
-/// Of the calling thread. @return 0 or the error's number
+/// Sets the priority of the calling thread. @return 0 or the error number
 int requestPriority(int priority) {
   sched_param parameter{};
   parameter.sched_priority = priority;
   return pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter);
 }
 
-/// Raises the thread that serves the queue.
+/// Raises the priority of the thread that serves the queue.
 class RaiseCaller : public ros::CallbackInterface {
  public:
   CallResult call() override {
@@ -41,7 +41,8 @@ std::string requestRealTime() {
   const int refused = requestPriority(kHapticPriority);
   std::string got = refused ? std::string("SCHED_OTHER (SCHED_FIFO: ") + std::strerror(refused) + ")"
                             : "SCHED_FIFO " + std::to_string(kHapticPriority);
-  // With a limit, locking all future memory would make later allocations fail: worse than a page fault.
+  // With a memlock limit, locking all future memory would make later allocations fail, which is
+  // worse than a page fault.
   rlimit limit{};
   getrlimit(RLIMIT_MEMLOCK, &limit);
   if (limit.rlim_cur != RLIM_INFINITY) return got + ", memory not locked (memlock limit)";
@@ -52,7 +53,7 @@ std::string requestRealTime() {
 
 void prioritiseMessages(ros::CallbackQueue& poses) {
   poses.addCallback(boost::make_shared<RaiseCaller>());
-  // The listener is called by the network thread on each of its rounds.
+  // The network thread calls the listener in each of its rounds.
   ros::PollManager::instance()->addPollThreadListener([raised = std::make_shared<bool>(false)] {
     if (!*raised) requestPriority(kMessagePriority);
     *raised = true;

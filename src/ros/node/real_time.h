@@ -1,4 +1,5 @@
-/// Priority for what lies between the device and the hand. The rest of the node is scheduled as any program.
+/// Real-time priority for the threads between device and hand. All other threads are scheduled
+/// normally.
 #pragma once
 
 #include <ros/callback_queue.h>
@@ -7,13 +8,13 @@
 
 namespace haptic_cloth {
 
-/// Asks for real-time scheduling and locked memory for the calling thread and process.
-/// @return what was got, in words for people: "SCHED_FIFO 80, memory locked", or why not
+/// Requests real-time scheduling for the calling thread and locked memory for the process.
+/// @return the result as text: "SCHED_FIFO 80, memory locked", or the reason of a failure
 std::string requestRealTime();
 
-/// Asks for real-time scheduling, below the haptic thread, of roscpp's network thread and of the one that
-/// calls `poses`: a force that was computed in time must also leave the process in time, and poses must come
-/// in. To be called once, before `poses` is served.
+/// Requests real-time scheduling, below the haptic thread, for roscpp's network thread and for the
+/// thread that serves `poses`. A force computed in time must also leave the process in time, and
+/// poses must come in. Call it once, before `poses` is served.
 void prioritiseMessages(ros::CallbackQueue& poses);
 
 }  // namespace haptic_cloth

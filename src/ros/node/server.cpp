@@ -35,8 +35,8 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kResetTimeout = 5.0;  ///< [s]
-constexpr double kFlush = 0.05;        ///< for the last wrench to leave the process [s]
+constexpr double kResetTimeout = 5.0;  ///< longest wait for the solver [s]
+constexpr double kFlush = 0.05;        ///< time for the last wrench to leave the process [s]
 
 DisplayPublishers advertise(ros::NodeHandle& node) {
   return {node.advertise<visualization_msgs::MarkerArray>(topics::kMarkers, topics::kMarkersQueue),
@@ -44,13 +44,13 @@ DisplayPublishers advertise(ros::NodeHandle& node) {
           node.advertise<diagnostic_msgs::DiagnosticArray>(topics::kDiagnostics, topics::kDiagnosticsQueue)};
 }
 
-/// Answers services on a thread of their own: one that has to wait does not hold up those of
+/// Thread that answers some of the services, so that a service that waits does not delay the
 /// others.
 struct ServiceThread {
   ros::CallbackQueue queue;
   ros::AsyncSpinner spinner{1, &queue};
 
-  /// A handle whose services this thread answers.
+  /// Node handle whose services this thread answers.
   ros::NodeHandle handle(const ros::NodeHandle& node) {
     ros::NodeHandle own(node);
     own.setCallbackQueue(&queue);
@@ -84,7 +84,7 @@ class HapticClothServer::Implementation {
         obstacles_(offerObstacles()),
         haptics_(options_, publishers(), shared_),
         master_(services()),
-        display_(options_, advertise(node_), {probes_, obstacles_, haptics_, master_}, shared_),
+        display_(options_, advertise(node_), {name(), probes_, obstacles_, haptics_, master_}, shared_),
         pose_spinner_(1, &pose_queue_) {
     warn();
     offerServices();
@@ -124,7 +124,8 @@ class HapticClothServer::Implementation {
   void warn() const {
     for (std::size_t k = 0; k < probes_.size(); ++k) {
       const ProbeSettings& settings = options_.probes[k];
-      if (settings.device.kind == DeviceKind::Admittance) continue;  // it renders no force
+      // An admittance device renders no force.
+      if (settings.device.kind == DeviceKind::Admittance) continue;
       for (const std::string& warning : deviceWarnings(settings.device, settings.haptics))
         ROS_WARN_STREAM(probes_[k].name() << ": " << warning);
     }
@@ -154,6 +155,9 @@ class HapticClothServer::Implementation {
     for (const ProbeTopics& probe : probes_) publishers.push_back({probe.reaction(), probe.command()});
     return publishers;
   }
+
+  /// Name without the first slash. A nodelet's name differs from that of its process.
+  std::string name() const { return private_node_.getNamespace().substr(1); }
 
   /// Full names of all services of this node.
   std::vector<std::string> services() const {
@@ -198,7 +202,7 @@ class HapticClothServer::Implementation {
     return true;
   }
 
-  // Order matters: parameters and scene are checked before anything is offered to others.
+  // The order matters: parameters and scene are checked before anything is advertised.
   NodeOptions options_;
   SharedState shared_;
   SolverLoop solver_;
@@ -207,8 +211,8 @@ class HapticClothServer::Implementation {
   tf2_ros::TransformListener transform_listener_;
   ros::CallbackQueue pose_queue_;
   ServiceThread quick_thread_;                   ///< pause and grasps, which never wait
-  ServiceThread reset_thread_, options_thread_;  ///< wait for the solver, for the master
-  ServiceThread save_thread_, load_thread_;      ///< wait for the file system
+  ServiceThread reset_thread_, options_thread_;  ///< may wait for the solver and for the master
+  ServiceThread save_thread_, load_thread_;      ///< may wait for the file system
   std::deque<ProbeTopics> probes_;
   std::deque<ObstacleTopics> obstacles_;
   HapticThread haptics_;

@@ -1,4 +1,4 @@
-/// The node and the nodelet: topics, services and threads around one simulation.
+/// Server of the node and the nodelet: topics, services and threads around one simulation.
 #pragma once
 
 #include <ros/node_handle.h>
@@ -11,25 +11,25 @@
 
 namespace haptic_cloth {
 
-/// Reads the private parameters and the files that they name.
-/// @param called_off is asked while a file system does not answer: whether to wait no longer
-/// @return the options, unless that was called off  @throws InputError for bad parameters
+/// Reads the private parameters and the files they name.
+/// @param called_off asked while a file system does not answer; true cancels
+/// @return the options, or nothing if cancelled  @throws InputError for bad parameters
 std::optional<NodeOptions> readParameters(
     const ros::NodeHandle& private_node, const std::function<bool()>& called_off = [] { return false; });
 
 class HapticClothServer {
  public:
-  /// Starts all threads. @param options of readParameters()
+  /// Starts all threads. @param options from readParameters()
   HapticClothServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
                     const NodeOptions& options);
 
-  /// Stops as stop() does.
+  /// Calls stop().
   ~HapticClothServer();
 
-  /// Rethrows what ended a thread, if something did.
+  /// Rethrows the exception that ended a thread, if there is one.
   void check();
 
-  /// Ends the threads; the last that goes out is force zero, and it has been given time to go.
+  /// Ends the threads. The last wrench sent is zero, and it is given time to leave the process.
   void stop();
 
  private:

@@ -4,6 +4,12 @@
 #include <ros/master.h>
 #include <ros/xmlrpc_manager.h>
 
+#include <cstdlib>
+#include <stdexcept>
+#include <thread>
+
+#include "ros/node/steady_clock.h"
+
 namespace haptic_cloth {
 
 Signals::Signals() {
@@ -18,12 +24,20 @@ bool Signals::wait(long milliseconds) const {
 }
 
 void answerShutdownCall(std::atomic<bool>& asked) {
-  const auto& manager = ros::XMLRPCManager::instance();
-  manager->unbind("shutdown");
-  manager->bind("shutdown", [&asked](XmlRpc::XmlRpcValue&, XmlRpc::XmlRpcValue& result) {
+  const auto answer = [&asked](XmlRpc::XmlRpcValue&, XmlRpc::XmlRpcValue& result) {
     asked = true;
     result = ros::xmlrpc::responseInt(1, "", 0);
-  });
+  };
+  if (!ros::XMLRPCManager::instance()->bind("shutdown", answer))
+    throw std::logic_error("answerShutdownCall() comes before the first NodeHandle");
+}
+
+void endWithin(double seconds) {
+  const double end = steadyNow() + seconds;
+  std::thread([end] {
+    sleepUntil(end);
+    std::_Exit(0);
+  }).detach();
 }
 
 bool waitForMaster(const Signals& signals) {

@@ -1,4 +1,4 @@
-/// How a node is asked to end while it can still send a last message.
+/// Requests to end, handled so that the node can still send a last message.
 #pragma once
 
 #include <signal.h>
@@ -7,8 +7,9 @@
 
 namespace haptic_cloth {
 
-/// SIGINT, SIGTERM and SIGHUP, blocked in every thread so that this one can wait for them: a handler could
-/// not send the last wrench. To be made before any thread, with roscpp's own handler switched off.
+/// SIGINT, SIGTERM and SIGHUP, blocked in every thread and waited for in one. A signal handler
+/// could not send the last wrench. Create it before any other thread, with roscpp's own handler
+/// disabled.
 class Signals {
  public:
   Signals();
@@ -19,9 +20,16 @@ class Signals {
   sigset_t set_;
 };
 
-/// `rosnode kill`, and the master when another node takes this name: sets `asked`. roscpp's own answer would
-/// close the publishers before the last wrench is out.
+/// Makes the shutdown call set `asked`. `rosnode kill` and the master, when another node takes this
+/// name, send that call. roscpp's own handler would close the publishers before the last wrench is
+/// sent. Call this before the first NodeHandle, so that roscpp keeps this handler. Once its server
+/// runs, a handler can only be changed while the server does not wait, which takes seconds on a
+/// busy machine.
 void answerShutdownCall(std::atomic<bool>& asked);
+
+/// Ends the process with 0 if it still runs after `seconds`. Without it roscpp could wait for ever
+/// for a master that does not answer, even to sign off. Static objects are not destroyed.
+void endWithin(double seconds);
 
 /// Waits until the master answers. @return false if a signal came first
 bool waitForMaster(const Signals& signals);

@@ -8,12 +8,14 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kIdle = 1e-3;        ///< sleep while paused [s]
-constexpr double kMaxBacklog = 0.02;  ///< wall time the solver may catch up after a slow step [s]
-constexpr double kSmoothing = 0.1;    ///< weight of the newest step in the mean pace [-]
-constexpr double kWindow = 1.0;       ///< of the statistics [s]
+constexpr double kIdle = 1e-3;  ///< sleep while paused [s]
+/// Longest backlog in wall time that is caught up after a slow step [s].
+constexpr double kMaxBacklog = 0.02;
+/// Weight of the newest step in the mean wall time per step [-].
+constexpr double kSmoothing = 0.1;
+constexpr double kWindow = 1.0;  ///< window of the statistics [s]
 
-/// Where the scene leaves the number of threads open, the haptic thread keeps a core for itself.
+/// If the scene does not set the number of threads, one core is left for the haptic thread.
 Scene sceneFor(Scene scene) {
   const int cores = static_cast<int>(std::thread::hardware_concurrency());
   if (scene.solver.threads == 0) scene.solver.threads = std::max(1, cores - 1);
@@ -69,8 +71,8 @@ std::string SolverLoop::saveState() {
   return simulation_.saveState();
 }
 
-/// The hands are where they are now, and may have been elsewhere then: none may find itself holding cloth, or
-/// on the other side of it. So probes come as they do after silence.
+/// Loads a state. The devices may have been elsewhere when it was saved. No probe may find itself
+/// holding cloth or on the other side of it, so probes enter the scene again as after silence.
 void SolverLoop::loadState(const std::string& state, const std::string& origin) {
   skipRamps();
   simulation_.loadState(state, origin);
@@ -78,10 +80,10 @@ void SolverLoop::loadState(const std::string& state, const std::string& origin) 
   startAnew();
 }
 
-/// What was said and seen of another cloth is forgotten.
+/// Forgets what probes and obstacles were told for another cloth.
 void SolverLoop::startAnew() {
   for (SolverProbe& probe : probes_) probe.forget();
-  // Where an obstacle was sent before is forgotten, too.
+  // Targets sent before are not used.
   for (std::size_t k = 0; k < targets_seen_.size(); ++k)
     targets_seen_[k] = shared_.obstacles[k].read().number;
   window_start_ = -1.0;
@@ -89,7 +91,7 @@ void SolverLoop::startAnew() {
   copyFrameWhenWanted();
 }
 
-/// Between two steps. The set was checked as a whole by the rules that the simulation has.
+/// Takes new live options between two steps. They were validated as a whole.
 void SolverLoop::takeOptions() {
   const bool other = live_.readNew();
   const LiveOptions& live = live_.newest();
@@ -109,8 +111,8 @@ void SolverLoop::takeOptions() {
   }
 }
 
-/// The newest options are taken, couplings at the ends of their ramps. No step is made with these:
-/// the next one takes the couplings of its time again.
+/// Takes the newest options with couplings at the ends of their ramps. No step uses these
+/// couplings: the next step sets them again for its time.
 void SolverLoop::skipRamps() {
   takeOptions();
   const LiveOptions& live = live_.newest();

@@ -1,4 +1,4 @@
-/// The solver thread: steps without pause, never ahead of wall time.
+/// The solver thread: takes steps without pause, never ahead of wall time.
 #pragma once
 
 #include <string>
@@ -16,17 +16,17 @@ class SolverLoop {
   /// @throws InputError if the scene is not valid
   SolverLoop(const NodeOptions& options, SharedState& shared);
 
-  /// Runs until shared.stop.
+  /// Runs until `shared.stop`.
   void run();
 
-  // For SolverTasks, between two steps.
+  // Used by SolverTasks between two steps.
 
   const Simulation& simulation() const { return simulation_; }
-  /// The state with the options that are asked for, also while gains are still on their way to
-  /// them: a node that starts with these parameters can load it.
+  /// State with the requested options, even while gains are still on their ramps. So a node that
+  /// starts with these parameters can load it.
   std::string saveState();
-  /// Goes on from a state that was saved with the options that are asked for here.
-  /// @throws InputError where the state does not fit; all is as it was then
+  /// Continues from a state saved with the options that are now requested.
+  /// @throws InputError if the state does not fit; then nothing has changed
   void loadState(const std::string& state, const std::string& origin);
 
  private:
@@ -44,11 +44,11 @@ class SolverLoop {
   LiveReader live_;
   Simulation simulation_;
   std::vector<SolverProbe> probes_;
-  std::vector<std::uint64_t> targets_seen_;  ///< of each obstacle
+  std::vector<std::uint64_t> targets_seen_;  ///< number of the last target of each obstacle
   bool gains_move_ = false;
 
   double due_ = -1.0;         ///< start of the next step on the steady clock [s]; < 0: now
-  double last_start_ = -1.0;  ///< of a step [s]; < 0: none since start or pause
+  double last_start_ = -1.0;  ///< start of the last step [s]; < 0: none since start or pause
   double wall_per_step_;      ///< smoothed, at least time_step_ [s]
   std::uint64_t resets_seen_ = 0;
 

@@ -8,7 +8,8 @@
 namespace haptic_cloth {
 
 bool SolverTasks::run(const Work& work, const std::atomic<bool>& stop, double patience) {
-  constexpr std::chrono::milliseconds kLook(10);  // for the end of the solver
+  // Interval at which the end of the solver is checked.
+  constexpr std::chrono::milliseconds kLook(10);
   Task task{work, false, nullptr};
   const double give_up = steadyNow() + patience;
   std::unique_lock<std::mutex> lock(mutex_);

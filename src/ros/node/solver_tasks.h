@@ -1,4 +1,4 @@
-/// Work that services have done on the solver thread, between two steps.
+/// Tasks of services that run on the solver thread between two steps.
 #pragma once
 
 #include <atomic>
@@ -16,12 +16,13 @@ class SolverTasks {
  public:
   using Work = std::function<void(SolverLoop&)>;
 
-  /// Waits until the work is done and rethrows what it throws. Any thread may call it.
-  /// @param stop the solver ends  @param patience [s]
-  /// @return false where it was not begun in time; then it never will be
+  /// Waits until the work is done and rethrows its exception. Any thread may call it.
+  /// @param stop set if the solver ends  @param patience longest wait [s]
+  /// @return false if the work was not started in time; then it never will be
   bool run(const Work& work, const std::atomic<bool>& stop, double patience);
 
-  /// The solver thread, between two steps: does what is waiting. Costs one look where nothing is.
+  /// Called by the solver thread between two steps: runs the waiting tasks. Costs one atomic read
+  /// if there are none.
   void work(SolverLoop& loop);
 
  private:
@@ -32,7 +33,7 @@ class SolverTasks {
   };
 
   std::atomic<bool> waiting_{false};
-  std::mutex mutex_;  ///< held while the work is done
+  std::mutex mutex_;  ///< held while tasks run
   std::condition_variable done_;
   std::deque<Task*> tasks_;  ///< not yet done
 };

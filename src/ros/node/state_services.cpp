@@ -17,9 +17,9 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kPatience = 5.0;  ///< for the step in hand to end [s]
+constexpr double kPatience = 5.0;  ///< longest wait for the current step to end [s]
 
-/// What a service answers: what `work` says, or what it throws.
+/// Fills the response of a service with the result of `work` or with the exception it throws.
 template <class Response, class Work>
 bool answer(Response& response, const Work& work) {
   try {

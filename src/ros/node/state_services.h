@@ -1,4 +1,4 @@
-/// The services that save and load the state of the cloth.
+/// Services that save and load the state of the cloth.
 #pragma once
 
 #include <haptic_cloth/LoadState.h>
@@ -12,12 +12,12 @@
 
 namespace haptic_cloth {
 
-/// Files are read and written by threads that may wait for a file system without holding up
-/// anything else (runFileWork); the solver only copies its state.
+/// Files are read and written on separate threads (runFileWork), which may wait for a file system
+/// without delaying anything else. The solver only copies its state.
 class StateServices {
  public:
-  /// @param for_save, for_load private node handles with a callback queue each: loading that waits
-  /// does not hold up saving, nor the other way round
+  /// @param for_save, for_load private node handles with a callback queue each, so that saving and
+  /// loading do not wait for each other
   StateServices(ros::NodeHandle for_save, ros::NodeHandle for_load, const Scene& scene, SharedState& shared);
 
  private:
@@ -27,7 +27,7 @@ class StateServices {
   void runFiles(const std::function<void()>& work) const;
 
   SharedState& shared_;
-  std::uint64_t largest_;  ///< of all states of the scene [bytes]
+  std::uint64_t largest_;  ///< size limit of a state of this scene [bytes]
   ros::ServiceServer save_service_, load_service_;
 };
 

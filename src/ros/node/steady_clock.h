@@ -1,4 +1,4 @@
-/// The one clock of all threads.
+/// The clock that all threads share.
 #pragma once
 
 #include <time.h>

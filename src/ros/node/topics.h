@@ -1,4 +1,4 @@
-/// Names and queue sizes of all topics and services, in one place. Relative names: remap at will.
+/// Names and queue sizes of all topics and services. Names are relative, so they can be remapped.
 #pragma once
 
 #include <string>
@@ -6,13 +6,13 @@
 namespace haptic_cloth {
 namespace topics {
 
-// Of a probe that has no name; those with names have the same below their own.
-// Newest value only: an old pose or force is worth nothing.
+// Topics of the unnamed probe; a named probe has the same below its name. The queue holds only the
+// newest value, because an old pose or force is useless.
 constexpr char kPose[] = "probe/pose";
 constexpr int kPoseQueue = 1;
 constexpr char kReaction[] = "probe/reaction";
 constexpr int kReactionQueue = 1;
-// Of admittance devices.
+// Topics of admittance devices.
 constexpr char kForce[] = "probe/force";
 constexpr int kForceQueue = 1;
 constexpr char kCommand[] = "probe/command";
@@ -23,13 +23,13 @@ constexpr char kGrasp[] = "probe/grasp";
 constexpr int kGraspQueue = 10;
 constexpr char kSetGrasp[] = "probe/set_grasp";  ///< service
 
-/// One of the names above for the probe `name`.
+/// Name of a topic or service above for the probe `name`.
 inline std::string ofProbe(const std::string& name, const char* topic) {
   const std::string text = topic;
   return name + text.substr(text.find('/'));
 }
 
-/// Where an obstacle is sent.
+/// Topic that moves an obstacle.
 inline std::string obstaclePose(const std::string& name) { return "obstacles/" + name + "/pose"; }
 
 constexpr char kMarkers[] = "cloth/markers";
@@ -40,7 +40,7 @@ constexpr int kStateQueue = 1;
 constexpr char kDiagnostics[] = "/diagnostics";
 constexpr int kDiagnosticsQueue = 10;
 
-// The adapter's side of the driver, of any type.
+// Topics between adapter and driver, of any type.
 constexpr char kDevicePose[] = "device/pose";
 constexpr char kDeviceForce[] = "device/force";
 
@@ -50,7 +50,7 @@ constexpr char kPause[] = "pause";
 constexpr char kSaveState[] = "save_state";
 constexpr char kLoadState[] = "load_state";
 
-// Those of dynamic_reconfigure, private, by which its tools find them.
+// Private services and topics of dynamic_reconfigure, by which its tools find the node.
 constexpr char kSetOptions[] = "set_parameters";  ///< service
 constexpr char kOptionDescriptions[] = "parameter_descriptions";
 constexpr char kOptionUpdates[] = "parameter_updates";

@@ -19,7 +19,7 @@ class Group {
  public:
   Group(const std::string& path, std::vector<LiveOption>& options) : path_(path), options_(options) {}
 
-  /// @param field takes NodeOptions, constant or not, and gives a pointer
+  /// @param field returns a pointer into NodeOptions, const or not
   template <class Get>
   void add(const std::string& key, const std::string& description, LiveValue low, LiveValue high,
            const Get& field) {
@@ -127,7 +127,7 @@ void addProbe(Group probe, Group device, std::size_t k) {
              [k](auto& o) { return &o.probes[k].device.force_scale; });
 }
 
-/// Writes a value where it belongs. @return the rule it breaks; empty if all is well
+/// Assigns a value to its field. @return the rule it breaks; empty if it is valid
 std::string assign(const Field& field, const LiveValue& value) {
   if (int* const* whole = std::get_if<int*>(&field)) {
     if (!std::holds_alternative<int>(value)) return "must be a whole number";
@@ -213,7 +213,7 @@ LiveOptions nextOptions(const LiveOptions& last, const NodeOptions& options, dou
   next.options = std::make_shared<const NodeOptions>(options);
   for (std::size_t k = 0; k < next.gains.size(); ++k) {
     const Gains gains = gainsOf(options, k);
-    // Another option's change does not hold up those that are on their way.
+    // A change of another option must not restart the ramps of gains that did not change.
     if (gains != gainsOf(*last.options, k)) next.gains[k] = last.gains[k].onTo(gains, now, options.gain_ramp);
   }
   return next;

@@ -1,5 +1,5 @@
-/// The options that may change while the node runs: which they are, and how a new set of them comes to be.
-/// Pure functions.
+/// Options that may change while the node runs, and how a new set of them is formed. Pure
+/// functions.
 #pragma once
 
 #include <cstdint>
@@ -19,39 +19,40 @@ namespace haptic_cloth {
 using LiveValue = std::variant<int, double, std::string>;
 using LiveValues = std::map<std::string, LiveValue>;  ///< by name
 
-/// One of them. Its name is that of the private parameter that gives it at the start.
+/// One live option. Its name is that of the private parameter with its initial value.
 struct LiveOption {
   using Field = std::variant<int*, double*, MeshColouring*>;
   std::string name;
   std::string description;
-  LiveValue low, high;                       ///< ends of a slider; the rules may allow more
-  std::function<Field(NodeOptions&)> field;  ///< where it stands
+  LiveValue low, high;                       ///< ends of the slider; the rules may allow more
+  std::function<Field(NodeOptions&)> field;  ///< pointer to the value
   std::function<LiveValue(const NodeOptions&)> value;
 };
 
-/// All that a node with these options offers. Several probes have their options each.
+/// All live options of a node. Each probe has its own.
 std::vector<LiveOption> offeredOptions(const NodeOptions& options);
 
-/// The words that an option takes; empty where it takes a number.
+/// Words that an option accepts; empty if it takes a number.
 std::vector<std::string> choices(const LiveOption& option);
 
 /// The options with some values changed, checked as a whole.
-/// @throws InputError naming option, value and rule, for names that are not offered too
+/// @throws InputError with option, value and rule, also for names that are not live
 NodeOptions changed(const NodeOptions& options, const LiveValues& values, const std::string& origin);
 
-/// A whole set as the threads take it over. They read it in place: nothing is copied, freed or counted there.
+/// A complete set of options for the threads. They read it in place, so nothing is copied, freed or
+/// counted there.
 struct LiveOptions {
-  std::uint64_t number = 0;  ///< counts up; 0: the node still runs as it started
+  std::uint64_t number = 0;  ///< counts up; 0: options at start
   std::shared_ptr<const NodeOptions> options;
-  std::vector<GainRamp> gains;  ///< of every probe, to those of the options
+  std::vector<GainRamp> gains;  ///< ramps to the gains in the options, one per probe
 };
 
-/// One thread's or one callback's view of them.
+/// View of the live options by one thread or callback.
 class LiveReader {
  public:
   explicit LiveReader(Mailbox<LiveOptions>& mailbox) : mailbox_(mailbox) {}
 
-  /// Reads the newest set. @return whether it is another than at the last call
+  /// Reads the newest set. @return whether it differs from that of the last call
   bool readNew() {
     newest_ = &mailbox_.read();
     const bool other = newest_->number != seen_;
@@ -59,7 +60,8 @@ class LiveReader {
     return other;
   }
 
-  /// What was read last. @pre readNew(), and no other reader of the mailbox since
+  /// Set that was read last. @pre readNew() was called, and no other reader has read the mailbox
+  /// since
   const LiveOptions& newest() const { return *newest_; }
 
  private:
@@ -68,10 +70,10 @@ class LiveReader {
   std::uint64_t seen_ = 0;
 };
 
-/// What the node starts with.
+/// Set at the start of the node.
 LiveOptions firstOptions(const NodeOptions& options);
 
-/// The set after `last`. @param now steady clock [s]: from here its gains move
+/// Set that follows `last`. @param now steady clock at which its ramps start [s]
 LiveOptions nextOptions(const LiveOptions& last, const NodeOptions& options, double now);
 
 }  // namespace haptic_cloth

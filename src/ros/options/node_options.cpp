@@ -14,7 +14,8 @@ namespace {
 
 using XmlRpc::XmlRpcValue;
 
-constexpr double kMostDisplayRate = 1000.0;  ///< more would keep a core busy with what nobody sees [Hz]
+/// A higher rate would keep a core busy without a visible gain [Hz].
+constexpr double kMostDisplayRate = 1000.0;
 
 std::string toText(double value) {
   std::ostringstream text;

@@ -1,4 +1,5 @@
-/// The private parameters of the node: a scene and how to run it. Each default stands here only.
+/// Private parameters of the node: a scene and how to run it. config/node.yaml repeats the
+/// defaults, and a test compares them.
 #pragma once
 
 #include <xmlrpcpp/XmlRpcValue.h>
@@ -12,16 +13,16 @@
 
 namespace haptic_cloth {
 
-/// How one probe is served.
+/// Settings of one probe.
 struct ProbeSettings {
   DeviceOptions device;
-  HapticOptions haptics;  ///< limits at the device; coupling as in the scene
+  HapticOptions haptics;  ///< limits at the device; coupling from the scene
 };
 
-/// What the lines of the mesh show by their colour.
+/// Quantity that the colour of the mesh lines shows.
 enum class MeshColouring { Level, Tension, Bending };
 
-/// "level" and so on, as parameters have them.
+/// Word of a parameter: "level", "tension" or "bending".
 const char* toString(MeshColouring colouring);
 
 /// @throws InputError for other words
@@ -31,40 +32,40 @@ struct MarkerOptions {
   double rate = 30.0;         ///< [Hz]
   double force_scale = 0.05;  ///< length of the force arrow [m/N]
   MeshColouring colouring = MeshColouring::Level;
-  double full_tension = 20.0;  ///< at which a line has its full colour [N/m]
-  double full_bending = 0.05;  ///< the same [J/m²]
+  double full_tension = 20.0;  ///< tension at which a line has its full colour [N/m]
+  double full_bending = 0.05;  ///< bending energy at which a line has its full colour [J/m²]
 };
 
 struct NodeOptions {
-  std::string frame_id = "world";         ///< the cloth's frame, and that of all output
-  std::string scene_file;                 ///< read first; scene parameters then override single values
-  std::string scene_directory;            ///< without scene_file: where paths of fabrics start
+  std::string frame_id = "world";         ///< frame of the cloth and of all output
+  std::string scene_file;                 ///< read first; scene parameters override its values
+  std::string scene_directory;            ///< without scene_file: folder of relative fabric paths
   double max_pose_age = 0.2;              ///< a pose with an older stamp is dropped [s]; 0: never
-  double probe_timeout = 1.0;             ///< without poses this long the probe leaves the scene [s]
-  double velocity_time_constant = 0.005;  ///< low pass of the device's velocity [s]
-  double step_budget = 0.025;             ///< wall clock of one step, or the scene's if that is less [s]; the
-                                          ///< force would time out while a hard step runs on; 0: none
-  double gain_ramp =
-      0.5;  ///< in which live changes of couplings and force scales are reached [s]; 0: at once
+  double probe_timeout = 1.0;             ///< after this silence the probe leaves the scene [s]
+  double velocity_time_constant = 0.005;  ///< low-pass filter of the device's velocity [s]
+  /// Limit of wall time per step [s]; 0: none. The smaller of this and the scene's budget counts.
+  /// Without it the force would time out during a hard step.
+  double step_budget = 0.025;
+  double gain_ramp = 0.5;  ///< duration of gain ramps after a live change [s]; 0: at once
   MarkerOptions markers;
   double state_rate = 30.0;  ///< [Hz]
-  DeviceOptions device;      ///< what holds for every probe's
-  HapticOptions haptics;     ///< what holds for every probe
-  double time_budget = 0.0;  ///< the scene's own; in `scene` stands the smaller of the two budgets [s]
+  DeviceOptions device;      ///< default of all probes
+  HapticOptions haptics;     ///< same for all probes
+  double time_budget = 0.0;  ///< budget of the scene itself; `scene` holds the smaller one [s]
   Scene scene;
-  std::vector<ProbeSettings> probes;  ///< in the scene's order
+  std::vector<ProbeSettings> probes;  ///< in the order of the scene
 };
 
-/// Makes what follows from other options agree with them: the budget of a step, each probe's limits.
+/// Updates what depends on other options: the time budget of a step and the limits of each probe.
 void settle(NodeOptions& options);
 
 /// Checks everything that may change while the node runs, by the rules of files and parameters.
-/// @throws InputError naming option, value and rule
+/// @throws InputError with option, value and rule
 void validateNodeOptions(const NodeOptions& options, const std::string& origin);
 
-/// Reads the tree of private parameters: the keys of a scene file beside those of NodeOptions
-/// (config/node.yaml shows them all).
-/// @throws InputError for unknown keys, wrong types and impossible values
+/// Reads the tree of private parameters: the keys of a scene file and those of NodeOptions (all are
+/// in config/node.yaml).
+/// @throws InputError for an unknown key, a wrong type or an invalid value
 NodeOptions parseNodeOptions(const XmlRpc::XmlRpcValue& parameters, const std::string& origin);
 
 }  // namespace haptic_cloth

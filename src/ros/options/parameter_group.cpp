@@ -12,7 +12,7 @@ using XmlRpc::XmlRpcValue;
 
 namespace {
 
-constexpr double kUnitTolerance = 1e-3;  ///< of a quaternion's norm, as in scene files
+constexpr double kUnitTolerance = 1e-3;  ///< tolerance of a quaternion's norm, as in scene files
 
 }  // namespace
 
@@ -100,7 +100,7 @@ ParameterGroup ParameterGroup::group(const std::string& key) {
 
 XmlRpcValue ParameterGroup::rest() const {
   XmlRpcValue rest;
-  rest.begin();  // makes it an empty map
+  rest.begin();  // makes `rest` an empty map
   if (tree_.getType() != XmlRpcValue::TypeStruct) return rest;
   for (const auto& member : tree_) {
     if (known_.count(member.first) == 0) rest[member.first] = member.second;

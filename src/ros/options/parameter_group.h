@@ -1,4 +1,4 @@
-/// One level of a parameter tree, read key by key.
+/// Reads one level of a parameter tree key by key.
 #pragma once
 
 #include <xmlrpcpp/XmlRpcValue.h>
@@ -11,41 +11,41 @@
 
 namespace haptic_cloth {
 
-/// Takes the known members out of one level of the tree; what is left over is unknown. Reading a key that is
-/// not there leaves the value as it is.
+/// Takes the known members out of one level of the tree; the others are unknown. If a key is
+/// absent, read() does not change the value.
 class ParameterGroup {
  public:
-  /// @param origin names the source in messages
-  /// @param path of this level, empty or with a slash at its end
-  /// @throws InputError if the tree is neither a map nor nothing
+  /// @param origin source for error messages
+  /// @param path path of this level: empty, or ending in a slash
+  /// @throws InputError if the tree is neither a map nor empty
   ParameterGroup(const XmlRpc::XmlRpcValue& tree, const std::string& origin, const std::string& path = "");
 
-  /// @throws InputError for wrong types and values, as all below
+  /// @throws InputError for a wrong type or value, like all functions below
   void read(const std::string& key, std::string& value);
-  /// @return which of `choices` it is; `value` where the key is not there
+  /// @return index in `choices`; `value` if the key is absent
   std::size_t readChoice(const std::string& key, const std::vector<std::string>& choices, std::size_t value);
-  /// @param zero_is_good whether 0 is allowed beside positive values
+  /// @param zero_is_good whether 0 is allowed; otherwise the number must be positive
   void read(const std::string& key, double& value, bool zero_is_good);
   void read(const std::string& key, bool& value);
   void read(const std::string& key, Vec3& value);
-  /// A list x y z w. Off from norm 1 by at most 1e-3 it is normalised, as in a scene.
+  /// Reads a list x y z w. It is normalised if its norm is off by at most 1e-3, as in a scene.
   void read(const std::string& key, Quat& value);
 
   ParameterGroup group(const std::string& key);
 
-  /// The members nobody asked for, as a map.
+  /// Members that were not read, as a map.
   XmlRpc::XmlRpcValue rest() const;
 
-  /// @throws InputError if there are such members
+  /// @throws InputError if there are members that were not read
   void rejectRest() const;
 
-  /// @param others members that somebody else will ask for
+  /// @param others members that are read elsewhere
   /// @throws InputError if there are more
   void rejectRestBut(const std::vector<std::string>& others) const;
 
  private:
   bool has(const std::string& key) const;
-  /// `count` finite numbers of a list.
+  /// Reads a list of `count` finite numbers.
   std::vector<double> numbers(const std::string& key, int count) const;
   [[noreturn]] void fail(const std::string& key, const std::string& rule) const;
 

@@ -7,15 +7,15 @@ namespace {
 
 using dynamic_reconfigure::Config;
 
-constexpr char kRoot[] = "Default";  ///< the name tools expect of the group of all
+constexpr char kRoot[] = "Default";  ///< name that the tools expect for the root group
 
-/// "haptics" of "haptics/rate".
+/// Group of an option: "haptics" for "haptics/rate".
 std::string groupOf(const std::string& name) {
   const std::size_t slash = name.rfind('/');
   return slash == std::string::npos ? kRoot : name.substr(0, slash);
 }
 
-/// Appends to the list of the value's type.
+/// Appends the value to the list of its type.
 void add(Config& config, const std::string& name, const LiveValue& value) {
   const auto append = [&name](auto& list, const auto& v) {
     list.emplace_back();
@@ -33,7 +33,7 @@ const char* typeOf(const LiveValue& value) {
                                                  : "str";
 }
 
-/// The words to choose from, as the tools' Python reads them; empty where there are none.
+/// Choices in the syntax that the tools parse as Python; empty if there are none.
 std::string editMethod(const LiveOption& option) {
   std::string words;
   for (const std::string& word : choices(option)) {
@@ -44,7 +44,7 @@ std::string editMethod(const LiveOption& option) {
   return words.empty() ? "" : "{'enum': [" + words + "], 'enum_description': ''}";
 }
 
-/// Names of the groups in order, that of all first.
+/// Names of the groups in order; the root group is first.
 std::vector<std::string> groupNames(const std::vector<LiveOption>& offered) {
   std::vector<std::string> names{kRoot};
   for (const LiveOption& option : offered) {

@@ -1,4 +1,4 @@
-/// Between live options and the messages of dynamic_reconfigure. Pure functions.
+/// Conversions between live options and the messages of dynamic_reconfigure. Pure functions.
 #pragma once
 
 #include <dynamic_reconfigure/Config.h>
@@ -10,13 +10,13 @@
 
 namespace haptic_cloth {
 
-/// What a request says. Groups have no state here.
+/// Values in a request. The state of groups is ignored.
 LiveValues toValues(const dynamic_reconfigure::Config& config);
 
-/// All values that are in force.
+/// All current values.
 dynamic_reconfigure::Config toConfig(const std::vector<LiveOption>& offered, const NodeOptions& options);
 
-/// What there is to change, for tools: a group for every group of parameters.
+/// Description of all live options for the tools: one group per group of parameters.
 dynamic_reconfigure::ConfigDescription toDescription(const std::vector<LiveOption>& offered,
                                                      const NodeOptions& options);
 

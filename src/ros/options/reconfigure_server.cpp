@@ -61,8 +61,8 @@ void ReconfigureServer::takeOver(const NodeOptions& options) {
   }
 }
 
-/// Among the private parameters, where a node that is started again finds it. A master that is away is not
-/// waited for.
+/// Stores a value among the private parameters, where a restarted node finds it. Does not wait for
+/// a lost master.
 void ReconfigureServer::keep(const std::string& name, const LiveValue& value) const {
   XmlRpc::XmlRpcValue request, response, payload;
   request[0] = ros::this_node::getName();

@@ -1,4 +1,4 @@
-/// Live change of options by the tools of dynamic_reconfigure.
+/// Live change of options with the tools of dynamic_reconfigure.
 #pragma once
 
 #include <dynamic_reconfigure/Reconfigure.h>
@@ -12,19 +12,19 @@
 
 namespace haptic_cloth {
 
-/// Answers the service ~set_parameters and says what is in force on ~parameter_updates, what there is to
-/// change on ~parameter_descriptions. A request is taken over as a whole or not at all: then the answer has
-/// the old values, and log and diagnostics the reason. What was changed stands among the private parameters,
-/// too.
+/// Serves ~set_parameters and publishes the current values on ~parameter_updates and the
+/// descriptions on ~parameter_descriptions. A request is accepted or refused as a whole. If it is
+/// refused, the response holds the old values; the log and the diagnostics give the reason.
+/// Accepted values are also stored among the private parameters.
 ///
-/// The package's own server would cut what is too large down to a limit of its .cfg instead of refusing it,
-/// and cannot know the names of probes.
+/// The server of dynamic_reconfigure itself is not used: it would clamp a large value to a limit in
+/// a .cfg file instead of refusing it, and it cannot know the names of the probes.
 class ReconfigureServer {
  public:
-  /// @param private_node with the queue whose thread is to answer
+  /// @param private_node its queue belongs to the thread that answers
   ReconfigureServer(const NodeOptions& options, ros::NodeHandle private_node, SharedState& shared);
 
-  /// Full name of its service.
+  /// Full name of the service.
   std::string service() const { return service_.getService(); }
 
  private:
@@ -34,7 +34,7 @@ class ReconfigureServer {
   void takeOver(const NodeOptions& options);
   void keep(const std::string& name, const LiveValue& value) const;
 
-  std::string origin_;  ///< in messages
+  std::string origin_;  ///< source in error messages
   ros::NodeHandle node_;
   SharedState& shared_;
   LiveOptions live_;

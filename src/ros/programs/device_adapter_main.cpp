@@ -1,5 +1,5 @@
-/// The adapter as a node. Ends with 0 when asked to, 2 for bad parameters, 1 for anything else; force zero
-/// always last.
+/// The adapter as a node. Exit status: 0 if asked to end, 2 for bad parameters, 1 for any other
+/// error. The last force is always zero.
 #include <ros/ros.h>
 
 #include <string>
@@ -13,15 +13,16 @@
 
 namespace {
 
-constexpr long kLook = 10;  ///< between two looks [ms]
+constexpr long kLook = 10;    ///< interval between two calls of ForceAdapter::look() [ms]
+constexpr double kEnd = 5.0;  ///< longest time for the zeros and for signing off at the master [s]
 
 int run(int argc, char** argv) {
   ros::init(argc, argv, "device_adapter", ros::init_options::NoSigintHandler);
   const haptic_cloth::Signals signals;
   std::atomic<bool> asked{false};
+  haptic_cloth::answerShutdownCall(asked);
   if (!haptic_cloth::waitForMaster(signals)) return 0;
   ros::NodeHandle node, private_node("~");
-  haptic_cloth::answerShutdownCall(asked);
   XmlRpc::XmlRpcValue parameters;
   private_node.getParam(private_node.getNamespace(), parameters);
   const haptic_cloth::AdapterOptions options = haptic_cloth::readAdapterOptions(
@@ -36,10 +37,11 @@ int run(int argc, char** argv) {
   }
   haptic_cloth::PoseAdapter poses(node, options);
   haptic_cloth::ForceAdapter forces(node, options);
-  // Two threads: a pose waits for no force.
+  // Two threads, so that a pose does not wait for a force.
   ros::AsyncSpinner spinner(2);
   spinner.start();
   while (!asked && ros::ok() && !signals.wait(kLook)) forces.look();
+  haptic_cloth::endWithin(kEnd);
   forces.end();
   spinner.stop();
   return 0;

@@ -1,4 +1,5 @@
-/// The simulated hand as a node: probe/pose out at 1 kHz, probe/reaction in.
+/// The simulated hand as a node: publishes probe/pose at ~rate (1 kHz), subscribes to
+/// probe/reaction.
 #include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/WrenchStamped.h>
 #include <ros/ros.h>
@@ -14,7 +15,7 @@ namespace {
 
 using haptic_cloth::Vec3;
 
-/// A force that is not renewed within this time is gone: a device with a watchdog [s].
+/// A force older than this counts as zero, as in a device with a watchdog [s].
 constexpr double kReactionTimeout = 0.05;
 
 struct Reaction {

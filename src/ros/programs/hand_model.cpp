@@ -41,7 +41,7 @@ Vec3 handTarget(const HandOptions& options, double time) {
   Vec3 from = options.start;
   for (const Move& move : moves) {
     if (left < move.duration) {
-      // A smooth step: at rest at both ends.
+      // A smooth step, at rest at both ends.
       const double s = left / move.duration;
       return from + s * s * (3.0 - 2.0 * s) * (move.end - from);
     }

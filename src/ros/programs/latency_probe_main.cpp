@@ -1,7 +1,8 @@
-/// A device at 1 kHz that measures how fast and how steadily its poses are answered, for bench/latency.
-/// It follows the path of the node's first probe once the cloth has hung for ~hang simulated seconds, and
-/// measures for ~seconds from the path's second row on. With ~nodelet the node runs in this process, as a
-/// nodelet. The wrench's stamp is that of the pose it answers; times are of one steady clock.
+/// A device at 1 kHz that measures how fast and how regularly its poses are answered, for
+/// bench/latency. It follows the path of the node's first probe after the cloth has hung for ~hang
+/// simulated seconds. It measures for ~seconds, beginning at the second row of the path. With
+/// ~nodelet the node runs in this process as a nodelet. A wrench has the stamp of the pose it
+/// answers. All times are from one steady clock.
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/WrenchStamped.h>
@@ -34,10 +35,11 @@ namespace topics = haptic_cloth::topics;
 using haptic_cloth::steadyNow;
 using haptic_cloth::Vec3;
 
-constexpr double kPeriod = 1e-3;     ///< of the poses [s]
-constexpr double kTail = 0.2;        ///< poses and wrenches go on after the measurement [s]
-constexpr double kPatience = 60.0;   ///< for the node to appear [s]
-constexpr double kGoodRate = 950.0;  ///< wrenches in a second that is not missed
+constexpr double kPeriod = 1e-3;  ///< period of the poses [s]
+/// Time for which poses and wrenches continue after the measurement [s].
+constexpr double kTail = 0.2;
+constexpr double kPatience = 60.0;   ///< longest wait for the node [s]
+constexpr double kGoodRate = 950.0;  ///< a second with fewer wrenches counts as missed [Hz]
 
 struct Options {
   std::string node = "/haptic_cloth", out;
@@ -63,7 +65,7 @@ struct SentPose {
 
 struct ReceivedWrench {
   double arrived;  ///< steady clock [s]
-  long pose;       ///< number of the pose it answers; < 0: none of ours
+  long pose;       ///< index of the pose it answers; < 0: none of ours
   float force;     ///< [N]
 };
 
@@ -74,7 +76,7 @@ double quantile(std::vector<double> values, double share) {
   return values[static_cast<std::size_t>(std::ceil(share * last))];
 }
 
-/// Sends poses in a thread of its own, as a driver does.
+/// Sends poses on its own thread, as a driver does.
 class Sender {
  public:
   Sender(ros::NodeHandle& node, const std::string& frame_id, const haptic_cloth::ProbeOptions& probe,
@@ -94,7 +96,7 @@ class Sender {
     stop_ = true;
     if (thread_.joinable()) thread_.join();
   }
-  /// The path's time begins.
+  /// Starts the time of the path.
   void setOut() { set_out_ = true; }
   double setOutAt() const { return set_out_at_; }  ///< steady clock [s]; < 0: not yet
 
@@ -111,7 +113,7 @@ class Sender {
       due = std::max(due + kPeriod, steadyNow());
       if (set_out_ && set_out_at_ < 0.0) set_out_at_ = steadyNow();
       const double time = set_out_at_ < 0.0 ? 0.0 : steadyNow() - set_out_at_;
-      // A message of its own each time: within one process it is handed over, not copied.
+      // A new message each time, because within one process it is shared, not copied.
       auto message = boost::make_shared<geometry_msgs::PoseStamped>();
       message->pose = haptic_cloth::toPose(haptic_cloth::pathPosition(path_, time));
       message->header.frame_id = frame_id_;
@@ -133,7 +135,7 @@ class Sender {
   std::thread thread_;
 };
 
-/// Takes down every wrench in a thread of its own.
+/// Records every wrench on its own thread.
 class Receiver {
  public:
   Receiver(ros::NodeHandle node, const std::string& topic, const Sender& sender, std::size_t most)
@@ -155,7 +157,7 @@ class Receiver {
     subscriber_.shutdown();
   }
   bool heard() const { return heard_; }
-  /// After stop().
+  /// Call it only after stop().
   const std::vector<ReceivedWrench>& wrenches() const { return received_; }
 
  private:
@@ -163,7 +165,7 @@ class Receiver {
     const double now = steadyNow();
     heard_ = true;
     if (received_.size() == received_.capacity()) return;
-    // Wrenches answer poses in the order in which these were sent.
+    // Wrenches answer poses in the order in which the poses were sent.
     const long sent = sender_.count();
     while (next_ < sent && sender_.pose(next_).stamp < wrench.header.stamp) ++next_;
     const bool ours = next_ < sent && sender_.pose(next_).stamp == wrench.header.stamp;
@@ -175,12 +177,12 @@ class Receiver {
   ros::CallbackQueue queue_;
   ros::Subscriber subscriber_;
   std::vector<ReceivedWrench> received_;
-  long next_ = 0;  ///< number of the oldest pose that may still be answered
+  long next_ = 0;  ///< index of the oldest pose that may still be answered
   std::atomic<bool> stop_{false}, heard_{false};
   std::thread thread_;
 };
 
-/// What the node says of itself.
+/// Newest diagnostics of the node.
 class Diagnostics {
  public:
   explicit Diagnostics(ros::NodeHandle& node) {
@@ -188,12 +190,14 @@ class Diagnostics {
         topics::kDiagnostics, topics::kDiagnosticsQueue,
         [this](const diagnostic_msgs::DiagnosticArray::ConstPtr& array) {
           for (const auto& status : array->status) {
-            for (const auto& entry : status.values) values_[status.name + ": " + entry.key] = entry.value;
+            const std::string part = status.name.substr(
+                std::min(status.name.size(), status.name.find(": ") + 2));  // after the node's name
+            for (const auto& entry : status.values) values_[part + ": " + entry.key] = entry.value;
           }
         });
   }
   std::string text(const std::string& key) const {
-    const auto entry = values_.find("haptic_cloth: " + key);
+    const auto entry = values_.find(key);
     return entry == values_.end() ? "" : entry->second;
   }
   double number(const std::string& key) const {
@@ -206,7 +210,7 @@ class Diagnostics {
   std::map<std::string, std::string> values_;
 };
 
-/// Handles the rest of the messages until `condition` holds. @return whether it came to that
+/// Handles all other messages until `condition` holds. @return whether it holds
 template <class Condition>
 bool spinUntil(const Condition& condition, double seconds) {
   const double give_up = steadyNow() + seconds;
@@ -215,7 +219,7 @@ bool spinUntil(const Condition& condition, double seconds) {
   return condition();
 }
 
-/// Latency, age, rate and gaps from `begin` for `seconds`.
+/// Evaluates latency, age, rate and gaps from `begin` for `seconds`.
 nlohmann::json evaluate(const Sender& sender, const std::vector<ReceivedWrench>& wrenches, double begin,
                         int seconds) {
   const double end = begin + seconds;
@@ -226,7 +230,7 @@ nlohmann::json evaluate(const Sender& sender, const std::vector<ReceivedWrench>&
   for (const ReceivedWrench& wrench : wrenches) {
     const bool first = wrench.pose > answered;
     if (first) answered = wrench.pose;
-    // A pose counts by when it left, so that none is left out for having been answered late.
+    // A pose counts by the time when it left, so late answers are included.
     if (wrench.pose >= 0) {
       const double left = sender.pose(wrench.pose).left;
       if (first && left >= begin && left < end) latencies.push_back(wrench.arrived - left);

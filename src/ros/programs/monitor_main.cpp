@@ -1,5 +1,5 @@
-/// A live line a second on what flows; with ~seconds > 0 a verdict at the end and as exit code:
-/// 0 all topics flowed at their rates and were finite, 1 they did not.
+/// Prints one line per second about the topics. With ~seconds > 0 it ends with a verdict, also as
+/// exit status: 0 if all topics had their rates and finite numbers, otherwise 1.
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 
@@ -17,11 +17,12 @@
 namespace {
 
 struct MonitorOptions {
-  std::string node = "haptic_cloth";  ///< whose probes these are; its parameters name them
-  double seconds = 0.0;               ///< measured, once everything flows [s]; 0: until interrupted
-  double patience = 30.0;             ///< for the node's parameters, then for the first messages [s]
-  double reaction_rate = 900.0;       ///< lowest good rate [Hz]
-  double display_rate = 20.0;         ///< lowest good rate of markers and state [Hz]
+  std::string node = "haptic_cloth";  ///< node whose parameters name the probes
+  /// Duration of the measurement, once all topics flow [s]; 0: until interrupted.
+  double seconds = 0.0;
+  double patience = 30.0;        ///< longest wait for parameters, then for the first messages [s]
+  double reaction_rate = 900.0;  ///< lowest good rate [Hz]
+  double display_rate = 20.0;    ///< lowest good rate of markers and state [Hz]
 };
 
 MonitorOptions readOptions(haptic_cloth::ParameterGroup group) {
@@ -47,7 +48,8 @@ void say(const std::string& line) {
   std::fflush(stdout);
 }
 
-/// Names of the node's probes. While a launch file is being loaded its parameters are not whole yet.
+/// Names of the node's probes. Waits, because parameters are incomplete while a launch file is
+/// loaded.
 std::vector<std::string> findProbes(const ros::NodeHandle& node, const MonitorOptions& options) {
   const std::string served = node.resolveName(options.node);
   const double give_up = haptic_cloth::steadyNow() + options.patience;
@@ -79,7 +81,7 @@ int run(int argc, char** argv) {
       readOptions(haptic_cloth::ParameterGroup(parameters, private_node.getNamespace() + " (parameters)"));
 
   const std::vector<std::string> probes = findProbes(node, options);
-  // Two meters: one for the line, one for the whole time.
+  // One meter for the line, one for the whole time.
   haptic_cloth::FlowMeter second(node, probes, options.reaction_rate, options.display_rate);
   haptic_cloth::FlowMeter whole(node, probes, options.reaction_rate, options.display_rate);
   const double give_up = haptic_cloth::steadyNow() + options.patience;

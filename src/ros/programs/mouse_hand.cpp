@@ -14,10 +14,11 @@ namespace {
 using visualization_msgs::InteractiveMarker;
 using visualization_msgs::InteractiveMarkerControl;
 
-constexpr double kHandleSize = 1.3;   ///< of a handle over that of its probe, so that it can be seen [-]
-constexpr double kArrowLength = 5.0;  ///< of an axis over the probe's radius [-]
-constexpr double kHeight = 0.05;      ///< of a waiting probe over the cloth [m]
-constexpr double kApart = 4.0;        ///< of two waiting probes, over the radius [-]
+/// Size of a handle over that of its probe, so that it is visible [-].
+constexpr double kHandleSize = 1.3;
+constexpr double kArrowLength = 5.0;  ///< length of an axis over the probe's radius [-]
+constexpr double kHeight = 0.05;      ///< height of a waiting probe above the cloth [m]
+constexpr double kApart = 4.0;        ///< distance of two waiting probes over the radius [-]
 
 /// A control whose local x axis is `axis`.
 InteractiveMarkerControl axisControl(const std::string& name, const Vec3& axis, int mode) {

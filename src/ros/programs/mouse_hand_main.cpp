@@ -1,5 +1,5 @@
-/// A hand for those without a device: every probe of the node follows a marker that is dragged in rviz. Its
-/// menu (right mouse button) closes and opens the grasp.
+/// A hand for users without a device: every probe of the node follows a marker that is dragged in
+/// rviz. The menu of a marker (right mouse button) closes and opens the grasp.
 #include <geometry_msgs/PoseStamped.h>
 #include <interactive_markers/interactive_marker_server.h>
 #include <interactive_markers/menu_handler.h>
@@ -24,9 +24,9 @@ using interactive_markers::MenuHandler;
 using Feedback = visualization_msgs::InteractiveMarkerFeedback;
 
 struct MouseOptions {
-  std::string node = "haptic_cloth";  ///< whose probes these are; its parameters say which
-  double rate = 125.0;                ///< poses a second [Hz]
-  double time_constant = 0.03;        ///< of the lag between marker and hand [s]
+  std::string node = "haptic_cloth";  ///< node whose parameters name the probes
+  double rate = 125.0;                ///< poses per second [Hz]
+  double time_constant = 0.03;        ///< time constant of the lag between marker and hand [s]
 };
 
 MouseOptions readMouseOptions(haptic_cloth::ParameterGroup group) {
@@ -38,7 +38,7 @@ MouseOptions readMouseOptions(haptic_cloth::ParameterGroup group) {
   return options;
 }
 
-/// One probe and its marker. The server's thread drags, the main thread moves.
+/// One probe and its marker. The thread of the marker server drags it, the main thread moves it.
 class MouseProbe {
  public:
   MouseProbe(const haptic_cloth::NodeOptions& options, std::size_t number, double time_constant,
@@ -90,7 +90,7 @@ class MouseProbe {
   haptic_cloth::DeviceOptions device_;
   Pose target_;
   haptic_cloth::SmoothedPose hand_;
-  haptic_cloth::Mailbox<Pose> dragged_;  ///< server's thread → main thread
+  haptic_cloth::Mailbox<Pose> dragged_;  ///< thread of the marker server → main thread
   InteractiveMarkerServer& server_;
   MenuHandler menu_;
   ros::Publisher pose_, grasp_;

@@ -1,39 +1,40 @@
-/// The node. Ends with 0 when asked to, 2 for bad parameters, 1 for anything else; force zero always last.
+/// The node. Exit status: 0 if asked to end, 2 for bad parameters, 1 for any other error. The last
+/// wrench is always zero.
 #include <ros/ros.h>
 
 #include <atomic>
 #include <csignal>
 #include <cstdlib>
-#include <thread>
 
 #include "ros/node/server.h"
 #include "ros/node/shutdown.h"
-#include "ros/node/steady_clock.h"
 #include "ros/programs/program.h"
 
 namespace {
 
-/// For a node that has not begun. Static objects stay: a thread that still waits for the file system may
-/// use them when it wakes. A master that does not answer is not waited for.
+constexpr double kGoodbye = 2.0;  ///< longest time for signing off at the master [s]
+/// Longest time for the whole end. The force ramps to zero within three seconds, and a file is
+/// waited for one second.
+constexpr double kEnd = 5.0;  // [s]
+
+/// Ends a node that has not started. Static objects are not destroyed, because a thread that still
+/// waits for the file system may use them when it wakes.
 [[noreturn]] void endAtOnce() {
-  constexpr double kPatience = 2.0;  // [s]
-  std::thread([] {
-    haptic_cloth::sleepUntil(haptic_cloth::steadyNow() + kPatience);
-    std::_Exit(0);
-  }).detach();
+  haptic_cloth::endWithin(kGoodbye);
   ros::shutdown();
   std::_Exit(0);
 }
 
 int run(int argc, char** argv) {
-  // Waits for the master if there are parameters on the command line; until here a signal just ends it.
+  // init() waits for the master if there are parameters on the command line; until here a signal
+  // just ends the process.
   ros::init(argc, argv, "haptic_cloth", ros::init_options::NoSigintHandler);
-  std::signal(SIGXFSZ, SIG_IGN);  // a state that is too large for a file is no reason to end
+  std::signal(SIGXFSZ, SIG_IGN);  // a state too large for a file must not end the node
   const haptic_cloth::Signals signals;
   std::atomic<bool> asked{false};
+  haptic_cloth::answerShutdownCall(asked);
   if (!haptic_cloth::waitForMaster(signals)) return 0;
   ros::NodeHandle node, private_node("~");
-  haptic_cloth::answerShutdownCall(asked);
   bool ended = false;
   const auto options = haptic_cloth::readParameters(private_node, [&] {
     ended = asked || !ros::ok() || signals.wait(0);
@@ -43,6 +44,7 @@ int run(int argc, char** argv) {
   haptic_cloth::HapticClothServer server(node, private_node, *options);
   ROS_INFO("ready");
   while (!asked && ros::ok() && !signals.wait(100)) server.check();
+  haptic_cloth::endWithin(kEnd);
   server.stop();
   return 0;
 }

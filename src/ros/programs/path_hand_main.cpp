@@ -1,6 +1,6 @@
-/// A hand that does what the scene says: every probe of the node with a path follows it, and grasps in its
-/// times. Time starts with a reset of the cloth, once the node hears every probe, and is the cloth's: in slow
-/// motion the hand is slow as well.
+/// A hand that follows the scene: every probe with a path follows it and grasps at its times. Time
+/// starts with a reset of the cloth, once the node subscribes to every probe. It is the cloth's
+/// time: in slow motion the hand is slow as well.
 #include <geometry_msgs/PoseStamped.h>
 #include <haptic_cloth/ClothState.h>
 #include <ros/ros.h>
@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <limits>
 
 #include "ros/node/conversions.h"
 #include "ros/node/steady_clock.h"
@@ -20,12 +21,13 @@ namespace {
 
 namespace topics = haptic_cloth::topics;
 
-/// Poses sent before the reset: the node must know where each probe is when the cloth starts anew [s].
+/// Duration of poses before the reset: the node must know the place of each probe when the cloth
+/// restarts [s].
 constexpr double kLead = 0.5;
 
 struct PathOptions {
-  std::string node = "haptic_cloth";  ///< whose probes these are; its parameters say which
-  double rate = 1000.0;               ///< poses a second [Hz]
+  std::string node = "haptic_cloth";  ///< node whose parameters name the probes
+  double rate = 1000.0;               ///< poses per second [Hz]
 };
 
 PathOptions readPathOptions(haptic_cloth::ParameterGroup group) {
@@ -36,7 +38,7 @@ PathOptions readPathOptions(haptic_cloth::ParameterGroup group) {
   return options;
 }
 
-/// The cloth's time between two messages that tell it, at the pace of the last.
+/// Estimates the time of the cloth between two state messages, at the pace of the last interval.
 class ClothClock {
  public:
   void hear(double cloth_time) {
@@ -46,7 +48,7 @@ class ClothClock {
     heard_ = cloth_time;
     when_ = now;
   }
-  /// Never backwards, and never far ahead of what was heard.
+  /// Estimated time. It never decreases and is at most 0.1 s ahead of the last message.
   double read() {
     const double ahead = std::min(haptic_cloth::steadyNow() - when_, kAhead);
     time_ = std::max(time_, heard_ + pace_ * ahead);
@@ -56,6 +58,24 @@ class ClothClock {
  private:
   static constexpr double kAhead = 0.1;  ///< [s]
   double heard_ = 0.0, when_ = 0.0, pace_ = 0.0, time_ = 0.0;
+};
+
+/// Separates states of the restarted cloth from states sent before its reset. It uses the cloth's
+/// time, because stamps may be from a clock that stands still or runs in a loop.
+class FirstNews {
+ public:
+  void hearBefore(double cloth_time) { before_ = cloth_time; }
+  bool isNew(double cloth_time) {
+    begun_ = begun_ || cloth_time < before_ || ++doubtful_ > kUnderWay;
+    return begun_;
+  }
+
+ private:
+  /// largest number of messages on the way: one in each of the two queues
+  static constexpr int kUnderWay = 2;
+  double before_ = std::numeric_limits<double>::infinity();
+  int doubtful_ = 0;
+  bool begun_ = false;
 };
 
 /// One probe on its path.
@@ -112,11 +132,12 @@ int run(int argc, char** argv) {
   }
   const double period = 1.0 / path.rate;
   ClothClock clock;
+  FirstNews news;
   bool started = false;
-  ros::Time start;  // what was said before is of the time before the reset
   const ros::Subscriber state = node.subscribe<haptic_cloth::ClothState>(
       topics::kState, topics::kStateQueue, [&](const haptic_cloth::ClothState::ConstPtr& message) {
-        if (started && message->header.stamp > start) clock.hear(message->time);
+        if (!started) news.hearBefore(message->time);
+        if (started && news.isNew(message->time)) clock.hear(message->time);
       });
   double lead = kLead, due = haptic_cloth::steadyNow();
   while (ros::ok()) {
@@ -128,7 +149,6 @@ int run(int argc, char** argv) {
       std_srvs::Empty empty;
       started = ros::service::call(served + "/" + topics::kReset, empty);
       due = haptic_cloth::steadyNow();
-      start = ros::Time::now();
     }
     ros::spinOnce();
     for (PathProbe& probe : probes) probe.step(started ? clock.read() : 0.0);

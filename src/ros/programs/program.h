@@ -1,4 +1,4 @@
-/// What the main() of each program of the node's does.
+/// Common main() of the node's programs.
 #pragma once
 
 #include <algorithm>
@@ -11,13 +11,13 @@
 
 namespace haptic_cloth {
 
-/// For programs that roslaunch starts anew whenever they end (respawn), whatever their exit status: bad input
-/// would be bad again, without end.
+/// Option for programs that roslaunch restarts whatever their exit status (respawn): with bad input
+/// the restarts would never end.
 constexpr char kWaitOnBadInput[] = "--wait-on-bad-input";
 
-/// Runs it; what it throws goes to stderr after its name. With kWaitOnBadInput among the arguments bad input
-/// is said once, and the program then waits for a signal. @return its exit status; 2: bad input, 1: any other
-/// failure
+/// Runs a program; an exception goes to stderr after its name. With kWaitOnBadInput among the
+/// arguments, bad input is reported once and the program waits for a signal.
+/// @return exit status of `run`; 2: bad input, 1: any other failure
 inline int runProgram(const char* name, int (*run)(int, char**), int argc, char** argv) {
   try {
     return run(argc, argv);

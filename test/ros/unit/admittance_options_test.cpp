@@ -1,4 +1,5 @@
-/// Parameters of admittance devices: the shipped ones are the code's, bad ones are named.
+/// Parameters of admittance devices: the shipped values equal those in the code, bad ones are
+/// named.
 #include <gtest/gtest.h>
 
 #include "ros/options/node_options.h"

@@ -51,7 +51,7 @@ TEST(Conversions, Transformed) {
   transform.transform.translation.z = 1.0;
   transform.transform.rotation.z = transform.transform.rotation.w = std::sqrt(0.5);
   const Pose frame = toPose(transform);
-  // A quarter of a turn about z, after a quarter about x: the pose's z axis goes to -y and from there to x.
+  // 90 degrees about x, then 90 degrees about z: the pose's z axis goes to -y and from there to x.
   const Quat about_x(Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitX()));
   const Pose there = composed(frame, {Vec3(1, 0, 0), about_x});
   EXPECT_TRUE(there.position.isApprox(Vec3(0, 1, 1), 1e-12));
@@ -250,7 +250,7 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
   FeltForce felt;
   const auto probe = [&] { return probeStatus("thumb", counters, felt, GraspState::Closed, 10.0); };
   EXPECT_EQ(probe().level, DiagnosticStatus::OK);
-  EXPECT_EQ(probe().name, "haptic_cloth: thumb");
+  EXPECT_EQ(probe().name, "thumb");
   counters.received = 5;
   EXPECT_EQ(probe().level, DiagnosticStatus::OK);
   counters.late = 2;
@@ -274,7 +274,7 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
 }
 
 TEST(Diagnostics, AnObstaclesDroppedPoseIsForgivenWhenPosesAreGoodAgain) {
-  // As a probe's: a warning for 5 s, the figure of docs/architecture.md; counted for ever.
+  // A warning for 5 s, as for a probe and in docs/architecture.md; the count remains.
   using diagnostic_msgs::DiagnosticStatus;
   const tf2_ros::Buffer transforms;
   Mailbox<ObstacleTarget> shared;
@@ -307,7 +307,7 @@ TEST(HandModel, TheWillIsContinuousAndRepeats) {
   bool pressed = false;
   for (double time = 0.0; time < 20.0; time += 1e-3) {
     const Vec3 target = handTarget(options, time);
-    // Fastest: 9 cm in 1 s with a smooth step, whose peak is 1.5 times the mean.
+    // The fastest move is 9 cm in 1 s with a smooth step, whose peak speed is 1.5 times the mean.
     EXPECT_LT((target - last).norm(), 2e-4) << time;
     pressed = pressed || target == options.press;
     last = target;

@@ -44,20 +44,21 @@ class DeviceMapTest : public testing::Test {
   std::mt19937 random_{20};
 };
 
-/// Power on the hand = force_scale/position_scale · power on the probe, for all units, axes and frames: the
-/// statement of forceForDriver(). Both sides are exact up to rounding; positions of size 1 in double: 1e-12.
+/// Power on the hand = force_scale/position_scale · power on the probe, for all units, axes and
+/// frames, as forceForDriver() states. Both sides are exact up to rounding; for positions of size 1
+/// in double the tolerance is 1e-12.
 TEST_F(DeviceMapTest, PowerOnTheHandIsThatOnTheProbeTimesAConstant) {
   for (int k = 0; k < 100; ++k) {
     const DeviceOptions options = device();
-    const Quat frame = rotation();  // of the pose's frame, by tf
+    const Quat frame = rotation();  // rotation of the pose's frame, from tf
     const Vec3 position = vector(), velocity = vector(), force = vector();
-    // The map is affine: a whole second of velocity is exact.
+    // The map is affine, so a whole second of velocity is exact.
     const Vec3 probe_velocity = frame * (placed(options, position + velocity) - placed(options, position));
     const Vec3 hand_velocity = options.position_unit * velocity;
     const Vec3 hand_force = options.force_axes * forceForDriver(options, frame, force);
     EXPECT_NEAR(hand_force.dot(hand_velocity),
                 options.force_scale / options.position_scale * force.dot(probe_velocity), 1e-12);
-    // Turning: the driver's orientations are those of the cloth's frame in other axes, not scaled.
+    // Rotation: the driver's orientations are those in the cloth's frame in other axes, not scaled.
     const Vec3 spin = vector(), torque = vector();
     const Vec3 probe_spin = frame * options.orientation * spin;
     const Vec3 hand_torque = options.force_axes * wrenchForDriver(options, frame, {force, torque}).torque;
@@ -67,14 +68,15 @@ TEST_F(DeviceMapTest, PowerOnTheHandIsThatOnTheProbeTimesAConstant) {
   }
 }
 
-/// The coupling f = K (proxy - device), differentiated along the hand's way: feltStiffness() against a
-/// difference.
+/// The coupling f = K (proxy - device), differentiated along the hand's path: feltStiffness() is
+/// compared with a difference quotient.
 TEST_F(DeviceMapTest, TheFeltStiffnessIsThatOfTheCouplingTimesBothScales) {
   for (int k = 0; k < 100; ++k) {
     const DeviceOptions options = device();
     HapticOptions haptics;
     haptics.coupling_stiffness = number(100.0, 1000.0);
-    const Vec3 direction = vector().normalized(), step = 0.01 / options.position_unit * direction;  // 10 mm
+    // The step is 10 mm.
+    const Vec3 direction = vector().normalized(), step = 0.01 / options.position_unit * direction;
     const auto feel = [&](const Vec3& position) {
       const Vec3 force = haptics.coupling_stiffness * (Vec3(0.1, 0.2, 0.3) - placed(options, position));
       return Vec3(options.force_axes * forceForDriver(options, Quat::Identity(), force));
@@ -84,7 +86,8 @@ TEST_F(DeviceMapTest, TheFeltStiffnessIsThatOfTheCouplingTimesBothScales) {
   }
 }
 
-/// Half a turn and quarter turns by hand, so that signs are not only consistent but right.
+/// Half turns and quarter turns computed by hand, so that signs are correct and not only
+/// consistent.
 TEST(DeviceMap, AxesOfOpenHapticsAndForceDimensionStandUpright) {
   const double half = std::sqrt(0.5);
   DeviceOptions device;
@@ -113,9 +116,9 @@ TEST(DeviceMap, LimitsOfTheForceHoldAtTheDevice) {
   DeviceSample sample;
   ProbeSnapshot snapshot;
   snapshot.contact = true;
-  snapshot.proxy = Vec3(0, 0, 1.0);  // 400 N of coupling
+  snapshot.proxy = Vec3(0, 0, 1.0);  // 400 N from the coupling
   snapshot.force = Vec3(0, 0, 400.0);
-  snapshot.torque = Vec3(400.0, 0, 0);  // at a metre
+  snapshot.torque = Vec3(400.0, 0, 0);  // 400 N at a lever of a metre
   double largest = 0.0, fastest = 0.0, last = 0.0;
   double largest_torque = 0.0, fastest_torque = 0.0, last_torque = 0.0;
   for (int tick = 1; tick <= 500; ++tick) {
@@ -146,7 +149,7 @@ TEST_F(DeviceMapTest, ForcesOutAndInAreInverse) {
   }
 }
 
-/// F = m a of the hand: what it pushes with and how it then moves, over scales.
+/// F = m a at the hand: its force and the motion that follows, for any scales.
 TEST_F(DeviceMapTest, TheToolIsTheHandsWhateverTheScales) {
   for (int k = 0; k < 100; ++k) {
     const DeviceOptions options = device();
@@ -180,13 +183,13 @@ TEST(DeviceMap, WarnsOfWhatTheDeviceCannotRender) {
   EXPECT_TRUE(deviceWarnings(device, haptics).empty());
 }
 
-/// What a check says of a hand that goes to and fro by 50 mm once a second (0.31 m/s at most), given in
-/// `unit`.
+/// Result of the check for a hand that moves back and forth by 50 mm once a second (0.31 m/s at
+/// most), given in `unit`.
 UnitDoubt doubtOf(double per_metre, double workspace_radius, double seconds = 1.0) {
   UnitCheck check(workspace_radius);
   UnitDoubt doubt = UnitDoubt::None;
   for (double time = 0.0; time < seconds; time += 1e-3) {
-    // Messages come in bunches of five at the same time: their steps say nothing of the speed.
+    // Messages come in bursts of five at the same time, so their steps do not give the speed.
     const double received = std::floor(time * 200.0) / 200.0;
     doubt = check.look(per_metre * 0.05 * std::sin(2.0 * M_PI * time) * Vec3::UnitX(), received);
   }
@@ -209,7 +212,8 @@ TEST(UnitCheck, SpeedAloneIsEnoughButNotOneJump) {
     EXPECT_EQ(check.look(Vec3(k < 500 ? -2.0 : 2.0, 0, 0), k * 1e-3), UnitDoubt::None);
   UnitCheck fast(0.0);
   UnitDoubt doubt = UnitDoubt::None;
-  for (int k = 0; k < 200; ++k) doubt = fast.look(Vec3(0.02 * k, 0, 0), k * 1e-3);  // 20 m/s, 4 m at the end
+  // The speed is 20 m/s, and the end is at 4 m.
+  for (int k = 0; k < 200; ++k) doubt = fast.look(Vec3(0.02 * k, 0, 0), k * 1e-3);
   EXPECT_EQ(doubt, UnitDoubt::TooFast);
   EXPECT_EQ(fast.look(Vec3(4.0, 0, 0), 10.0), UnitDoubt::TooFast) << "the doubt stays";
 }
@@ -223,7 +227,7 @@ TEST(UnitCheck, DiagnosticsNameTheRemedy) {
   EXPECT_NE(status.message.find("device/position_unit to 0.001"), std::string::npos) << status.message;
 }
 
-/// Scene, settings and files as device.launch loads them one after the other.
+/// Loads a scene, settings and files one after the other, as device.launch does.
 NodeOptions load(const std::vector<fs::path>& files) {
   XmlRpcValue parameters = sceneParameters();
   for (const fs::path& file : files) {
@@ -249,7 +253,7 @@ std::set<std::string> names(const std::string& folder) {
   return stems;
 }
 
-/// What mouse_hand sends for a place in the scene comes back to that place.
+/// A pose that mouse_hand sends for a place in the scene is mapped back to that place.
 TEST(DeviceMap, DriversSideUndoesPlaced) {
   DeviceOptions device;
   device.position_unit = 0.001;
@@ -260,7 +264,7 @@ TEST(DeviceMap, DriversSideUndoesPlaced) {
   const Quat orientation(Eigen::AngleAxisd(1.3, Vec3(0, 1, 2).normalized()));
   EXPECT_LT((placed(device, positionForDriver(device, position)) - position).norm(), 1e-12);
   EXPECT_LT(placed(device, orientationForDriver(device, orientation)).angularDistance(orientation), 1e-7);
-  // A body keeps its shape: where its tip is does not depend on whether body or driver's axes are turned.
+  // A body keeps its shape: rotating the body or the driver's axes gives the same place of its tip.
   const Vec3 tip(0.0, 0.0, 0.02);
   device.position_scale = 1.0;
   const Vec3 placed_tip = placed(device, position + orientation * tip / device.position_unit);
@@ -282,9 +286,9 @@ TEST(DevicePresets, EveryPairOfDeviceAndDriverLoadsWithoutWarning) {
   }
 }
 
-/// What CHAI3D 3.2 specifies for these models; the rule of guide/devices.md for the coupling: at most half of
-/// the largest stiffness, and B/(T/2 + t) with T = 1 ms and the delay t = 1 ms, over USB 2 ms (Gil et al.
-/// 2009, b = 0).
+/// Limits of these models in CHAI3D 3.2, and the rule of guide/devices.md for the coupling: at most
+/// half of the largest stiffness, and at most B/(T/2 + t) with T = 1 ms and the delay t = 1 ms, or
+/// 2 ms over USB (Gil et al. 2009, b = 0).
 TEST(DevicePresets, StayWithinThePublishedLimits) {
   struct Limits {
     double force, torque, stiffness, damping, radius, delay;
@@ -309,8 +313,8 @@ TEST(DevicePresets, StayWithinThePublishedLimits) {
   }
 }
 
-/// By hand from the drivers' sources: the middle of the workspace lies over the middle of the table, up is
-/// up, and a force up is one along what the driver calls up.
+/// Computed by hand from the sources of the drivers: the middle of the workspace lies above the
+/// middle of the table, up is up, and an upward force points along the driver's up.
 TEST(DevicePresets, DriversAgreeOnWhereUpIs) {
   struct Driver {
     Vec3 middle, up, towards, force_up;  ///< positions in the driver's units, the force in its axes

@@ -1,4 +1,4 @@
-/// When the log says why nothing of a device is taken: after a second of it, once a reason.
+/// Log messages about a device whose messages are all dropped: after a second, once per reason.
 #include "ros/input/drop_notice.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
-/// Which options change live, by which rules, and how tools see them.
-/// Criteria: a value set live is what the same private parameter gives a node that starts with it, for every
-/// option there is; what a file may not say is refused live with the same words; a set is taken as a whole.
+/// Options that change live, their rules, and how the tools see them. Criteria: for every option, a
+/// value set live has the same effect as the private parameter at start; a value that a file may
+/// not have is refused live with the same words; a set is accepted as a whole.
 #include "ros/options/live_options.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ namespace {
 
 using XmlRpc::XmlRpcValue;
 
-/// Two probes, one of which is half as strong.
+/// Two probes; the index has its own coupling stiffness and force scale.
 XmlRpcValue twoProbes() {
   XmlRpcValue parameters = sceneParameters();
   parameters["probes"] = toParameter(YAML::Load("{thumb: {}, index: {coupling_stiffness: 150}}"));
@@ -54,7 +54,7 @@ void setParameter(XmlRpcValue& tree, const std::string& path, const XmlRpcValue&
   }
 }
 
-/// Everything that may change, and what follows from it for the threads.
+/// Text of all live options and of what the threads derive from them.
 std::string textOf(const NodeOptions& options) {
   std::ostringstream text;
   text.precision(17);
@@ -142,7 +142,7 @@ TEST(LiveOptions, ImpossibleOnesAreRefusedByNameValueAndRule) {
 
 TEST(LiveOptions, ASetIsJudgedAsAWhole) {
   const NodeOptions options = parseNodeOptions(sceneParameters(), "test");
-  // Each by itself would leave coarsen_below above refine_above.
+  // Each change alone would leave coarsen_below above refine_above.
   const LiveValues lower{{"adapt/refine_above", 0.2}, {"adapt/coarsen_below", 0.1}};
   EXPECT_EQ(refusal(options, lower), "");
   EXPECT_NE(refusal(options, {{"adapt/refine_above", 0.2}})
@@ -203,7 +203,8 @@ TEST(ReconfigureMessages, SayAllThereIs) {
     if (types.at(option.name) != "str") {
       EXPECT_GE(high.at(option.name), value);
       for (const LiveValue& end : {low.at(option.name), high.at(option.name)}) {
-        if (option.name.find("adapt/") == 0) continue;  // one end alone may contradict another threshold
+        // One threshold alone at its end may contradict another.
+        if (option.name.find("adapt/") == 0) continue;
         EXPECT_EQ(refusal(options, {{option.name, end}}), "");
       }
     }
@@ -259,7 +260,7 @@ TEST(LiveOptions, ForcesAreHeldToTheAgeThatPosesAre) {
   ros::Time::init();
   XmlRpcValue parameters = sceneParameters();
   parameters["device"]["kind"] = "admittance";
-  parameters["max_pose_age"] = 0.0;  // none is too old
+  parameters["max_pose_age"] = 0.0;  // no pose is too old
   const NodeOptions options = parseNodeOptions(parameters, "test");
   SharedState shared(options.scene);
   const tf2_ros::Buffer transforms;

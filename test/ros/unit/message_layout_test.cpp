@@ -1,4 +1,5 @@
-/// Messages whose types are known only at run time, against roscpp's own serialisation and fingerprints.
+/// Messages whose types are known only at run time, compared with roscpp's serialisation and MD5
+/// sums.
 #include "ros/input/message_layout.h"
 
 #include <diagnostic_msgs/DiagnosticArray.h>
@@ -44,7 +45,7 @@ Message deserialized(std::vector<unsigned char> bytes) {
   return message;
 }
 
-/// The position that is found without being told where.
+/// The position that is found without a given path.
 template <class Message>
 Vec3 positionIn(const Message& message) {
   const auto path = findVector(layoutOf<Message>(), positionPaths());
@@ -68,8 +69,8 @@ void expectFingerprint() {
       << ros::message_traits::datatype<Message>();
 }
 
-/// With headers, constants, arrays, nested arrays and text: the fingerprints that genmsg wrote into the
-/// headers.
+/// MD5 sums of types with headers, constants, arrays, nested arrays and text, compared with those
+/// that genmsg wrote into the message headers.
 TEST(MessageLayout, FingerprintsAreThoseOfGenmsg) {
   expectFingerprint<geometry_msgs::Vector3>();
   expectFingerprint<geometry_msgs::WrenchStamped>();
@@ -80,7 +81,7 @@ TEST(MessageLayout, FingerprintsAreThoseOfGenmsg) {
   expectFingerprint<ClothState>();
 }
 
-/// By `genmsg.gentools.compute_md5` of the same text.
+/// Expected values from `genmsg.gentools.compute_md5` for the same text.
 TEST(MessageLayout, FingerprintsOfDriversOwnTypes) {
   const auto fingerprint = [](const std::string& datatype) {
     const auto type = findForceType(datatype);
@@ -142,7 +143,7 @@ TEST(VectorReader, FindsThePositionInWhatDriversSend) {
 }
 
 TEST(VectorReader, ReadsForeignTypes) {
-  // falconPos: capitals. The fields are three doubles, as in Point.
+  // falconPos has capitals. Its fields are three doubles, as in Point.
   const MessageLayout falcon("ros_falcon/falconPos", "float64 X\nfloat64 Y\nfloat64 Z\n");
   geometry_msgs::Point point;
   point.x = 1.0;
@@ -151,7 +152,7 @@ TEST(VectorReader, ReadsForeignTypes) {
   EXPECT_EQ(findVector(falcon, positionPaths()), "");
   EXPECT_EQ(VectorReader(falcon, "").read(serialized(point)), Vec3(1, 2, 3));
 
-  // A path through text and arrays of variable length, to an array of floats.
+  // The path leads past text and variable arrays to an array of floats.
   const MessageLayout state(
       "t/State", "string name\nt/Item[] items\nfloat32[3] xyz\n===\nMSG: t/Item\nstring s\nint16 i\n");
   std::vector<unsigned char> bytes = {1, 0, 0, 0, 'n', 1, 0, 0, 0, 2, 0, 0, 0, 'a', 'b', 7, 0};
@@ -204,8 +205,8 @@ TEST(VectorWriter, WritesWhatRoscppReads) {
   EXPECT_EQ(written<geometry_msgs::Vector3Stamped>(force).vector.x, force.x());
 }
 
-/// Bytes by hand from the definitions: three doubles of force, three zeros, a count of 3 and three locks of
-/// 0.
+/// Bytes written by hand from the definitions: three doubles of force, three zeros, a count of 3
+/// and three locks of 0.
 TEST(VectorWriter, DriversOwnTypesByteForByte) {
   const auto bytes = [](const std::string& datatype, const Vec3& force) {
     const ForceType type = findForceType(datatype).value();
@@ -218,7 +219,7 @@ TEST(VectorWriter, DriversOwnTypesByteForByte) {
   EXPECT_EQ(bytes("omni_msgs/OmniFeedback", force), expected);
   for (const unsigned char byte : {3, 0, 0, 0, 0, 0, 0}) expected.push_back(byte);
   EXPECT_EQ(bytes("geomagic_control/DeviceFeedback", force), expected);
-  // Whole newtons, held within the type.
+  // Whole newtons, clamped to the range of the type.
   EXPECT_EQ(bytes("ros_falcon/falconForces", Vec3(1.6, -2.4, 1e9)),
             (std::vector<unsigned char>{2, 0, 0xfe, 0xff, 0xff, 0x7f}));
 }

@@ -1,4 +1,4 @@
-/// The hand without a device: how it follows the mouse, and where its handles stand.
+/// The hand without a device: how it follows the mouse, and the places of its handles.
 #include "ros/programs/mouse_hand.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,8 @@
 namespace haptic_cloth {
 namespace {
 
-/// A first-order lag: after t the way left is e^(-t/T) of the jump, however many steps that takes.
+/// A first-order lag: after the time t the remaining distance is e^(-t/T) of the jump, for any
+/// number of steps.
 TEST(SmoothedPose, AJumpDiesAway) {
   const Pose target{Vec3(0.1, 0.0, 0.0), Quat(Eigen::AngleAxisd(1.0, Vec3::UnitY()))};
   for (const int steps : {1, 7, 100}) {

@@ -1,4 +1,4 @@
-/// The node's private parameters: defaults, scenes among them, several probes, and what is said of bad ones.
+/// The node's private parameters: defaults, scenes, several probes, and messages about bad values.
 #include "ros/options/node_options.h"
 
 #include <gtest/gtest.h>
@@ -57,8 +57,9 @@ TEST(NodeOptions, TheShippedSettingsAreTheDefaults) {
   EXPECT_EQ(loaded.haptics.passivity.store, plain.haptics.passivity.store);
   EXPECT_EQ(loaded.haptics.passivity.device_damping, plain.haptics.passivity.device_damping);
   EXPECT_EQ(loaded.haptics.passivity.loop_delay, plain.haptics.passivity.loop_delay);
-  // Every key of the code stands in the file: 8 beside the groups, of which device has 11, devices 0, haptics
-  // 10, among them passivity with 5 and admittance (admittance_options_test.cpp), markers 5, state 1.
+  // Every key of the code stands in the file: 8 outside the groups, device with 11, devices with 0,
+  // haptics with 10 (among them passivity with 5 and admittance, see admittance_options_test.cpp),
+  // markers with 5, state with 1.
   EXPECT_EQ(shipped.size(), 13u);
   EXPECT_EQ(shipped["devices"].size(), 0u);
   EXPECT_EQ(shipped["device"].size(), 11u);
@@ -86,7 +87,8 @@ TEST(NodeOptions, SceneByParametersOrByFile) {
 }
 
 TEST(NodeOptions, AFabricBesideTheSceneIsFound) {
-  // The launch files load a scene as parameters, which do not say where it lay: scene_directory does.
+  // The launch files load a scene as parameters, which do not contain its folder; scene_directory
+  // does.
   XmlRpcValue parameters = sceneParameters();
   parameters["cloth"]["fabric"] = "denim_a.yaml";
   EXPECT_NE(messageOf(parameters).find("no such file: denim_a.yaml"), std::string::npos);
@@ -106,7 +108,7 @@ TEST(NodeOptions, EveryProbeHasItsOwnDeviceAndCoupling) {
   const NodeOptions options =
       parseNodeOptions(with("{thumb: {offset: [0, 0, 1], force_scale: 0.5}}"), "test");
   ASSERT_EQ(options.probes.size(), 2u);
-  // A map of parameters comes sorted by name.
+  // A map of parameters is sorted by name.
   const int thumb = options.scene.probes[0].name == "thumb" ? 0 : 1, index = 1 - thumb;
   EXPECT_EQ(options.scene.probes[index].name, "index");
   EXPECT_EQ(options.probes[thumb].haptics.coupling_stiffness, 300.0);
@@ -143,7 +145,7 @@ TEST(NodeOptions, BadOnesAreNamed) {
   EXPECT_NE(with("max_pose_age", -1.0).find("max_pose_age = -1: must be finite and >= 0"), std::string::npos);
   EXPECT_NE(with("max_pose_age", kNaN).find("max_pose_age"), std::string::npos);
   EXPECT_NE(with("haptics", 3).find("must be a map"), std::string::npos);
-  // What is known are the node's own parameters and the keys of a scene.
+  // The known keys are the node's own parameters and the keys of a scene.
   const std::string unknown = with("tpyo", 3);
   EXPECT_NE(unknown.find("tpyo: unknown parameter; known here: "), std::string::npos) << unknown;
   for (const char* known : {"max_pose_age", "haptics", "cloth", "probes"})

@@ -1,4 +1,4 @@
-/// Which messages the gate lets through: by content, sender and stamp.
+/// Messages that the gate accepts: by content, sender and stamp.
 #include "ros/input/pose_gate.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ geometry_msgs::PoseStamped poseAt(double stamp) {
   return pose;
 }
 
-/// What the gate says of a pose, and of the next ones after it.
+/// Feeds poses one after the other and returns the verdicts of the gate.
 class PoseGateTest : public testing::Test {
  protected:
   PoseVerdict take(double stamp, double now, double received, const std::string& sender = "/device") {
@@ -41,7 +41,7 @@ TEST_F(PoseGateTest, Stamps) {
 }
 
 TEST_F(PoseGateTest, AfterSilenceAnyStampIsANewStart) {
-  // One stamp half a second ahead must not silence the device for half a second.
+  // One stamp half a second ahead must not block the device for half a second.
   EXPECT_EQ(take(100.5, 100.0, 1.00), PoseVerdict::Accepted);
   EXPECT_EQ(take(100.01, 100.01, 1.01), PoseVerdict::OutOfOrder);
   EXPECT_EQ(take(100.06, 100.06, 1.06), PoseVerdict::Accepted);
@@ -52,7 +52,7 @@ TEST_F(PoseGateTest, TheFirstSenderKeepsTheProbeWhileItSends) {
   EXPECT_EQ(take(0.0, 100.0, 1.00, "/one"), PoseVerdict::Accepted);
   EXPECT_EQ(take(0.0, 100.0, 1.01, "/two"), PoseVerdict::OtherSender);
   EXPECT_EQ(take(0.0, 100.0, 1.02, "/one"), PoseVerdict::Accepted);
-  // /one falls silent, or sends only what cannot be taken.
+  // /one falls silent, or sends only poses that are refused.
   EXPECT_EQ(take(99.0, 100.0, 1.06, "/one"), PoseVerdict::Late);
   EXPECT_EQ(take(0.0, 100.0, 1.08, "/two"), PoseVerdict::Accepted);
   EXPECT_EQ(take(0.0, 100.0, 1.09, "/one"), PoseVerdict::OtherSender);

@@ -1,6 +1,5 @@
-/// Work that services give to others: to the solver thread, and to threads that wait for files.
-/// Criteria: every caller gets its own answer; who waits can be called off; a state has the options
-/// that were asked for.
+/// Work that services pass on: to the solver thread, and to threads that wait for files. Criteria:
+/// every caller gets its own answer; waiting can be cancelled; a state has the requested options.
 #include "ros/node/solver_tasks.h"
 
 #include <gtest/gtest.h>
@@ -33,7 +32,7 @@ TEST(FileWork, IsWaitedFor) {
 }
 
 TEST(FileWork, IsLeftBehindWhereItIsCalledOff) {
-  // The work waits for this promise as for a file system that does not answer.
+  // The work waits for this promise as it would for a file system that does not answer.
   const auto answer = std::make_shared<std::promise<void>>();
   std::atomic<bool> begun{false};
   std::promise<void> ended;
@@ -54,7 +53,7 @@ class SolverTasksTest : public testing::Test {
         shared_(options_.scene),
         loop_(options_, shared_) {}
 
-  /// As a service would ask for it.
+  /// Requests a change as a service does.
   void ask(const LiveValues& values) {
     const NodeOptions next = changed(*live_.options, values, "test");
     live_ = nextOptions(live_, next, steadyNow());
@@ -102,7 +101,7 @@ TEST_F(SolverTasksTest, AStateHasTheGainsThatWereAskedForAndSoHasLoadingIt) {
 }
 
 TEST_F(SolverTasksTest, AStateSavedInAPauseHasTheOptionsOfThePause) {
-  // No step has taken them over yet.
+  // No step has applied them yet.
   ask({{"solver/tolerance", 0.2}});
   Scene asked = options_.scene;
   asked.solver.minimizer.tolerance = 0.2;
@@ -126,7 +125,7 @@ TEST_F(SolverTasksTest, ARampGoesOnAfterAStateWasSaved) {
   while (time <= saved_at) {
     ASSERT_TRUE(shared_.tasks.run(look, shared_.stop, kPatience));
   }
-  // 400 N/m when it began, 0.5 N/m more each second.
+  // 400 N/m at the beginning, 0.5 N/m more each second.
   EXPECT_LT(stiffness, 899.0);
   EXPECT_GT(stiffness, options_.scene.probes[0].coupling_stiffness);
   shared_.stop = true;

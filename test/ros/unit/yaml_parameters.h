@@ -1,4 +1,4 @@
-/// Shipped files as the parameter server holds them, and what the node says of parameters.
+/// Shipped files as the parameter server holds them, and messages of the node about parameters.
 #pragma once
 
 #include <xmlrpcpp/XmlRpcValue.h>
@@ -11,7 +11,7 @@
 
 namespace haptic_cloth {
 
-/// A YAML node as rosparam puts it on the parameter server.
+/// Converts a YAML node as rosparam does for the parameter server.
 inline XmlRpc::XmlRpcValue toParameter(const YAML::Node& node) {
   XmlRpc::XmlRpcValue value;
   if (node.IsMap()) {
@@ -41,14 +41,14 @@ inline XmlRpc::XmlRpcValue sceneParameters() {
   return toParameter(YAML::LoadFile(std::string(HAPTIC_CLOTH_SOURCE_DIR) + "/test/ros/scene.yaml"));
 }
 
-/// A scene's parameters and those of config/node.yaml.
+/// Parameters of a scene with those of config/node.yaml.
 inline XmlRpc::XmlRpcValue withSettings(const YAML::Node& settings) {
   XmlRpc::XmlRpcValue parameters = sceneParameters();
   for (const auto& entry : toParameter(settings)) parameters[entry.first] = entry.second;
   return parameters;
 }
 
-/// @return the error's message; empty where the parameters are taken
+/// @return the error message; empty if the parameters are accepted
 inline std::string messageOf(const XmlRpc::XmlRpcValue& parameters) {
   try {
     parseNodeOptions(parameters, "/cloth (parameters)");
