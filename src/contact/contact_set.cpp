@@ -179,7 +179,8 @@ void ContactSet::measure(int solid, double range, const ActiveMesh& mesh, const 
 /// sharp edge would cut deeper into these parts than that share.
 int ContactSet::partsOf(const Patch& patch) const {
   constexpr double kSameNormal = 1e-3, kShareOfRange = 0.1, kMostParts = 4.0;
-  double gaps = 0.0, turn = 0.0;  // of all pairs: compared with one corner, a cell and its image would differ
+  // Largest differences over all pairs; with one corner as reference, mirrored cells would differ.
+  double gaps = 0.0, turn = 0.0;
   for (int c = 1; c < 4; ++c) {
     for (int d = 0; d < c; ++d) {
       const int a = patch.nodes[c], b = patch.nodes[d];

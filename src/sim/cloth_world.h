@@ -68,7 +68,7 @@ class ClothWorld {
   double maxSpeed() const;
   const Field& nodes() const { return nodes_; }
 
-  /// By which the next look at the mesh judges the load on its cells; holds until then.
+  /// Inputs of the next mesh decision's load estimate; valid until the next call.
   LoadEstimate::View loadView();
 
  private:
@@ -152,11 +152,11 @@ class ClothWorld {
   FineRegions fine_;
   std::vector<LoadEstimate::Touch> touches_;  ///< of loadView()
   double initial_ = 0.0;                      ///< energy at the start [J]
-  double supplied_ = 0.0;                     ///< that and what devices and obstacles have worked since [J]
-  double created_ = 0.0;                      ///< by the mesh change of the step in hand [J]
-  double let_out_ = 0.0;        ///< work of obstacles at the start of the next step, see ContactSet [J]
-  double at_rest_ = 0.0;        ///< Φ of the step in hand with all at rest [J]
-  double energy_before_ = 0.0;  ///< Φ's energies at the start of the step in hand, with its inputs [J]
+  double supplied_ = 0.0;                     ///< initial_ plus work of devices and obstacles [J]
+  double created_ = 0.0;                      ///< by the mesh change of the current step [J]
+  double let_out_ = 0.0;                      ///< ContactSet::letOutWork() of the last step [J]
+  double at_rest_ = 0.0;                      ///< Φ(x⁰) of the current step [J]
+  double energy_before_ = 0.0;                ///< energies in Φ(x⁰), minus created_ if positive [J]
   Field nodes_, velocities_;
   std::vector<double> reach_;  ///< expected displacement of each node in the current step [m]
   Vector x_, start_, motion_, gradient_, joint_x_;

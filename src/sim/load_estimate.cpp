@@ -61,9 +61,9 @@ double LoadEstimate::turn(const View& view, const Cell& cell, int parts) const {
   return std::max(bend(view, cell, parts), missing(view, cell, parts));
 }
 
-/// What the cell would turn by if it could bend. The load is what an obstacle does not carry, at most
-/// the cloth's weight: what is larger is an impact, over before a cell bends. Above an uneven obstacle
-/// some of the cell will have to carry itself soon.
+/// Turning angle of a cell if it could bend. The load is that on cloth which no obstacle carries,
+/// at most the weight of the cloth: a larger load is an impact, over before a cell bends. Above an
+/// uneven obstacle part of the cell will have to carry itself soon.
 double LoadEstimate::bend(const View& view, const Cell& cell, int parts) const {
   const double length = cell.span() * std::max(grid_.dx, grid_.dy);
   if (tension_.empty() || turnUnder(density_ * gravity_, 0.0, length) <= least_) return 0.0;
@@ -78,22 +78,23 @@ double LoadEstimate::bend(const View& view, const Cell& cell, int parts) const {
   return turnUnder(density_ * carries, tension, length);
 }
 
-/// The turn that stands for what a probe would miss of the cell's load.
+/// Turning angle for the load of the cell that the force on a probe would lack.
 double LoadEstimate::missing(const View& view, const Cell& cell, int parts) const {
-  constexpr double kShare = 0.02, kLeast = 0.01;  // less force than that no device gives [N]
+  constexpr double kShare = 0.02, kLeast = 0.01;  // no device renders less force [N]
   if (view.touches.empty()) return 0.0;
   const double finest = std::max(grid_.dx, grid_.dy), length = cell.span() * finest;
-  const double area = length * length - finest * finest;  // the finest mesh misses its share, too
+  const double area = length * length - finest * finest;  // the finest mesh lacks its share, too
   const double turn_by_load = area / (kShare * std::max(kLeast, leastForce(view, cell))) * view.split_turn;
   if (density_ * gravity_ * turn_by_load <= least_) return 0.0;
   if (under(view, cell, points(view, cell, parts)) == Under::Even) return 0.0;
   return density_ * std::min(weightAround(view, cell), gravity_) * turn_by_load;
 }
 
-/// On those probes to which a wave comes back from the cell; infinite where there is none [N].
+/// Smallest force on a probe that a wave from the cell reaches; infinite if there is none [N].
 double LoadEstimate::leastForce(const View& view, const Cell& cell) const {
   constexpr double kWaves = 3.0;
-  const double reach = 0.71 * cell.span() * std::max(grid_.dx, grid_.dy);  // from the centre to a corner
+  const double reach = 0.71 * cell.span() * std::max(grid_.dx, grid_.dy);  // distance from the
+                                                                           // centre to a corner
   Vec3 centre = Vec3::Zero();
   for (const int corner : cell.corners(grid_)) centre += 0.25 * view.nodes[view.mesh.node[corner]];
   double least = std::numeric_limits<double>::infinity();
@@ -104,8 +105,8 @@ double LoadEstimate::leastForce(const View& view, const Cell& cell) const {
   return least;
 }
 
-/// The largest weight of the nodes of a cell and of half a cell around it: waves get as far before the
-/// mesh is as fine as they need it.  @pre not a finest cell
+/// Largest weight of the nodes of a cell and of half a cell around it: waves travel that far before
+/// the mesh is fine enough for them. @pre not a finest cell
 double LoadEstimate::weightAround(const View& view, const Cell& cell) const {
   const int half = cell.span() / 2, size = cell.span();
   double largest = 0.0;
@@ -136,10 +137,12 @@ LoadEstimate::Points LoadEstimate::points(const View& view, const Cell& cell, in
   return x;
 }
 
-/// Uneven: an obstacle is within reach and does not lie under the cell evenly.
+/// Position of obstacles under the cell. Uneven: one is within reach and does not lie evenly under
+/// it.
 LoadEstimate::Under LoadEstimate::under(const View& view, const Cell& cell, const Points& points) const {
-  constexpr double kEven = 0.5, kTouches = 1.5;  // of the range
-  constexpr double kApart = 0.36;  // no place is farther from the nearest of the points, of the length
+  constexpr double kEven = 0.5, kTouches = 1.5;  // in ranges of contact
+  // Largest distance of a place in the cell to the nearest point, in cell lengths.
+  constexpr double kApart = 0.36;
   Vec3 velocity = Vec3::Zero();
   for (const int corner : cell.corners(grid_)) velocity += 0.25 * view.velocities[view.mesh.node[corner]];
   const double length = cell.span() * std::max(grid_.dx, grid_.dy);

@@ -18,21 +18,21 @@ namespace haptic_cloth {
 ///
 ///     θ = q L / (T + 8B/L² + ½ ρ g L)
 ///
-/// which is compared like a turning angle that the mesh does show. The last term is the tension of
-/// a cell that hangs down: nothing turns further than that. For most fabrics only cells above 30 mm
-/// can bend so at all. A cell that would sag by no more than a few thicknesses lies as well as
-/// finer ones: it counts as stiff.
+/// This angle is compared with the same thresholds as a visible turning angle. The last term is the
+/// tension of a cell that hangs down: nothing turns further than that. For most fabrics only cells
+/// above 30 mm can bend so much. A cell that would sag by no more than a few thicknesses counts as
+/// stiff: finer cells would lie no better.
 ///
-/// Waves that a probe makes in loose cloth come back to it. A probe of radius r makes waves of
-/// length λ = 4r and longer, of number k = 2π/λ; cells of length L carry these too fast or too slowly
-/// by (kL)²/24, so of the load q λ² of the cloth that swings with the probe that share is missing in
-/// its force F. A hand tells 5 to 7 % apart; 3 % leave room for what else errs: q L² π²/6 < 0.03 F,
-/// whatever r is. So a cell's own load, less that of a finest cell, may be 2 % of the force that is
-/// felt; what is more makes a turn as well. A ring that has gone three of its lengths has a sixth of
-/// its strength when it is back: what is farther away does not count.
+/// Waves that a probe makes in loose cloth return to it. A probe of radius r makes waves of length
+/// λ = 4r and longer, with wave number k = 2π/λ. Cells of length L carry these too fast or too
+/// slowly by (kL)²/24. The force F of the probe lacks that share of the load q λ² of the cloth that
+/// swings with it. A hand distinguishes 5 to 7 %; 3 % leave room for other errors: q L² π²/6 < 0.03
+/// F for any r. So the load of a cell, minus that of a finest cell, may be 2 % of the force; a
+/// larger load makes a turning angle as well. A ring wave that has travelled three of its lengths
+/// has a sixth of its strength when it returns, so cells farther away do not count.
 class LoadEstimate {
  public:
-  /// A probe that the cloth presses on.
+  /// Probe that the cloth presses on.
   struct Touch {
     Vec3 position;  ///< [m]
     double radius;  ///< [m]
@@ -46,12 +46,13 @@ class LoadEstimate {
     const ActiveMesh& mesh;
     const InternalEnergy& internal;
     const ContactSet& contacts;
-    const Field& nodes;                 ///< positions [m]
-    const Field& velocities;            ///< [m/s]
-    const std::vector<double>& weight;  ///< gravity less acceleration of the nodes, across the surface [m/s²]
-    double look_time;                   ///< from one look at the mesh to the next [s]
+    const Field& nodes;       ///< positions [m]
+    const Field& velocities;  ///< [m/s]
+    /// Gravity minus acceleration of the nodes, along the surface normal [m/s²].
+    const std::vector<double>& weight;
+    double look_time;  ///< time between two mesh decisions [s]
     const std::vector<Touch>& touches;
-    double split_turn;  ///< above which a cell splits [rad]
+    double split_turn;  ///< turning angle above which a cell splits [rad]
   };
 
   /// Measures tensions for later calls of turn(). @param least smaller angles may count as zero

@@ -46,13 +46,14 @@ int createUnique(const fs::path& target, std::string& name) {
   return -1;
 }
 
-/// Keeps other runs from giving files in the same folders their names meanwhile: each run's would
-/// be whole, and yet the folder could hold some of either. Whoever holds such a lock for long, for
-/// instance flock(1) around this very program, is not waited for, nor is a file system without
-/// locks.
+/// Locks folders, so that no other run publishes files there in the meantime. Otherwise every file
+/// would be complete, but the folder could hold files of both runs. The wait is limited by
+/// kPatience, for instance for flock(1) around this program; file systems without locks are not
+/// waited for.
 class FolderLocks {
  public:
-  explicit FolderLocks(const std::set<fs::path>& folders) {  // in their order, the same in all programs
+  // In sorted order, which is the same in all programs.
+  explicit FolderLocks(const std::set<fs::path>& folders) {
     const auto give_up = std::chrono::steady_clock::now() + kPatience;
     for (const fs::path& folder : folders) {
       const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);

@@ -73,9 +73,9 @@ class NewFiles {
   /// @throws OutputError
   NewFile& add(const std::filesystem::path& file) { return files_.emplace_back(file); }
 
-  /// Gives all of them their names when all are complete, in the order in which they were added.
-  /// Sets of several programs follow one another: the last one stays, as a whole.
-  /// @throws OutputError; then none of them is there
+  /// Gives all files their names once all are complete, in the order in which they were added. If
+  /// several programs publish such sets at once, the last set stays, completely.
+  /// @throws OutputError; then none of them exists
   void publish();
 
  private:

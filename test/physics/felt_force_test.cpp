@@ -1,9 +1,9 @@
-/// The force on a probe under AMRC, as a vector, against the finest mesh's at the same options. A probe
-/// is pressed and slid by 20 mm and more on sheets of 33 x 33 of winter suiting: on loose ones, where
-/// folds and waves are felt, beside an edge of a box and beside a fold. Criterion: rms of the difference
-/// over rms of the force at most 5 %, which is below what a hand tells apart [Jones 1989; Pang, Tan &
-/// Durlach 1991], and what the finest mesh's own force changes by with half the step, below which the
-/// force is not known.
+/// Force vector on a probe under AMRC, compared with that of the finest mesh with the same options.
+/// A probe presses and slides by 20 mm or more on sheets of 33 × 33 particles of winter suiting: on
+/// loose sheets, where folds and waves affect it, beside an edge of a box and beside a fold.
+/// Criterion: rms of the difference over rms of the force. It may be 5 %, below what a hand
+/// distinguishes [Jones 1989; Pang, Tan & Durlach 1991], plus the change of the finest mesh's own
+/// force with half the time step, below which the force is not known.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -27,7 +27,7 @@ Scene sheet(double size, double height) {
   return scene;
 }
 
-/// Warp along x, weft up, held at its upper edge.
+/// Sheet with warp along x and weft upwards, held at its upper edge.
 Scene hung(double size) {
   Scene scene = sheet(size, 0.2);
   scene.cloth.pose.orientation = Quat(Eigen::AngleAxisd(0.5 * EIGEN_PI, Vec3::UnitX()));
@@ -35,7 +35,7 @@ Scene hung(double size) {
   return scene;
 }
 
-/// Pushed by 30 mm, then slid.
+/// Sheet pushed by 30 mm; then the probe slides.
 Scene pushed() {
   Scene scene = hung(0.2);
   scene.probes[0].path = {{0.0, Vec3(0, -0.02, 0.18)},
@@ -45,7 +45,7 @@ Scene pushed() {
   return scene;
 }
 
-/// Folds run from the probe to the corners: bench/scenes/sheet_pushed.yaml.
+/// Sheet with folds from the probe to the corners: bench/scenes/sheet_pushed.yaml.
 Scene lifted() {
   Scene scene = hung(0.16);
   scene.probes[0].radius = 0.012;
@@ -56,7 +56,7 @@ Scene lifted() {
   return scene;
 }
 
-/// Over a box that it overhangs on all sides; the probe comes when it hangs.
+/// Sheet over a box that it overhangs on all sides; the probe comes once it hangs.
 Scene draped(const Vec3& clear, const Vec3& pressed, const Vec3& slid) {
   Scene scene = sheet(0.3, 0.105);
   Obstacle box;
@@ -81,7 +81,7 @@ std::vector<Case> cases() {
           {"fold", draped(Vec3(0.14, 0.055, 0.05), Vec3(0.08, 0.055, 0.05), Vec3(0.08, 0.075, 0.05))}};
 }
 
-/// The force at the end of each millisecond, from the path's second point on.
+/// Forces at the end of each millisecond, from the second point of the path on.
 std::vector<Vec3> felt(const Scene& scene) {
   const std::vector<PathPoint>& path = scene.probes[0].path;
   const double h = scene.solver.time_step, from = path[path.size() - 3].time, until = path.back().time;
@@ -97,7 +97,7 @@ std::vector<Vec3> felt(const Scene& scene) {
   return forces;
 }
 
-/// rms of the difference over rms of the second.
+/// Rms of the difference over rms of `b`.
 double difference(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
   double apart = 0.0, size = 0.0;
   for (std::size_t k = 0; k < b.size(); ++k) {

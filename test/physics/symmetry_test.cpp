@@ -1,10 +1,11 @@
-/// A scene and its image have images of one mesh. Criteria. Where nothing pulls at the cloth no number
-/// is near a threshold and rounding decides nothing: the same leaves after every step, whichever side
-/// is looked at first. Solves of a drape under a probe end short of the minimum by their tolerance, and
-/// sums in another order end elsewhere. At a hundredth of the tolerance: the same leaves while it
-/// drapes and the probe presses and slides, but for two looks, since a number may be at a threshold. At
-/// the default tolerance: in the end a shape that differs by no more than the finest mesh's does and 1 %
-/// of the finest spacing, a fifth of what may be seen of a cell that splits a look later
+/// Symmetry of the mesh: a scene and its image have images of one mesh.
+/// Criteria: without load no number is near a threshold and rounding decides nothing, so the leaves
+/// are equal after every step, whichever side is processed first. Solves of a drape under a probe
+/// end short of the minimum by their tolerance, and sums in another order end elsewhere. At a
+/// hundredth of the tolerance the leaves are equal while the cloth drapes and the probe presses and
+/// slides, except for two mesh decisions, since a number may be at a threshold. At the default
+/// tolerance the final shapes differ by at most the difference on the finest mesh plus 1 % of the
+/// finest spacing, a fifth of the visible effect of a cell that splits one decision later
 /// (mesh_change_test.cpp).
 #include <gtest/gtest.h>
 
@@ -76,7 +77,7 @@ INSTANTIATE_TEST_SUITE_P(Axes, Mirrored,
                          testing::Values(std::array<int, 2>{-1, 1}, std::array<int, 2>{1, -1},
                                          std::array<int, 2>{-1, -1}));
 
-/// Images under which the box below stays as it is, but for the shift.
+/// Images under which the box below does not change, except for the shift.
 enum class Image { MirroredX, MirroredY, Turned, Shifted };
 
 constexpr int kSide = 33;
@@ -98,7 +99,7 @@ Vec3 moved(Image image, const Vec3& p) {
   return turned(image, p) + (image == Image::Shifted ? Vec3(0.25, -0.125, 0.5) : Vec3(0, 0, 0));
 }
 
-/// Lower left corner of the image of a square of `span` cells at (i, j).
+/// Lower left corner of the image of a square of `span` × `span` cells at (i, j).
 std::array<int, 2> corner(Image image, int i, int j, int span) {
   const int last = kSide - 1 - span;
   switch (image) {
@@ -113,7 +114,7 @@ std::array<int, 2> corner(Image image, int i, int j, int span) {
   }
 }
 
-/// Warp and weft differ.
+/// Drape whose warp and weft differ.
 Scene drape(Strategy strategy) {
   const std::string fabrics = HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/";
   Scene scene = boxDrape(kSide);
@@ -136,15 +137,16 @@ Scene imageOf(Image image, Scene scene) {
   return scene;
 }
 
-/// From above onto the box, and 20 mm over it.
+/// Path from above onto the box, then 20 mm along it.
 std::vector<PathPoint> press(double from, double slides, double until) {
   const Vec3 above(0.02, 0.03, 0.13), pressed(0.02, 0.03, 0.005), slid(0.04, 0.03, 0.005);
   return {{0.0, above}, {from, above}, {slides, pressed}, {until, slid}};
 }
 
 struct Twins {
-  int unequal = 0;     ///< steps after which the leaves differ
-  double apart = 0.0;  ///< rms distance of the image and the other's particles at the end [m]
+  int unequal = 0;  ///< number of steps after which the leaves differ
+  /// Rms distance between the image and the other run's particles at the end [m].
+  double apart = 0.0;
 };
 
 Twins runTwins(Image image, const Scene& scene) {

@@ -80,7 +80,7 @@ TEST_F(NewFileTest, TwoWritersOfOneNameDoNotMeet) {
 }
 
 TEST_F(NewFileTest, OfTwoSetsAtOnceOneIsThereAsAWhole) {
-  // Where nobody saw to their order, one round in ten mixed the two.
+  // Without locks one round in ten mixed the two sets.
   for (int round = 0; round < 50; ++round) {
     std::vector<std::thread> writers;
     std::atomic<int> ready{0};
