@@ -73,7 +73,7 @@ class Shadow {
   /// Particles of the nodes after the last change: those of the world after its step.
   const std::vector<int>& particles() const { return particles_; }
 
-  /// To be called once before each step. @return nothing where the mesh stays as it is
+  /// Called once before each step. @return nothing if the mesh does not change
   std::optional<Change> change(ClothWorld& world, const FineRegions& fine = {}) {
     const LoadEstimate::View view = world.loadView();
     load_.begin(view, std::min(world.scene.adapt.refine_above, world.scene.adapt.coarsen_below));
