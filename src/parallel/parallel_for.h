@@ -1,9 +1,9 @@
 /// Loops over threads, with results that do not depend on their number. Only this file uses OpenMP.
 #pragma once
 
-#include <Eigen/Core>
 #include <time.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <atomic>
 #include <chrono>

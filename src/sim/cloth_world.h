@@ -91,7 +91,6 @@ class ClothWorld {
   void measureWeight();
   void solve(StepReport& report);
   void takeHold();
-  double wayAhead(int probe) const;
   void findContacts(const std::vector<double>& proxy_reach);
   MinimizerReport minimise();
   MinimizerReport minimiseJoint();
