@@ -83,6 +83,17 @@ endif()
 
 add_test(NAME hello_cloth COMMAND hello_cloth)
 
+# The README's C++ is compiled and run as it stands there.
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/README.md")
+file(READ "${PROJECT_SOURCE_DIR}/README.md" readme)
+string(REGEX MATCH "```cpp\n([^`]*)```" snippet "${readme}")
+file(WRITE "${PROJECT_BINARY_DIR}/readme_example.txt" "${CMAKE_MATCH_1}")
+configure_file("${PROJECT_BINARY_DIR}/readme_example.txt" "${PROJECT_BINARY_DIR}/readme_example.cpp" COPYONLY)
+add_executable(readme_example "${PROJECT_BINARY_DIR}/readme_example.cpp")
+target_link_libraries(readme_example haptic_cloth)
+add_test(NAME readme_example COMMAND readme_example WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
+set_tests_properties(readme_example PROPERTIES PASS_REGULAR_EXPRESSION "force on the probe: [0-9]+\\.[0-9]+ N")
+
 # The benchmarks' scripts on tiny meshes: they run and their results are well formed. Nothing is said of time.
 foreach(bench chart resolution table1 peers_table savings realtime active_limit threads scaling)
   set(scratch "${PROJECT_BINARY_DIR}/bench_${bench}")
