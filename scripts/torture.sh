@@ -6,6 +6,7 @@
 #   long   a soak of an hour, 1,000,000 cycles: about an hour
 # What fails leaves a scene in BUILD/torture that `simulate` replays. --no-table: the document stays as it is.
 set -euo pipefail
+case "${1:-}" in -h | --help) sed -n 2,8p "$0"; exit 0 ;; esac
 root="$(cd "$(dirname "$0")/.." && pwd)"
 table=yes
 if [ "${1:-}" = --no-table ]; then table=no; shift; fi
@@ -15,7 +16,7 @@ case "$form" in
   ci) ;;
   short) export HAPTIC_CLOTH_TORTURE_SOAK=600 HAPTIC_CLOTH_TORTURE_CYCLES=100000 ;;
   long) export HAPTIC_CLOTH_TORTURE_SOAK=3600 HAPTIC_CLOTH_TORTURE_CYCLES=1000000 ;;
-  *) sed -n '2,8p' "$0" >&2; exit 2 ;;
+  *) sed -n 2,8p "$0" >&2; exit 2 ;;
 esac
 program="$build/devel/lib/haptic_cloth/stability_tests"
 [ -x "$program" ] || { echo "$program is missing: build it first" >&2; exit 2; }
@@ -24,7 +25,7 @@ export HAPTIC_CLOTH_TORTURE_OUT="$build/torture" OMP_WAIT_POLICY="${OMP_WAIT_POL
 mkdir -p "$HAPTIC_CLOTH_TORTURE_OUT"
 rm -f "$HAPTIC_CLOTH_TORTURE_OUT/margins.csv"
 status=0
-"$program" --gtest_brief=1 --gtest_filter='*Torture*' || status=$?
+GTEST_BRIEF=1 "$program" --gtest_filter='*Torture*' || status=$?
 if [ "$table" = yes ]; then
   "$root/scripts/stability.py" "$HAPTIC_CLOTH_TORTURE_OUT/margins.csv" "$root/docs/stability.md"
 fi
