@@ -6,6 +6,10 @@ import math
 import sys
 import time
 
+if {"-h", "--help"} & set(sys.argv):
+    print(__doc__)
+    sys.exit(0)
+
 import rospy
 from geometry_msgs.msg import WrenchStamped
 from haptic_cloth.msg import ClothState
@@ -44,7 +48,4 @@ def norm(message):
 
 
 if __name__ == "__main__":
-    if {"-h", "--help"} & set(sys.argv):
-        print(__doc__)
-        sys.exit(0)
     sys.exit(main(float(sys.argv[1]), float(sys.argv[2]), float(sys.argv[3]) if len(sys.argv) > 3 else 0.8))
