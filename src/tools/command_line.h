@@ -1,4 +1,4 @@
-/// Command line of a program: options, and one file without an option's name.
+/// Command line of a program: options, and one file that needs no option.
 #pragma once
 
 #include <boost/program_options.hpp>
@@ -13,9 +13,9 @@ using UsageError = boost::program_options::error;
 class CommandLine {
  public:
   /// @param description what the program does, printed above its options
-  /// @param file_name how the help calls the one argument without an option's name
-  /// @param file where that argument goes
-  /// @param file_help what that file is
+  /// @param file_name name of the one argument without an option, for help and messages
+  /// @param file receives that argument; must outlive this object
+  /// @param file_help explains that argument
   CommandLine(std::string program, std::string description, std::string file_name, std::string& file,
               std::string file_help);
 
