@@ -36,9 +36,6 @@ haptic_cloth_test_settings(test_support)
 foreach(folder unit physics stability fuzz)
   file(GLOB sources CONFIGURE_DEPENDS test/${folder}/*.cpp)
   list(REMOVE_ITEM sources "${PROJECT_SOURCE_DIR}/test/fuzz/fuzzer.cpp" "${PROJECT_SOURCE_DIR}/test/fuzz/race.cpp")
-  if(NOT TARGET simulate)
-    list(REMOVE_ITEM sources "${PROJECT_SOURCE_DIR}/test/unit/simulate_test.cpp")
-  endif()
   if(sources)
     haptic_cloth_test(${folder}_tests ${sources})
     if(NOT folder STREQUAL "fuzz")
@@ -49,11 +46,9 @@ endforeach()
 if(HAPTIC_CLOTH_SANITIZE STREQUAL "thread")  # of the unit tests those with threads, for scripts/sanitize.sh
   haptic_cloth_test(exchange_tests test/unit/exchange_test.cpp test/unit/haptics_test.cpp test/support/scenes.cpp)
 endif()
-if(TARGET simulate)
-  target_compile_definitions(unit_tests PRIVATE HAPTIC_CLOTH_SIMULATE="$<TARGET_FILE:simulate>"
-    HAPTIC_CLOTH_KES_TEST="$<TARGET_FILE:kes_test>")
-  add_dependencies(unit_tests simulate kes_test)
-endif()
+target_compile_definitions(unit_tests PRIVATE HAPTIC_CLOTH_SIMULATE="$<TARGET_FILE:simulate>"
+  HAPTIC_CLOTH_KES_TEST="$<TARGET_FILE:kes_test>")
+add_dependencies(unit_tests simulate kes_test)
 
 # Every path of the kernels: all unit tests, and of the others those that go through each kernel (stretch, bending,
 # shear, twist, contact, preconditioner, changes of the mesh). Paths that the machine lacks are reported as skipped.
@@ -88,18 +83,27 @@ endif()
 
 add_test(NAME hello_cloth COMMAND hello_cloth)
 
+# The README's C++ is compiled and run as it stands there.
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/README.md")
+file(READ "${PROJECT_SOURCE_DIR}/README.md" readme)
+string(REGEX MATCH "```cpp\n([^`]*)```" snippet "${readme}")
+file(WRITE "${PROJECT_BINARY_DIR}/readme_example.txt" "${CMAKE_MATCH_1}")
+configure_file("${PROJECT_BINARY_DIR}/readme_example.txt" "${PROJECT_BINARY_DIR}/readme_example.cpp" COPYONLY)
+add_executable(readme_example "${PROJECT_BINARY_DIR}/readme_example.cpp")
+target_link_libraries(readme_example haptic_cloth)
+add_test(NAME readme_example COMMAND readme_example WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
+set_tests_properties(readme_example PROPERTIES PASS_REGULAR_EXPRESSION "force on the probe: [0-9]+\\.[0-9]+ N")
+
 # The benchmarks' scripts on tiny meshes: they run and their results are well formed. Nothing is said of time.
-if(TARGET simulate)
-  foreach(bench chart resolution table1 peers_table savings realtime active_limit threads scaling)
-    set(scratch "${PROJECT_BINARY_DIR}/bench_${bench}")
-    set(picture)
-    if(bench STREQUAL table1)
-      set(picture --image "${scratch}/table1.png")
-    endif()
-    add_test(NAME bench_${bench}_smoke COMMAND "${PROJECT_SOURCE_DIR}/bench/${bench}" --smoke
-      --simulate $<TARGET_FILE:simulate> --cache "${scratch}" --out "${scratch}" ${picture})
-  endforeach()
-endif()
+foreach(bench chart resolution table1 peers_table savings realtime active_limit threads scaling)
+  set(scratch "${PROJECT_BINARY_DIR}/bench_${bench}")
+  set(picture)
+  if(bench STREQUAL table1)
+    set(picture --image "${scratch}/table1.png")
+  endif()
+  add_test(NAME bench_${bench}_smoke COMMAND "${PROJECT_SOURCE_DIR}/bench/${bench}" --smoke
+    --simulate $<TARGET_FILE:simulate> --cache "${scratch}" --out "${scratch}" ${picture})
+endforeach()
 if(TARGET kernel_times)
   add_test(NAME bench_kernels_smoke COMMAND "${PROJECT_SOURCE_DIR}/bench/kernels" --smoke
     --program $<TARGET_FILE:kernel_times> --out "${PROJECT_BINARY_DIR}/bench_kernels")
@@ -107,7 +111,7 @@ endif()
 add_test(NAME bench_compare COMMAND "${PROJECT_SOURCE_DIR}/bench/compare_test.py")
 
 # Counts do not depend on the machine's load, but they do on how it is built.
-if(TARGET simulate AND CMAKE_BUILD_TYPE STREQUAL "Release")
+if(CMAKE_BUILD_TYPE STREQUAL "Release")
   add_test(NAME bench_instructions COMMAND "${PROJECT_SOURCE_DIR}/bench/instructions"
     --simulate $<TARGET_FILE:simulate> --out "${PROJECT_BINARY_DIR}/bench_instructions")
   set_tests_properties(bench_instructions PROPERTIES SKIP_RETURN_CODE 77)

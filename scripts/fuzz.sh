@@ -3,6 +3,7 @@
 # Inputs that break a reader are kept in BUILD/findings, and the exit status is 1.
 # Usage: scripts/fuzz.sh [--seconds N (per reader: 60)] [--build DIR (build/fuzz)]
 set -euo pipefail
+case "${1:-}" in -h | --help) sed -n 2,4p "$0"; exit 0 ;; esac
 root="$(cd "$(dirname "$0")/.." && pwd)"
 seconds=60
 build="$root/build/fuzz"
@@ -10,7 +11,7 @@ while [ $# -gt 0 ]; do
   case "$1" in
     --seconds) seconds="$2" ;;
     --build) build="$2" ;;
-    *) sed -n 2,4p "$0"; exit 2 ;;
+    *) sed -n 2,4p "$0" >&2; exit 2 ;;
   esac
   shift 2
 done

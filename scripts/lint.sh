@@ -3,6 +3,24 @@
 set -euo pipefail
 case "${1:-}" in -h | --help) sed -n 2,2p "$0"; exit 0 ;; esac
 cd "$(dirname "$0")/.."
+
+missing=()
+command -v clang-format >/dev/null || missing+=(clang-format)
+command -v catkin_lint >/dev/null || missing+=(catkin-lint)
+if [ ${#missing[@]} -gt 0 ]; then
+  echo "lint: not installed: ${missing[*]} (scripts/install_deps.sh --lint, or apt-get install ${missing[*]})" >&2
+  exit 2
+fi
+
+# The version stands in three files, and the CHANGELOG dates it.
+package="$(sed -n 's|.*<version>\(.*\)</version>.*|\1|p' package.xml)"
+cmake="$(sed -n 's/^project(.* VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)"
+changelog="$(sed -n 's/^\([0-9.]*\) ([0-9]*-[0-9]*-[0-9]*)$/\1/p' CHANGELOG.rst | head -n 1)"
+if [ -z "$package" ] || [ "$package" != "$cmake" ] || [ "$package" != "$changelog" ]; then
+  echo "version: package.xml has '$package', CMakeLists.txt '$cmake', CHANGELOG.rst '$changelog'" >&2
+  exit 1
+fi
+
 mapfile -t files < <(git ls-files --cached --others --exclude-standard '*.h' '*.cpp')
 if [ "${1:-}" = --fix ]; then
   clang-format -i "${files[@]}"

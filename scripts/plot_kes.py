@@ -6,6 +6,10 @@ Exit status 4: the file cannot be written."""
 import os
 import sys
 
+if {"-h", "--help"} & set(sys.argv):
+    print(__doc__)
+    sys.exit(0)
+
 import matplotlib
 
 matplotlib.use("Agg")

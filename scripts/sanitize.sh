@@ -7,12 +7,13 @@
 # Builds in build/sanitize_MODE or $BUILD_DIR. `thread` needs clang and libomp, whose tool libarcher
 # tells the sanitizer what threads wait for; gcc's libgomp does not.
 set -euo pipefail
+case "${1:-}" in -h | --help) sed -n 2,8p "$0"; exit 0 ;; esac
 root="$(cd "$(dirname "$0")/.." && pwd)"
 mode="${1:-}"
 case "$mode" in
   address) scenes=200 ;;
   thread) scenes=20 ;;
-  *) sed -n 3,8p "$0"; exit 2 ;;
+  *) sed -n 3,8p "$0" >&2; exit 2 ;;
 esac
 shift
 seed=1
@@ -20,7 +21,7 @@ while [ $# -gt 0 ]; do
   case "$1" in
     --scenes) scenes="$2" ;;
     --seed) seed="$2" ;;
-    *) sed -n 3,8p "$0"; exit 2 ;;
+    *) sed -n 3,8p "$0" >&2; exit 2 ;;
   esac
   shift 2
 done
@@ -55,7 +56,7 @@ random() {
   seq "$seed" 10 "$((seed + scenes - 1))" | xargs -P "$jobs" -I{} bash -euo pipefail -c '
     end=$(($1 + 10 < $2 ? $1 + 10 : $2))
     export HAPTIC_CLOTH_RANDOM_SEED="$1" HAPTIC_CLOTH_RANDOM_SCENES="$((end - $1))"
-    "$0" --gtest_brief=1 --gtest_filter="RandomScenes.StayFinite*" || { echo "scenes $1 to $((end - 1)): FAILED"; exit 1; }
+    GTEST_BRIEF=1 "$0" --gtest_filter="RandomScenes.StayFinite*" || { echo "scenes $1 to $((end - 1)): FAILED"; exit 1; }
     echo "scenes $1 to $((end - 1)): clean"' "$programs/fuzz_tests" {} "$((seed + scenes))"
 }
 

@@ -2,8 +2,10 @@
 # Takes a picture of the demonstration without a screen: screenshot.sh [OUT.png] [scene:=FILE ...]
 # Needs a build. Waits for SIMULATED seconds and a force of FORCE newton on any probe. Example:
 # FORCE=0.2 scripts/screenshot.sh fingers.png scene:=config/scenes/two_fingers.yaml path:=true
+# Fails, and leaves OUT.png alone, if rviz has not drawn CLOTH_PIXELS (10000) pixels of cloth after DRAW_TIMEOUT (120)
+# seconds, or if nothing presses within TIMEOUT (180) seconds.
 set -euo pipefail
-case "${1:-}" in -h | --help) sed -n 2,4p "$0"; exit 0 ;; esac
+case "${1:-}" in -h | --help) sed -n 2,6p "$0"; exit 0 ;; esac
 root="$(cd "$(dirname "$0")/.." && pwd)"
 out="$root/docs/images/demo.png"
 if [ $# -gt 0 ] && [[ "$1" == *.png ]]; then
@@ -23,22 +25,46 @@ port="${PORT:-11399}"
 export ROS_MASTER_URI="http://localhost:$port"
 mkdir -p "$(dirname "$out")"
 
-roslaunch -p "$port" haptic_cloth demo.launch rviz_options:=--disable-anti-aliasing "$@" >/dev/null 2>&1 &
+log="$(mktemp)"
+picture="$(mktemp --suffix=.png)"
+roslaunch -p "$port" haptic_cloth demo.launch rviz_options:=--disable-anti-aliasing "$@" >"$log" 2>&1 &
 launch=$!
-trap 'kill -TERM "$launch" 2>/dev/null; wait "$launch" 2>/dev/null || true' EXIT
+trap 'kill -TERM "$launch" 2>/dev/null; wait "$launch" 2>/dev/null || true; rm -f "$log" "$picture"' EXIT
 
-# Number of pixels on the screen in the blue of the cloth.
-cloth_pixels() {
-  import -silent -window root -depth 8 rgb:- | /usr/bin/python3 -c '
-import sys
-data = sys.stdin.buffer.read()
-print(sum(b > 60 and b > 1.4 * r and b > 1.2 * g for r, g, b in zip(data[::3], data[1::3], data[2::3])))'
+fail() {
+  tail -n 20 "$log" >&2
+  echo "screenshot: $1" >&2
+  exit 1
 }
-for _ in $(seq 60); do
-  if [ "$(cloth_pixels)" -gt 10000 ]; then break; fi
+
+# Takes the picture. False, with the reason in `found`, where it does not show the cloth's blue.
+wanted="${CLOTH_PIXELS:-10000}"
+shows_cloth() {
+  local pixels colours
+  import -silent -window root "$picture"
+  read -r pixels colours < <(convert "$picture" -depth 8 rgb:- | /usr/bin/python3 -c '
+import sys, numpy
+r, g, b = numpy.frombuffer(sys.stdin.buffer.read(), numpy.uint8).reshape(-1, 3).astype(int).T
+print(numpy.count_nonzero((b > 60) & (b > 1.4 * r) & (b > 1.2 * g)), numpy.unique((r << 16) + (g << 8) + b).size)')
+  found="the picture has $colours colours and $pixels pixels of cloth, at least $wanted are needed"
+  [ "$pixels" -ge "$wanted" ]
+}
+
+# A first start of rviz can take a minute.
+end=$((SECONDS + ${DRAW_TIMEOUT:-120}))
+until shows_cloth; do
+  kill -0 "$launch" 2>/dev/null || fail "the launch ended"
+  [ "$SECONDS" -lt "$end" ] || fail "rviz has not drawn the cloth: $found"
   sleep 0.5
 done
-"$root/scripts/wait_for_press.py" "${SIMULATED:-1.0}" "${TIMEOUT:-180}" "${FORCE:-0.8}"
-sleep 0.3  # until rviz has drawn the press
-import -silent -window root "$out"
-echo "$out"
+for _ in 1 2 3; do
+  "$root/scripts/wait_for_press.py" "${SIMULATED:-1.0}" "${TIMEOUT:-180}" "${FORCE:-0.8}" || fail "nothing presses"
+  sleep 0.3  # until rviz has drawn what was felt
+  if shows_cloth; then
+    cp "$picture" "$out"
+    chmod a+r "$out"
+    echo "$out"
+    exit 0
+  fi
+done
+fail "rviz does not draw the cloth any more: $found"

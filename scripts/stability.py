@@ -1,5 +1,8 @@
 #!/usr/bin/python3
-"""Writes docs/stability.md's tables from the margins that the torture suite measured (scripts/torture.sh)."""
+"""Writes docs/stability.md's tables from the margins that the torture suite measured (scripts/torture.sh).
+
+Usage: stability.py MARGINS.csv DOCUMENT.md
+"""
 import collections
 import csv
 import sys
@@ -69,4 +72,7 @@ def main():
 
 
 if __name__ == "__main__":
+    if {"-h", "--help"} & set(sys.argv):
+        print(__doc__)
+        sys.exit(0)
     main()

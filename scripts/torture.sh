@@ -7,6 +7,7 @@
 # A failure leaves a scene in BUILD/torture, which `simulate` can replay.
 # --no-table as first argument: does not change the document.
 set -euo pipefail
+case "${1:-}" in -h | --help) sed -n 2,8p "$0"; exit 0 ;; esac
 root="$(cd "$(dirname "$0")/.." && pwd)"
 table=yes
 if [ "${1:-}" = --no-table ]; then table=no; shift; fi
@@ -16,7 +17,7 @@ case "$form" in
   ci) ;;
   short) export HAPTIC_CLOTH_TORTURE_SOAK=600 HAPTIC_CLOTH_TORTURE_CYCLES=100000 ;;
   long) export HAPTIC_CLOTH_TORTURE_SOAK=3600 HAPTIC_CLOTH_TORTURE_CYCLES=1000000 ;;
-  *) sed -n '2,8p' "$0" >&2; exit 2 ;;
+  *) sed -n 2,8p "$0" >&2; exit 2 ;;
 esac
 program="$build/devel/lib/haptic_cloth/stability_tests"
 [ -x "$program" ] || { echo "$program is missing: build it first" >&2; exit 2; }
@@ -25,7 +26,7 @@ export HAPTIC_CLOTH_TORTURE_OUT="$build/torture" OMP_WAIT_POLICY="${OMP_WAIT_POL
 mkdir -p "$HAPTIC_CLOTH_TORTURE_OUT"
 rm -f "$HAPTIC_CLOTH_TORTURE_OUT/margins.csv"
 status=0
-"$program" --gtest_brief=1 --gtest_filter='*Torture*' || status=$?
+GTEST_BRIEF=1 "$program" --gtest_filter='*Torture*' || status=$?
 if [ "$table" = yes ]; then
   "$root/scripts/stability.py" "$HAPTIC_CLOTH_TORTURE_OUT/margins.csv" "$root/docs/stability.md"
 fi

@@ -24,8 +24,8 @@ def run_tests(program, filters):
     """Rows that the tests record; a failing test still has recorded its numbers."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "record.csv")
-        done = subprocess.run([program, "--gtest_brief=1", "--gtest_filter=" + filters],
-                              env=dict(os.environ, HAPTIC_CLOTH_RECORD=path), check=False)
+        done = subprocess.run([program, "--gtest_filter=" + filters],
+                              env=dict(os.environ, HAPTIC_CLOTH_RECORD=path, GTEST_BRIEF="1"), check=False)
         if done.returncode != 0:
             print("some tests failed: their numbers are in the table too")
         with open(path, newline="") as file:

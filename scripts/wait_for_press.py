@@ -6,6 +6,10 @@ import math
 import sys
 import time
 
+if {"-h", "--help"} & set(sys.argv):
+    print(__doc__)
+    sys.exit(0)
+
 import rospy
 from geometry_msgs.msg import WrenchStamped
 from haptic_cloth.msg import ClothState

@@ -1,6 +1,5 @@
 #include "peer.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -13,6 +12,7 @@
 #include "energy/internal_energy.h"
 #include "haptic_cloth/error.h"
 #include "mesh/active_mesh.h"
+#include "tools/command_line.h"
 
 namespace haptic_cloth {
 namespace peers {
@@ -167,20 +167,26 @@ void writeFiles(const std::filesystem::path& directory, const Scene& scene, cons
   open(directory / "summary.json") << summary.dump(2) << '\n';
 }
 
-void addArguments(CLI::App& app, Arguments& arguments) {
-  app.add_option("SCENE", arguments.scene, "scene file of the package (YAML)")->required();
-  app.add_option("--set", arguments.overrides, "A.B=VALUE: replaces a key of the scene; may be repeated")
-      ->type_size(1)
-      ->allow_extra_args(false);
-  app.add_option("--out", arguments.out, "DIR: where summary.json, particles.csv and probe.csv go");
-  app.add_option("--solver", arguments.solver, "which of the program's methods, where it has several");
-  app.add_option("--step", arguments.step, "time step [s]; 0: the program decides")
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--iterations", arguments.iterations, "iterations a step")->check(CLI::NonNegativeNumber);
-  app.add_option("--newton", arguments.newton,
-                 "Newton steps of Bullet's deformable solver, of --iterations each")
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--substeps", arguments.substeps, "parts of a step")->check(CLI::NonNegativeNumber);
+/// @return false: help was printed instead
+bool readArguments(int argc, char** argv, const char* name, const char* description, Arguments& arguments) {
+  CommandLine line(name, description, "SCENE", arguments.scene, "scene file of the package (YAML)");
+  line.add("set", arguments.overrides, "A.B=VALUE", "replaces a key of the scene; may be repeated");
+  line.add("out", arguments.out, "DIR", "where summary.json, particles.csv and probe.csv go");
+  line.add("solver", arguments.solver, "NAME", "which of the program's methods, where it has several");
+  line.add("step", arguments.step, "TIME", "time step [s]; 0: the program decides");
+  line.add("iterations", arguments.iterations, "N", "iterations a step");
+  line.add("newton", arguments.newton, "N",
+           "Newton steps of Bullet's deformable solver, of --iterations each");
+  line.add("substeps", arguments.substeps, "N", "parts of a step");
+  if (!line.read(argc, argv)) return false;
+  for (const auto& [option, value] :
+       std::initializer_list<std::pair<const char*, double>>{{"--step", arguments.step},
+                                                             {"--iterations", arguments.iterations},
+                                                             {"--newton", arguments.newton},
+                                                             {"--substeps", arguments.substeps}}) {
+    if (!(value >= 0.0)) throw UsageError(std::string(option) + " must be >= 0");
+  }
+  return true;
 }
 
 /// Repeats an unstable run with half the step; only the last run counts.
@@ -250,13 +256,11 @@ double secant(const Loop& law, double s, double least) {
 
 int runPeer(int argc, char** argv, const char* name, const char* description, const MakePeer& make) {
   Arguments arguments;
-  CLI::App app(description, name);
   try {
-    addArguments(app, arguments);
-    app.parse(argc, argv);
-    return runScene(arguments, make);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    return readArguments(argc, argv, name, description, arguments) ? runScene(arguments, make) : 0;
+  } catch (const UsageError& error) {
+    std::cerr << name << ": " << error.what() << " (see --help)" << std::endl;
+    return 2;
   } catch (const InputError& error) {
     std::cerr << error.what() << std::endl;
     return 2;

@@ -1,7 +1,6 @@
 /// kes_test: the Kawabata tests on a virtual specimen of a fabric file.
 #include <sys/wait.h>
 
-#include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -14,6 +13,7 @@
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/fabric.h"
 #include "state/new_file.h"
+#include "tools/command_line.h"
 #include "tools/kes_values.h"
 #include "tools/specimen.h"
 #include "tools/standard_output.h"
@@ -47,25 +47,21 @@ const std::map<std::string, Direction> kDirections{{"warp", kWarp}, {"weft", kWe
 const std::map<std::string, SpecimenMesh> kMeshes{
     {"finest", SpecimenMesh::Finest}, {"coarsest", SpecimenMesh::Coarsest}, {"mixed", SpecimenMesh::Mixed}};
 
-/// A word out of a table; the message of another one lists them.
-template <class Choice>
-CLI::Validator oneOf(const std::map<std::string, Choice>& choices) {
-  std::string known;
-  for (const auto& choice : choices) known += (known.empty() ? "" : ", ") + choice.first;
-  return {[choices, known](std::string& word) {
-            return choices.count(word) > 0 ? std::string() : word + ": must be one of " + known;
-          },
-          ""};
-}
-
-void addArguments(CLI::App& app, Arguments& arguments) {
-  app.footer(kFooter);
-  app.add_option("FABRIC", arguments.fabric, "fabric file (YAML)")->required();
-  app.add_option("--test", arguments.test, "tensile, shear or bending")->required()->check(oneOf(kTests));
-  app.add_option("--direction", arguments.direction, "warp (default) or weft")->check(oneOf(kDirections));
-  app.add_option("--mesh", arguments.mesh, "finest (default), coarsest or mixed")->check(oneOf(kMeshes));
-  app.add_option("--out", arguments.out, "FILE.csv: the curve");
-  app.add_option("--plot", arguments.plot, "FILE.png: the curve beside the loop (needs python3-matplotlib)");
+/// @return false: help was printed instead
+bool readArguments(int argc, char** argv, Arguments& arguments) {
+  CommandLine line("kes_test", kDescription, "FABRIC", arguments.fabric, "fabric file (YAML)");
+  line.add("test", arguments.test, "NAME", "tensile, shear or bending; required");
+  line.add("direction", arguments.direction, "NAME", "warp (default) or weft");
+  line.add("mesh", arguments.mesh, "NAME", "finest (default), coarsest or mixed");
+  line.add("out", arguments.out, "FILE.csv", "the curve");
+  line.add("plot", arguments.plot, "FILE.png", "the curve beside the loop (needs python3-matplotlib)");
+  line.setFooter(kFooter);
+  if (!line.read(argc, argv)) return false;
+  if (arguments.test.empty()) throw UsageError("--test is required");
+  requireOneOf(kTests, "--test", arguments.test);
+  requireOneOf(kDirections, "--direction", arguments.direction);
+  requireOneOf(kMeshes, "--mesh", arguments.mesh);
+  return true;
 }
 
 std::string asCsv(const std::vector<KesRow>& rows) {
@@ -118,20 +114,7 @@ int test(const Arguments& arguments) {
 
 int run(int argc, char** argv) {
   Arguments arguments;
-  CLI::App app(kDescription, "kes_test");
-  addArguments(app, arguments);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() != 0) {
-      std::cerr << "kes_test: " << error.what() << " (see --help)" << std::endl;
-      return kBadInput;
-    }
-    app.exit(error);  // --help
-    requireStandardOutput();
-    return kSuccess;
-  }
-  return test(arguments);
+  return readArguments(argc, argv, arguments) ? test(arguments) : kSuccess;
 }
 
 }  // namespace
@@ -141,6 +124,9 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // the limit of a file's size is an error like a full disk
   try {
     return haptic_cloth::run(argc, argv);
+  } catch (const haptic_cloth::UsageError& error) {
+    std::cerr << "kes_test: " << error.what() << " (see --help)" << std::endl;
+    return haptic_cloth::kBadInput;
   } catch (const haptic_cloth::InputError& error) {
     std::cerr << error.what() << std::endl;
     return haptic_cloth::kBadInput;

@@ -1,7 +1,6 @@
 /// simulate: runs a scene file without ROS and writes what happened.
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <csignal>
 #include <cstdint>
@@ -16,6 +15,7 @@
 #include "haptic_cloth/simulation.h"
 #include "haptic_cloth/state_file.h"
 #include "state/new_file.h"
+#include "tools/command_line.h"
 #include "tools/outputs.h"
 #include "tools/run.h"
 #include "tools/standard_output.h"
@@ -84,16 +84,16 @@ class Progress {
   std::chrono::steady_clock::time_point next_{};
 };
 
-void addArguments(CLI::App& app, Arguments& arguments) {
-  app.footer(kFooter);
-  app.add_option("SCENE", arguments.scene, "scene file (YAML)")->required();
-  app.add_option("--set", arguments.overrides, "A.B=VALUE: replaces a key of the scene; may be repeated")
-      ->type_size(1)
-      ->allow_extra_args(false);
-  app.add_option("--out", arguments.out, "DIR: directory for the results, created if need be");
-  app.add_option("--resume", arguments.resume,
-                 "FILE: goes on from a saved state of this scene, as if it had never ended");
-  app.add_option("--save-state", arguments.save_state, "FILE: writes the state at the end, for --resume");
+/// @return false: help was printed instead
+bool readArguments(int argc, char** argv, Arguments& arguments) {
+  haptic_cloth::CommandLine line("simulate", kDescription, "SCENE", arguments.scene, "scene file (YAML)");
+  line.add("set", arguments.overrides, "A.B=VALUE", "replaces a key of the scene; may be repeated");
+  line.add("out", arguments.out, "DIR", "directory for the results, created if need be");
+  line.add("resume", arguments.resume, "FILE",
+           "goes on from a saved state of this scene, as if it had never ended");
+  line.add("save-state", arguments.save_state, "FILE", "writes the state at the end, for --resume");
+  line.setFooter(kFooter);
+  return line.read(argc, argv);
 }
 
 int simulate(const Arguments& arguments) {
@@ -136,20 +136,7 @@ int simulate(const Arguments& arguments) {
 
 int run(int argc, char** argv) {
   Arguments arguments;
-  CLI::App app(kDescription, "simulate");
-  addArguments(app, arguments);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() != 0) {
-      std::cerr << "simulate: " << error.what() << " (see --help)" << std::endl;
-      return kBadInput;
-    }
-    app.exit(error);  // --help
-    haptic_cloth::requireStandardOutput();
-    return kSuccess;
-  }
-  return simulate(arguments);
+  return readArguments(argc, argv, arguments) ? simulate(arguments) : kSuccess;
 }
 
 }  // namespace
@@ -158,6 +145,9 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // the limit of a file's size is an error like a full disk
   try {
     return run(argc, argv);
+  } catch (const haptic_cloth::UsageError& error) {
+    std::cerr << "simulate: " << error.what() << " (see --help)" << std::endl;
+    return kBadInput;
   } catch (const haptic_cloth::InputError& error) {
     std::cerr << error.what() << std::endl;
     return kBadInput;

@@ -307,6 +307,38 @@ TEST_F(Simulate, RefusesBadInput) {
   expectRefused("", {"SCENE"});
 }
 
+TEST_F(Simulate, RefusesBadCommandLines) {
+  const Outcome no_value = run("scene.yaml --set");
+  EXPECT_EQ(no_value.status, 2);
+  EXPECT_EQ(no_value.error, "simulate: the required argument for option '--set' is missing (see --help)\n");
+  expectRefused("scene.yaml --set stop.time=0.002 stop.time=0.001",
+                {"not expected", "stop.time=0.001"});  // a value for each --set
+  expectRefused("scene.yaml --bogus=3", {"--bogus"});
+  expectRefused("scene.yaml -x", {"-x"});
+  expectRefused("scene.yaml --ou result", {"--ou"});  // names are not guessed
+  expectRefused("scene.yaml --out other", {"--out", "more than once"});
+  expectRefused("scene.yaml --set -1", {"--set: -1", "KEY=VALUE"});
+  expectRefused("scene.yaml --set ''", {"--set", "KEY=VALUE"});
+}
+
+TEST_F(Simulate, TakesEverySpellingOfAnOption) {
+  for (const char* arguments :
+       {"--set=stop.time=0.004 scene.yaml", "--set stop.time=0.004 -- scene.yaml",
+        "--set stop.time=2 scene.yaml --set=stop.time=0.004 --set gravity=[0,0,-1]"}) {
+    SCOPED_TRACE(arguments);
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 0) << outcome.error;
+    EXPECT_NE(outcome.output.find("steps 4,"), std::string::npos) << outcome.output;
+  }
+  for (const char* arguments : {"--help", "-h", "scene.yaml --set nothing=1 --help"}) {
+    SCOPED_TRACE(arguments);
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 0) << outcome.error;
+    for (const char* words : {"SCENE", "--set A.B=VALUE", "--save-state", "Exit status"})
+      EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
+  }
+}
+
 TEST_F(Simulate, RefusesInstructionSetsItCannotUse) {
   std::string here, lacks;
   for (const haptic_cloth::SimdPath& path : haptic_cloth::simdPaths()) {
@@ -420,6 +452,9 @@ TEST_F(Simulate, KesTestNamesTheWordsItKnows) {
   const std::string error = (folder_ / "error.txt").string();
   EXPECT_EQ(WEXITSTATUS(std::system((command + "bend 2>" + error).c_str())), 2);
   EXPECT_NE(readText(error).find("bend: must be one of bending, shear, tensile"), std::string::npos)
+      << readText(error);
+  EXPECT_EQ(WEXITSTATUS(std::system((command + "shear --mesh fine 2>" + error).c_str())), 2);
+  EXPECT_NE(readText(error).find("--mesh: fine: must be one of coarsest, finest, mixed"), std::string::npos)
       << readText(error);
   EXPECT_EQ(WEXITSTATUS(std::system((command + "tensile >" + error).c_str())), 0);
   EXPECT_NE(readText(error).find("LT "), std::string::npos) << readText(error);
