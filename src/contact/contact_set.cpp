@@ -12,13 +12,15 @@ namespace {
 constexpr int kChunk = 512;   // growth of the arrays of points [points]
 constexpr double kCut = 0.5;  ///< depth in ranges that a sharp edge may cut into a cell
 /// Smallest number of samples across half the width of a probe.
+constexpr double kStart = 3e-8;  ///< time that the start of a sample takes, about [s]
 constexpr double kProbeSpacing = 3.0;
 
 }  // namespace
 
 ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
-                       const std::vector<ProbeOptions>& probes, const Options& options)
+                       const std::vector<ProbeOptions>& probes, const Options& options, Team& team)
     : options_(options),
+      team_(team),
       law_(options.range),
       grid_(grid),
       obstacles_(static_cast<int>(obstacles.size())),
@@ -27,7 +29,8 @@ ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
   for (const ProbeOptions& probe : probes) solids_.emplace_back(probe);
   before_ = solids_;
   const int solids = static_cast<int>(solids_.size()), capacity = sampleCapacity();
-  for (auto* samples : {&samples_, &apart_}) samples->reserve(capacity);
+  for (auto* samples : {&samples_, &started_}) samples->reserve(capacity);
+  near_.reserve(capacity);
   groups_.reserve(2 * solids);
   packs_.reserve(capacity / kPack + 1);
   for (Field* field : {&gradient_, &change_}) field->reserve(capacity);
@@ -163,14 +166,30 @@ void ContactSet::sampleObstacles(const ActiveMesh& mesh, const Field& nodes,
 /// [m].
 void ContactSet::measure(int solid, double range, const ActiveMesh& mesh, const Field& nodes,
                          const std::vector<double>& reach) {
-  node_gaps_.resize(padded(nodes.size()));
-  node_normals_.resize(nodes.size());
-  kernels().solidDistances(solids_[solid].lanes(), nodes.size(), nodes.arrays(), node_gaps_.data(),
-                           node_normals_.arrays());
-  const int packs = static_cast<int>(mesh.patch_corners.size());
-  patch_margins_.resize(kPack * packs);
-  kernels().patchMargins(mesh.patch_corners.data(), packs, range, nodes.arrays(), reach.data(),
-                         node_gaps_.data(), node_normals_.arrays(), patch_margins_.data());
+  measureDistances(solids_[solid], nodes.size(), nodes, node_gaps_, node_normals_);
+  const int patches = kPack * static_cast<int>(mesh.patch_corners.size());
+  patch_margins_.resize(patches);
+  const auto margins = [&](int begin, int end) {
+    kernels().patchMargins(mesh.patch_corners.data() + begin / kPack, (end - begin) / kPack, range,
+                           nodes.arrays(), reach.data(), node_gaps_.data(), node_normals_.arrays(),
+                           patch_margins_.data() + begin);
+  };
+  team_.forRange(patches, margins);
+}
+
+/// Distances of points from a solid, and its normals there.
+void ContactSet::measureDistances(const Solid& solid, int count, const Field& points,
+                                  std::vector<double>& gaps, Field& normals) {
+  gaps.resize(padded(count));
+  normals.resize(count);
+  const SolidLanes lanes = solid.lanes();
+  const auto measure = [&](int begin, int end) {
+    const ConstArrays at = points.arrays();
+    const MutableArrays to = normals.arrays();
+    kernels().solidDistances(lanes, end - begin, {at.x + begin, at.y + begin, at.z + begin},
+                             gaps.data() + begin, {to.x + begin, to.y + begin, to.z + begin});
+  };
+  team_.forRange(count, measure);
 }
 
 /// Number of parts of a cell's side to be sampled. It is 1 if the obstacle presses evenly: one
@@ -285,22 +304,28 @@ void ContactSet::siftPoints(int solid) {
   const Solid &now = solids_[solid], &then = before_[solid];
   const bool still = now.position() == then.position() && now.rotation() == then.rotation();
   const int count = static_cast<int>(points_.size());
-  for (const int end : {0, 1}) {
-    sample_gaps_[end].resize(padded(count));
-    sample_normals_[end].resize(count);
-    kernels().solidDistances((end == 0 ? now : then).lanes(), count, places_.arrays(),
-                             sample_gaps_[end].data(), sample_normals_[end].arrays());
-    if (still) break;
-  }
+  measureDistances(now, count, places_, sample_gaps_[0], sample_normals_[0]);
+  if (!still) measureDistances(then, count, places_, sample_gaps_[1], sample_normals_[1]);
+  near_.clear();
   for (int k = 0; k < count; ++k) {
-    if (sample_gaps_[0][k] > margins_[k]) continue;
-    const Distance end{sample_gaps_[0][k], sample_normals_[0][k]};
-    const Distance start = still ? end : Distance{sample_gaps_[1][k], sample_normals_[1][k]};
-    const ContactSample sample = started(points_[k], solid, places_[k], end, start, still);
-    (sample.clearance > 0.0 ? apart_ : samples_).push_back(sample);
+    if (!(sample_gaps_[0][k] > margins_[k])) near_.push_back(k);
   }
-  samples_.insert(samples_.end(), apart_.begin(), apart_.end());
-  apart_.clear();
+  const int samples = static_cast<int>(near_.size());
+  if (static_cast<int>(started_.size()) < samples) started_.resize(samples);
+  const auto start = [&](int begin, int end) {
+    for (int s = begin; s < end; ++s) {
+      const int k = near_[s];
+      const Distance at_end{sample_gaps_[0][k], sample_normals_[0][k]};
+      const Distance at_start = still ? at_end : Distance{sample_gaps_[1][k], sample_normals_[1][k]};
+      started_[s] = started(points_[k], solid, places_[k], at_end, at_start, still);
+    }
+  };
+  team_.forRange(samples, start, kStart);
+  for (const bool apart : {false, true}) {
+    for (int s = 0; s < samples; ++s) {
+      if ((started_[s].clearance > 0.0) == apart) samples_.push_back(started_[s]);
+    }
+  }
   margins_.clear();
   points_.clear();
 }

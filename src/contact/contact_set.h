@@ -11,6 +11,7 @@
 #include "mesh/active_mesh.h"
 #include "mesh/block.h"
 #include "mesh/field.h"
+#include "parallel/parallel_for.h"
 #include "parallel/runs.h"
 
 namespace haptic_cloth {
@@ -55,7 +56,7 @@ class ContactSet {
   };
 
   ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
-             const std::vector<ProbeOptions>& probes, const Options& options);
+             const std::vector<ProbeOptions>& probes, const Options& options, Team& team);
 
   /// Moves the obstacles one step towards their targets.
   void advance();
@@ -181,6 +182,8 @@ class ContactSet {
   void sampleObstacles(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach);
   void measure(int solid, double range, const ActiveMesh& mesh, const Field& nodes,
                const std::vector<double>& reach);
+  void measureDistances(const Solid& solid, int count, const Field& points, std::vector<double>& gaps,
+                        Field& normals);
   int partsOf(const Patch& patch) const;
   int sampleCapacity() const;
   /// Largest distance of a finest cell's chord from an arc that turns by `turn` [rad]: length ·
@@ -207,6 +210,7 @@ class ContactSet {
   void buildRows(int nodes);
 
   Options options_;
+  Team& team_;
   ContactLaw law_;
   Grid grid_;
   int obstacles_;              ///< number of obstacles; the other solids are probes
@@ -214,7 +218,8 @@ class ContactSet {
   std::vector<Solid> before_;  ///< at its start
   std::vector<Pose> targets_;  ///< poses of the obstacles
   std::vector<ContactSample> samples_;
-  std::vector<ContactSample> apart_;  ///< scratch of siftPoints()
+  std::vector<ContactSample> started_;  ///< scratch of siftPoints()
+  std::vector<int> near_;               ///< scratch of siftPoints(), points that become samples
   std::vector<Group> groups_;
   std::vector<SamplePack> packs_;
   Field gradient_;  ///< energy gradient by the samples' positions [N]

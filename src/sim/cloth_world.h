@@ -52,8 +52,8 @@ class ClothWorld {
   ActiveMesh mesh;
   ParticleState state;
   InternalEnergy internal;
-  ContactSet contacts;
   Team team;
+  ContactSet contacts;
   ClothObjective objective;
   CostReport cost;  ///< costs of the last solve
   std::vector<ProbeReport> probes;

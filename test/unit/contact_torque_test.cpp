@@ -41,7 +41,8 @@ class PressedSheet {
   }
 
   Measured measure(const Vec3& proxy, const Quat& orientation) const {
-    ContactSet contacts(grid_, {}, {probe_}, {kRange, 1e-3, 1e-3});
+    Team team(1);
+    ContactSet contacts(grid_, {}, {probe_}, {kRange, 1e-3, 1e-3}, team);
     contacts.startProbe(0, proxy, orientation, orientation);
     contacts.collect(mesh_, nodes_, std::vector<double>(mesh_.nodes(), 1e-3), {{0, 1e-3}});
     const double energy = contacts.evaluate(0, contacts.size(), nodes_).contact;

@@ -111,8 +111,8 @@ TEST(Multilevel, InvertsTheBlockOfASingleFreeNode) {
   const ActiveMesh mesh(leaves, scene.cloth.fabric.areal_density);
   ASSERT_EQ(mesh.free, 1);
   InternalEnergy internal(scene.cloth.fabric, mesh);
-  ContactSet contacts(grid, {}, {}, {5e-4, 1e-3, 1e-3});
   Team team(1);
+  ContactSet contacts(grid, {}, {}, {5e-4, 1e-3, 1e-3}, team);
   scene.probes.clear();
   ClothObjective objective(scene, mesh, internal, contacts, team);
   Field nodes, velocities;

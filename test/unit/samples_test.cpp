@@ -29,7 +29,8 @@ Tilted tilted(int levels, double spacing) {
   const ActiveMesh mesh(leaves, 0.15);
   Obstacle floor;
   floor.shape = Shape::Plane;
-  ContactSet contacts(grid, {floor}, {}, {kRange, 1e-3, 1e-3});
+  Team team(1);
+  ContactSet contacts(grid, {floor}, {}, {kRange, 1e-3, 1e-3}, team);
   Field nodes;
   nodes.clear(mesh.nodes());
   for (int n = 0; n < mesh.nodes(); ++n) {
