@@ -180,7 +180,7 @@ class InternalEnergy {
   int edge_count_ = 0, triple_count_ = 0, patch_count_ = 0;
   Field node_normals_;
   Field patch_normals_;
-  Field slots_;          ///< see NodeGather; [N], of triples [N·m²]
+  Field slots_;  ///< see NodeGather; [N], of triples [N·m²]
   std::vector<EdgePack> edge_packs_;
   std::vector<TriplePack> triple_packs_;
   std::vector<PatchPack> patch_packs_;

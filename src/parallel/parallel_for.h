@@ -1,9 +1,9 @@
 /// Loops shared out over threads, with results that do not depend on how many. The one place with OpenMP.
 #pragma once
 
-#include <Eigen/Core>
 #include <time.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -37,7 +37,7 @@ class Backoff {
   }
 
  private:
-  static constexpr double kMostLost = 0.25;  ///< of a region: two threads then gain little or lose
+  static constexpr double kMostLost = 0.25;            ///< of a region: two threads then gain little or lose
   static constexpr int kShortest = 4, kLongest = 512;  ///< runs
   int length_ = kShortest, left_ = 0;
 };
