@@ -8,6 +8,8 @@
 
 #include "haptic_cloth/haptics.h"
 #include "haptic_cloth/scene.h"
+#include "haptics/solver_probe.h"
+#include "haptics/velocity_filter.h"
 #include "ros/input/device_map.h"
 
 namespace haptic_cloth {
@@ -36,14 +38,14 @@ struct MarkerOptions {
 };
 
 struct NodeOptions {
-  std::string frame_id = "world";         ///< the cloth's frame, and that of all output
-  std::string scene_file;                 ///< read first; scene parameters then override single values
-  std::string scene_directory;            ///< without scene_file: where paths of fabrics start
-  double max_pose_age = 0.2;              ///< a pose with an older stamp is dropped [s]; 0: never
-  double probe_timeout = 1.0;             ///< without poses this long the probe leaves the scene [s]
-  double velocity_time_constant = 0.005;  ///< low pass of the device's velocity [s]
-  double step_budget = 0.025;             ///< wall clock of one step, or the scene's if that is less [s]; the
-                                          ///< force would time out while a hard step runs on; 0: none
+  std::string frame_id = "world";        ///< the cloth's frame, and that of all output
+  std::string scene_file;                ///< read first; scene parameters then override single values
+  std::string scene_directory;           ///< without scene_file: where paths of fabrics start
+  double max_pose_age = 0.2;             ///< a pose with an older stamp is dropped [s]; 0: never
+  double probe_timeout = kProbeTimeout;  ///< without poses this long the probe leaves the scene [s]
+  double velocity_time_constant = kVelocityTimeConstant;  ///< low pass of the device's velocity [s]
+  double step_budget = 0.025;  ///< wall clock of one step, or the scene's if that is less [s]; the
+                               ///< force would time out while a hard step runs on; 0: none
   double gain_ramp =
       0.5;  ///< in which live changes of couplings and force scales are reached [s]; 0: at once
   MarkerOptions markers;
