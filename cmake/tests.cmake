@@ -1,4 +1,4 @@
-# One gtest program a folder, the example, the rules on the sources and, with ROS, the node tests.
+# One gtest program a folder, the examples, the rules on the sources and, with ROS, the node tests.
 enable_testing()
 find_package(GTest QUIET)
 if(NOT GTEST_FOUND AND NOT GTest_FOUND)
@@ -87,6 +87,7 @@ else()
 endif()
 
 add_test(NAME hello_cloth COMMAND hello_cloth)
+add_test(NAME haptic_loop COMMAND haptic_loop --seconds 1)
 
 # The benchmarks' scripts on tiny meshes: they run and their results are well formed. Nothing is said of time.
 if(TARGET simulate)
