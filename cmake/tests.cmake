@@ -89,6 +89,13 @@ endif()
 add_test(NAME hello_cloth COMMAND hello_cloth)
 add_test(NAME haptic_loop COMMAND haptic_loop --seconds 1)
 
+# What find_package(haptic_cloth) gives. A sanitized library is for this build alone.
+if(NOT HAPTIC_CLOTH_SANITIZE)
+  add_test(NAME consumer COMMAND ${CMAKE_COMMAND} "-DSOURCE=${PROJECT_SOURCE_DIR}" "-DBUILD=${PROJECT_BINARY_DIR}"
+    "-DWORK=${PROJECT_BINARY_DIR}/consumer" "-DCOMPILER=${CMAKE_CXX_COMPILER}" "-DCATKIN=${catkin_FOUND}"
+    -P "${PROJECT_SOURCE_DIR}/test/consumer/check.cmake")
+endif()
+
 # The benchmarks' scripts on tiny meshes: they run and their results are well formed. Nothing is said of time.
 if(TARGET simulate)
   foreach(bench chart resolution table1 peers_table savings realtime active_limit threads scaling)
