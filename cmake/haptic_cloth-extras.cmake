@@ -1,5 +1,5 @@
-# Gives users of find_package(haptic_cloth) the target haptic_cloth::haptic_cloth. Without ROS it is installed as the
-# package's config file; with catkin the config file that catkin writes includes it.
+# Gives users of find_package(haptic_cloth) the target haptic_cloth::haptic_cloth. Without ROS this is
+# installed as the package's config file; with catkin, catkin's config file includes it.
 if(NOT TARGET haptic_cloth::haptic_cloth)
   include(CMakeFindDependencyMacro)
   find_dependency(Eigen3 NO_MODULE)

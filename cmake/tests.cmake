@@ -91,8 +91,9 @@ add_test(NAME haptic_loop COMMAND haptic_loop --seconds 1)
 
 # What find_package(haptic_cloth) gives. A sanitized library is for this build alone.
 if(NOT HAPTIC_CLOTH_SANITIZE)
-  add_test(NAME consumer COMMAND ${CMAKE_COMMAND} "-DSOURCE=${PROJECT_SOURCE_DIR}" "-DBUILD=${PROJECT_BINARY_DIR}"
-    "-DWORK=${PROJECT_BINARY_DIR}/consumer" "-DCOMPILER=${CMAKE_CXX_COMPILER}" "-DCATKIN=${catkin_FOUND}"
+  add_test(NAME consumer COMMAND ${CMAKE_COMMAND} "-DSOURCE=${PROJECT_SOURCE_DIR}"
+    "-DBUILD=${PROJECT_BINARY_DIR}" "-DWORK=${PROJECT_BINARY_DIR}/consumer"
+    "-DCOMPILER=${CMAKE_CXX_COMPILER}" "-DCATKIN=${catkin_FOUND}"
     -P "${PROJECT_SOURCE_DIR}/test/consumer/check.cmake")
 endif()
 

@@ -1,6 +1,6 @@
-/// A haptic loop without ROS: one thread steps a cloth in real time, the other drives a device at 1 kHz.
+/// A haptic loop without ROS: one thread steps a cloth, the other drives a device at 1 kHz.
 /// The device is simulated: a small mass that a hand presses into the cloth and lifts again.
-/// Usage: haptic_loop [--seconds N]    exit status 0 if the hand felt a force, finite and within its limit
+/// Usage: haptic_loop [--seconds N]    ends with status 0 if a force was felt, within its limit
 #include <algorithm>
 #include <atomic>
 #include <chrono>

@@ -8,8 +8,8 @@ void SolverProbe::takeDevice(Simulation& simulation, double now) {
   const double elapsed = device.received - device_.received;
   if (present_ && isJump((device.position - device_.position).norm(), elapsed)) leave(simulation);
   if (fresh) {
-    // By the moves between steps: without a filter's lag the damper feels no more than what the proxy does
-    // not follow, and in slow motion the hand is as fast as it is in simulated time.
+    // By the moves between steps: without a filter's lag the damper feels no more than what the
+    // proxy does not follow, and in slow motion the hand is as fast as it is in simulated time.
     const Vec3 moved = present_ ? Vec3(device.position - device_.position) : Vec3(Vec3::Zero());
     const double time_step = simulation.scene().solver.time_step;
     simulation.setDevice(number_, {device.position, moved / time_step, device.orientation, elapsed});
@@ -55,7 +55,8 @@ void SolverProbe::forget() {
   exchange_.present = false;
   exchange_.grasp_wanted = false;
   exchange_.grasp = GraspState::Open;
-  // "None yet": the haptic thread ramps down. Should it miss that, it still starts softly on another cloth.
+  // "None yet": the haptic thread ramps down. Should it miss that, it still starts softly on
+  // another cloth.
   ++cloth_;
   exchange_.snapshot.write(ProbeSnapshot());
 }

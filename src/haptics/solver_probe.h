@@ -32,7 +32,8 @@ struct ProbeView {
   GraspState grasp = GraspState::Open;
 };
 
-/// Carries poses from the exchange to the simulation, and snapshots back. The solver's thread calls it.
+/// Carries poses from the exchange to the simulation, and snapshots back. The solver's thread calls
+/// it.
 class SolverProbe {
  public:
   /// @param number of the probe in the scene
@@ -44,8 +45,8 @@ class SolverProbe {
   /// Changes the constructor's timeout [s].
   void setTimeout(double timeout) { timeout_ = timeout; }
 
-  /// Hands the newest pose and the grasp to the simulation, or takes the probe out of it if its device is
-  /// silent. If the device has jumped, the probe begins anew. @param now steady clock [s]
+  /// Hands the newest pose and the grasp to the simulation, or takes the probe out of it if its
+  /// device is silent. If the device has jumped, the probe begins anew. @param now steady clock [s]
   void takeDevice(Simulation& simulation, double now);
 
   /// Publishes what the last step made of the probe.

@@ -1,6 +1,6 @@
-/// A session as its two threads drive it, on one thread and an artificial clock: a tick and a step each
-/// millisecond. Criteria: the limits of HapticOptions, exact but for round-off; at rest the force is the
-/// coupling's, k (proxy - device).
+/// A session as its two threads drive it, on one thread and an artificial clock: a tick and a step
+/// each millisecond. Criteria: the limits of HapticOptions, exact but for round-off; at rest the
+/// force is the coupling's, k (proxy - device).
 #include "haptic_cloth/haptic_session.h"
 
 #include <gtest/gtest.h>
