@@ -12,7 +12,9 @@ catkin_package(
   LIBRARIES haptic_cloth
   CATKIN_DEPENDS roscpp nodelet pluginlib tf2_ros topic_tools dynamic_reconfigure interactive_markers std_msgs std_srvs geometry_msgs visualization_msgs
     diagnostic_msgs message_runtime
-  DEPENDS EIGEN3)
+  DEPENDS EIGEN3
+  CFG_EXTRAS haptic_cloth-extras.cmake)
+set(HAPTIC_CLOTH_CONFIG_DIR share/haptic_cloth/cmake)
 
 set(HAPTIC_CLOTH_TESTS ${CATKIN_ENABLE_TESTING})
 set(HAPTIC_CLOTH_PROGRAM_DIR "${CATKIN_DEVEL_PREFIX}/lib/haptic_cloth")

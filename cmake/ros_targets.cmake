@@ -32,6 +32,10 @@ target_include_directories(latency_probe SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
 target_link_libraries(latency_probe haptic_cloth_ros nlohmann_json::nlohmann_json)
 add_dependencies(latency_probe ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
 
+# The target of find_package(haptic_cloth), for packages that use the devel space.
+export(TARGETS haptic_cloth haptic_cloth_private NAMESPACE haptic_cloth::
+  FILE "${CATKIN_DEVEL_PREFIX}/share/haptic_cloth/cmake/haptic_cloth-targets.cmake")
+
 list(APPEND programs haptic_cloth_node hand mouse_hand path_hand monitor device_adapter latency_probe)
 install(TARGETS haptic_cloth_ros haptic_cloth_nodelet LIBRARY DESTINATION lib ARCHIVE DESTINATION lib)
 install(FILES nodelet_plugins.xml DESTINATION share/haptic_cloth)

@@ -1,4 +1,4 @@
-# One gtest program a folder, the example, the rules on the sources and, with ROS, the node tests.
+# One gtest program a folder, the examples, the rules on the sources and, with ROS, the node tests.
 enable_testing()
 find_package(GTest QUIET)
 if(NOT GTEST_FOUND AND NOT GTest_FOUND)
@@ -82,6 +82,15 @@ else()
 endif()
 
 add_test(NAME hello_cloth COMMAND hello_cloth)
+add_test(NAME haptic_loop COMMAND haptic_loop --seconds 1)
+
+# What find_package(haptic_cloth) gives. A sanitized library is for this build alone.
+if(NOT HAPTIC_CLOTH_SANITIZE)
+  add_test(NAME consumer COMMAND ${CMAKE_COMMAND} "-DSOURCE=${PROJECT_SOURCE_DIR}"
+    "-DBUILD=${PROJECT_BINARY_DIR}" "-DWORK=${PROJECT_BINARY_DIR}/consumer"
+    "-DCOMPILER=${CMAKE_CXX_COMPILER}" "-DCATKIN=${catkin_FOUND}"
+    -P "${PROJECT_SOURCE_DIR}/test/consumer/check.cmake")
+endif()
 
 # The README's C++ is compiled and run as it stands there.
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/README.md")

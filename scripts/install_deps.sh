@@ -16,7 +16,7 @@ noetic=(ros-noetic-ros-base ros-noetic-rostest ros-noetic-nodelet ros-noetic-tf2
 # For libFuzzer and, with libomp, the thread sanitizer: about 50 MB.
 fuzz=(clang libclang-rt-dev libomp-dev)
 show=(xvfb xauth imagemagick x11-utils python3-matplotlib python3-numpy)
-lint=(catkin-lint clang-format clang-tidy)
+lint=(catkin-lint clang-format clang-tidy doxygen)
 
 packages=("${common[@]}")
 if [ -d /opt/ros/noetic ]; then packages+=("${noetic[@]}"); else packages+=("${debian[@]}"); fi

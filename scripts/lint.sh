@@ -34,6 +34,12 @@ ignored=(uninstalled_script missing_required env_var uninstalled_target wrong_bi
 catkin_lint --quiet -W1 --strict "${ignored[@]/#/--ignore=}" . 2>&1 | { ! grep -E "(error|warning):"; }
 for script in scripts/*.sh .ci/run; do bash -n "$script"; done
 scripts/check_docs.py
+if command -v doxygen >/dev/null; then
+  mkdir -p build
+  doxygen docs/Doxyfile
+else
+  echo "doxygen not found: the comments of the public headers are not checked"
+fi
 for script in scripts/*.py test/ros/*.py; do
   head -n 1 "$script" | grep -qx '#!/usr/bin/python3' || { echo "$script: must start with #!/usr/bin/python3"; exit 1; }
 done

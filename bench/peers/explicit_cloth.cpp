@@ -36,7 +36,7 @@ class ExplicitCloth : public Peer {
         mesh_(leaves_, scene.cloth.fabric.areal_density),
         internal_(scene.cloth.fabric, mesh_),
         contacts_(grid_, scene.obstacles, scene.probes,
-                  {scene.cloth.fabric.thickness, kSlipSpeed, scene.solver.time_step}) {
+                  {scene.cloth.fabric.thickness, kSlipSpeed, scene.solver.time_step}, team_) {
     const std::vector<Vec3> flat = flatCloth(scene);
     for (Field* field : {&x_, &v_, &gradient_}) field->clear(mesh_.nodes());
     for (int n = 0; n < mesh_.nodes(); ++n) x_.set(n, flat[mesh_.particle[n]]);
@@ -209,6 +209,7 @@ class ExplicitCloth : public Peer {
   LeafMesh leaves_;
   ActiveMesh mesh_;
   InternalEnergy internal_;
+  Team team_{1};
   ContactSet contacts_;
   std::vector<ContactSet::Reach> touching_;
   Field x_, v_, gradient_, start_;

@@ -34,10 +34,11 @@ struct ProbeSnapshot {
 
 /// A device pose as received.
 struct DeviceSample {
-  double received = -1.0;        ///< steady clock [s]; < 0: none yet
-  double stamp = 0.0;            ///< of the message [s]
-  Vec3 position = Vec3::Zero();  ///< in the cloth's frame [m]
-  Vec3 velocity = Vec3::Zero();  ///< filtered [m/s]
+  double received = -1.0;               ///< steady clock [s]; < 0: none yet
+  double stamp = 0.0;                   ///< of the message [s]
+  Vec3 position = Vec3::Zero();         ///< in the cloth's frame [m]
+  Vec3 velocity = Vec3::Zero();         ///< filtered [m/s]
+  Quat orientation = Quat::Identity();  ///< in the cloth's frame; matters where the probe is a capsule
 };
 
 /// Newest-value mailbox for one writer and one reader, wait-free on both sides (three slots).
@@ -99,6 +100,7 @@ enum class HapticStatus {
   Contact
 };
 
+/// Short name of a status for logs and diagnostics ("contact", ...).
 const char* toString(HapticStatus status);
 
 /// The haptic tick of one probe: pure arithmetic on its own state, no clock, no lock, no allocation.

@@ -3,9 +3,16 @@
 
 namespace haptic_cloth {
 
+/// Unknowns of a step: positions alone, or positions and forces together as in [M04] (docs/model.md).
 enum class Cost { Condensed, Joint };
+
+/// Scaling of the minimizer's directions. `None` still divides by the mass.
 enum class Preconditioner { None, Jacobi, Multilevel };
+
+/// Changes that the mesh may make: none from the finest or the coarsest, only splits, only merges, or both.
 enum class Strategy { Finest, Coarsest, Refine, Coarsen, Amrc };
+
+/// Mesh of the first step.
 enum class StartMesh { Finest, Coarsest };
 
 /// Stopping rules of the minimizer.

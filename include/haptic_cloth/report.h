@@ -7,11 +7,13 @@
 
 namespace haptic_cloth {
 
+/// Why the minimizer stopped.
 enum class Termination { Converged, IterationLimit, TimeBudget, LineSearchFailed, NotFinite };
 
 /// Short name of a termination for logs and files ("converged", ...).
 const char* toString(Termination why);
 
+/// Work of the minimizer in one step.
 struct MinimizerReport {
   Termination why = Termination::Converged;
   int iterations = 0;
@@ -39,6 +41,7 @@ struct CostReport {
   double total() const { return motion + stretch + bend + shear; }
 };
 
+/// Result of one step of the simulation.
 struct StepReport {
   double time = 0.0;  ///< simulated time at the end of the step [s]
   MinimizerReport minimizer;

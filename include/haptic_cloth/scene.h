@@ -17,6 +17,7 @@ struct ParticleRange {
   int i0, i1, j0, j1;
 };
 
+/// The sheet: a flat rectangle at the start.
 struct ClothOptions {
   std::array<int, 2> particles{77, 77};               ///< finest grid along warp (x) and weft (y)
   std::array<double, 2> size{0.30, 0.30};             ///< [m]
@@ -25,6 +26,7 @@ struct ClothOptions {
   std::vector<ParticleRange> pins;  ///< particles held at their initial position
 };
 
+/// Form of an obstacle.
 enum class Shape { Box, Sphere, Cylinder, Capsule, Plane };
 
 /// Position at a time, in the world frame.
@@ -68,6 +70,7 @@ struct StopOptions {
   double rest_speed = 0.0;
 };
 
+/// A cloth in its world, and how it is simulated.
 struct Scene {
   ClothOptions cloth;
   Vec3 gravity{0.0, 0.0, -9.81};  ///< [m/s²]

@@ -110,4 +110,9 @@ class Simulation {
   std::unique_ptr<Implementation> implementation_;
 };
 
+/// Sends each probe and obstacle that has a path in the scene to where its path leads at the end of
+/// the next step, and opens and closes grasps at their times. Call it before each step(), as
+/// `simulate` does.
+void followPaths(Simulation& simulation);
+
 }  // namespace haptic_cloth

@@ -5,9 +5,9 @@
 
 namespace haptic_cloth {
 
-using Vec3 = Eigen::Vector3d;
-using Mat3 = Eigen::Matrix3d;
-using Quat = Eigen::Quaterniond;
+using Vec3 = Eigen::Vector3d;     ///< a vector in space
+using Mat3 = Eigen::Matrix3d;     ///< a linear map of such vectors
+using Quat = Eigen::Quaterniond;  ///< a rotation, of norm 1
 
 /// Position [m] and orientation (unit quaternion) of a body in the world frame.
 struct Pose {

@@ -11,27 +11,6 @@ double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Probes and obstacles take their places on their paths at the end of the next step.
-void followPaths(Simulation& simulation) {
-  const Scene& scene = simulation.scene();
-  const double step = scene.solver.time_step, end = simulation.time() + step;
-  for (std::size_t k = 0; k < scene.probes.size(); ++k) {
-    const ProbeOptions& probe = scene.probes[k];
-    if (probe.path.empty()) continue;
-    const Vec3 from = pathPosition(probe.path, simulation.time()), to = pathPosition(probe.path, end);
-    simulation.setDevice(static_cast<int>(k), {to, (to - from) / step, probe.orientation});
-    const bool closed = std::any_of(probe.grasp.begin(), probe.grasp.end(),
-                                    [&](const auto& times) { return times[0] <= end && end < times[1]; });
-    simulation.setGrasp(static_cast<int>(k), closed);
-  }
-  for (std::size_t k = 0; k < scene.obstacles.size(); ++k) {
-    const Obstacle& obstacle = scene.obstacles[k];
-    if (obstacle.path.empty()) continue;
-    simulation.moveObstacle(static_cast<int>(k),
-                            {pathPosition(obstacle.path, end), obstacle.pose.orientation});
-  }
-}
-
 void add(const StepReport& report, double wall_time, RunTotals& totals) {
   ++totals.steps;
   totals.iterations += report.minimizer.iterations;

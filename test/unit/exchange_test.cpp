@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <thread>
 
+#include "haptic_cloth/haptic_session.h"
 #include "haptic_cloth/haptics.h"
 #include "haptic_cloth/simulation.h"
 #include "support/scenes.h"
@@ -47,14 +48,18 @@ struct SolverResult {
   int failed = 0, backwards = 0;
 };
 
-SolverResult solve(Shared& shared) {
+Scene sharedSheet() {
   LinearFabric linear;
   linear.rigidity = 1e-5;
   Scene scene = sheetScene(makeFabric(linear), 33, 33, 0.16, 0.16);
   setStrategy(scene, Strategy::Amrc, 2);
   pinAllSides(scene);
   scene.solver.threads = 2;
-  Simulation simulation(scene);
+  return scene;
+}
+
+SolverResult solve(Shared& shared) {
+  Simulation simulation(sharedSheet());
   SolverResult result;
   double newest = -1.0;
   for (int step = 0; step < kSteps; ++step) {
@@ -115,6 +120,36 @@ TEST(Exchange, PosesSolverAndTickShareWithoutLocks) {
   EXPECT_EQ(solved.backwards + felt.backwards, 0);
   EXPECT_EQ(felt.bad_forces, 0);
   EXPECT_GT(felt.ticks, 0);
+}
+
+TEST(Exchange, ASessionSharesWithoutLocks) {
+  Simulation simulation(sharedSheet());
+  const HapticOptions options;
+  HapticSession session(simulation, 0, options);
+  std::atomic<bool> stop{false};
+  int failed = 0, bad_forces = 0;
+  std::thread device([&] {
+    for (int k = 0; !stop; ++k) {
+      const Pose pose{Vec3(0.0, 0.0, 0.012 - 1e-4 * std::abs(k % 400 - 200)), Quat::Identity()};
+      const Vec3 force = session.tick(pose, steadySeconds(), k % 500 > 480).force;
+      bad_forces += !(force.norm() <= options.max_force * (1.0 + 1e-12));
+      if (k % 50 == 0) session.setGrasp(k % 100 == 0);
+      std::this_thread::sleep_for(std::chrono::microseconds(300));
+    }
+  });
+  for (int step = 0; step < kSteps; ++step) {
+    if (step == kSteps / 2) {
+      simulation.reset();
+      session.restart(simulation);
+    }
+    session.beforeStep(simulation, steadySeconds());
+    failed += simulation.step().failed;
+    session.afterStep(simulation, steadySeconds());
+  }
+  stop = true;
+  device.join();
+  EXPECT_EQ(failed, 0);
+  EXPECT_EQ(bad_forces, 0);
 }
 
 }  // namespace

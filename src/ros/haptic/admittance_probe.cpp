@@ -29,9 +29,8 @@ void AdmittanceProbe::tick(double now, bool paused) {
   const Wrench reaction{loop_.reaction(), loop_.torque()};
   sendReaction(hand, reaction);
   if (loop_.started()) sendCommand(device, stamp);
-  StampedSample tool;
-  tool.sample = loop_.device();
-  tool.orientation = known ? device.orientation : orientation_;
+  DeviceSample tool = loop_.device();
+  tool.orientation = known ? device.sample.orientation : orientation_;
   shared_.device_for_solver.write(tool);
   felt_.note(loop_.status(), reaction);
   shared_.felt.write(felt_);
@@ -44,7 +43,7 @@ void AdmittanceProbe::sendCommand(const StampedSample& device, const ros::Time& 
   command.header.stamp = stamp;
   command.header.frame_id = known ? device.frame_id : frame_id_;
   const Quat into = device.frame_rotation.conjugate();
-  const Quat orientation = known ? device.orientation : orientation_;
+  const Quat orientation = known ? device.sample.orientation : orientation_;
   command.pose = toPose(positionForDriver(gains_.device(), into * (loop_.position() - device.frame_position)),
                         orientationForDriver(gains_.device(), into * orientation));
   command_.publish(command);

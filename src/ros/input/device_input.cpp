@@ -69,14 +69,14 @@ void DeviceInput::accept(const geometry_msgs::PoseStamped& pose, const std::stri
   notice_.taken();
   sample.frame_position = frame->position;
   sample.frame_rotation = frame->orientation;
-  sample.orientation = there.orientation.normalized();
+  sample.sample.orientation = there.orientation.normalized();
   sample.stamp = pose.header.stamp;
   sample.sample.received = received;
   sample.sample.stamp = pose.header.stamp.toSec();
   sample.sample.position = there.position;
   sample.sample.velocity = filter_.update(sample.sample.position, received);
   shared_.device_for_haptics.write(sample);
-  if (device_.kind == DeviceKind::Impedance) shared_.device_for_solver.write(sample);
+  if (device_.kind == DeviceKind::Impedance) shared_.device_for_solver.write(sample.sample);
 }
 
 void DeviceInput::takeOptions() {

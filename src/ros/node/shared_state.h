@@ -12,6 +12,7 @@
 #include "haptic_cloth/report.h"
 #include "haptic_cloth/simulation.h"
 #include "haptics/lateness.h"
+#include "haptics/solver_probe.h"
 #include "ros/node/solver_tasks.h"
 #include "ros/options/live_options.h"
 
@@ -24,7 +25,6 @@ struct StampedSample {
   std::string frame_id;                    ///< of the message
   Vec3 frame_position = Vec3::Zero();      ///< of that frame in the cloth's [m]
   Quat frame_rotation = Quat::Identity();  ///< of that frame in the cloth's
-  Quat orientation = Quat::Identity();     ///< of the device in the cloth's frame
 };
 
 /// A measured force with what its answer needs.
@@ -33,16 +33,6 @@ struct StampedForce {
   ros::Time stamp;
   std::string frame_id;                    ///< of the message
   Quat frame_rotation = Quat::Identity();  ///< of that frame in the cloth's
-};
-
-/// What a probe does with the cloth it touches.
-enum class GraspState { Open, Closed, Holding };
-
-/// A probe as it is shown.
-struct ProbeView {
-  ProbeReport report;
-  Quat orientation = Quat::Identity();
-  GraspState grasp = GraspState::Open;
 };
 
 /// A copy of what is shown.
@@ -99,18 +89,12 @@ struct FeltForce {
   }
 };
 
-/// Of one probe.
-struct SharedProbe {
+/// What the threads share of one probe. `device_for_solver` is written by the pose callback, or by the haptic
+/// thread where that moves a tool.
+struct SharedProbe : ProbeExchange {
   Mailbox<StampedSample> device_for_haptics;  ///< pose callback → haptic thread
   Mailbox<StampedForce> force;                ///< force callback → haptic thread; admittance devices
-  Mailbox<StampedSample> device_for_solver;   ///< → solver thread; from the pose callback, or the haptic
-                                              ///< thread where that moves a tool
-  Mailbox<ProbeSnapshot> snapshot;            ///< solver thread → haptic thread
   Mailbox<FeltForce> felt;                    ///< haptic thread → display thread
-
-  std::atomic<bool> present{false};       ///< the solver has a pose of it
-  std::atomic<bool> grasp_wanted{false};  ///< set by topic and service; the solver opens it
-  std::atomic<GraspState> grasp{GraspState::Open};
 };
 
 /// Where an obstacle is sent.

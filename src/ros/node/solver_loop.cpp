@@ -11,8 +11,6 @@ namespace {
 constexpr double kIdle = 1e-3;  ///< sleep while paused [s]
 /// Longest backlog in wall time that is caught up after a slow step [s].
 constexpr double kMaxBacklog = 0.02;
-/// Weight of the newest step in the mean wall time per step [-].
-constexpr double kSmoothing = 0.1;
 constexpr double kWindow = 1.0;  ///< window of the statistics [s]
 
 /// If the scene does not set the number of threads, one core is left for the haptic thread.
@@ -30,9 +28,9 @@ SolverLoop::SolverLoop(const NodeOptions& options, SharedState& shared)
       live_(shared.live_for_solver),
       simulation_(sceneFor(options.scene)),
       targets_seen_(options.scene.obstacles.size(), 0),
-      wall_per_step_(time_step_) {
+      pace_(time_step_) {
   for (std::size_t k = 0; k < options.scene.probes.size(); ++k) {
-    probes_.emplace_back(options, static_cast<int>(k), simulation_, shared.probes[k]);
+    probes_.emplace_back(static_cast<int>(k), options.probe_timeout, shared.probes[k]);
   }
 }
 
@@ -42,17 +40,20 @@ void SolverLoop::run() {
     shared_.tasks.work(*this);
     copyFrameWhenWanted();
     if (shared_.paused) {
-      due_ = last_start_ = window_start_ = -1.0;
-      for (SolverProbe& probe : probes_) probe.open();
+      due_ = window_start_ = -1.0;
+      pace_.interrupt();
+      for (SolverProbe& probe : probes_) probe.open(simulation_);
       sleepUntil(steadyNow() + kIdle);
       continue;
     }
     waitUntilDue();
     takeOptions();
     moveObstacles();
-    for (SolverProbe& probe : probes_) probe.takeDevice();
+    for (SolverProbe& probe : probes_) probe.takeDevice(simulation_, steadyNow());
     const StepReport report = simulation_.step();
-    for (SolverProbe& probe : probes_) probe.publishSnapshot(wall_per_step_);
+    for (SolverProbe& probe : probes_) {
+      probe.publishSnapshot(simulation_, pace_.seconds(), steadyNow());
+    }
     record(report);
   }
 }
@@ -130,7 +131,7 @@ void SolverLoop::copyFrameWhenWanted() {
   simulation_.cells(frame_.cells);
   simulation_.cellLoads(frame_.tension, frame_.bending);
   frame_.probes.clear();
-  for (const SolverProbe& probe : probes_) frame_.probes.push_back(probe.view());
+  for (const SolverProbe& probe : probes_) frame_.probes.push_back(probe.view(simulation_));
   frame_.obstacles.clear();
   for (std::size_t k = 0; k < targets_seen_.size(); ++k) {
     frame_.obstacles.push_back(simulation_.obstaclePose(static_cast<int>(k)));
@@ -148,9 +149,7 @@ void SolverLoop::waitUntilDue() {
     now = steadyNow();
   }
   due_ += time_step_;
-  if (last_start_ >= 0.0) wall_per_step_ += kSmoothing * (now - last_start_ - wall_per_step_);
-  wall_per_step_ = std::max(wall_per_step_, time_step_);
-  last_start_ = now;
+  pace_.begin(now);
 }
 
 void SolverLoop::moveObstacles() {

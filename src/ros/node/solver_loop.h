@@ -5,8 +5,9 @@
 #include <vector>
 
 #include "haptic_cloth/simulation.h"
+#include "haptics/solver_probe.h"
+#include "haptics/step_pace.h"
 #include "ros/node/shared_state.h"
-#include "ros/node/solver_probe.h"
 #include "ros/options/node_options.h"
 
 namespace haptic_cloth {
@@ -47,9 +48,8 @@ class SolverLoop {
   std::vector<std::uint64_t> targets_seen_;  ///< number of the last target of each obstacle
   bool gains_move_ = false;
 
-  double due_ = -1.0;         ///< start of the next step on the steady clock [s]; < 0: now
-  double last_start_ = -1.0;  ///< start of the last step [s]; < 0: none since start or pause
-  double wall_per_step_;      ///< smoothed, at least time_step_ [s]
+  double due_ = -1.0;  ///< start of the next step on the steady clock [s]; < 0: now
+  StepPace pace_;
   std::uint64_t resets_seen_ = 0;
 
   SolverStats window_;

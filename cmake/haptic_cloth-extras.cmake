@@ -1,0 +1,16 @@
+# Gives users of find_package(haptic_cloth) the target haptic_cloth::haptic_cloth. Without ROS this is
+# installed as the package's config file; with catkin, catkin's config file includes it.
+if(NOT TARGET haptic_cloth::haptic_cloth)
+  include(CMakeFindDependencyMacro)
+  find_dependency(Eigen3 NO_MODULE)
+  include("${haptic_cloth_DIR}/haptic_cloth-targets.cmake")
+  get_target_property(haptic_cloth_type haptic_cloth::haptic_cloth TYPE)
+  if(haptic_cloth_type STREQUAL "STATIC_LIBRARY")
+    find_dependency(yaml-cpp)
+    find_dependency(Threads)
+    get_target_property(haptic_cloth_links haptic_cloth::haptic_cloth INTERFACE_LINK_LIBRARIES)
+    if(haptic_cloth_links MATCHES "OpenMP::OpenMP_CXX")
+      find_dependency(OpenMP)
+    endif()
+  endif()
+endif()

@@ -1,0 +1,196 @@
+/// A session as its two threads drive it, on one thread and an artificial clock: a tick and a step
+/// each millisecond. Criteria: the limits of HapticOptions, exact but for round-off; at rest the
+/// force is the coupling's, k (proxy - device).
+#include "haptic_cloth/haptic_session.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "haptic_cloth/error.h"
+#include "haptics/step_pace.h"
+#include "support/scenes.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kRoundOff = 1e-9;
+
+Scene pinnedSheet() {
+  LinearFabric linear;
+  linear.rigidity = 1e-5;
+  Scene scene = sheetScene(makeFabric(linear), 17, 17, 0.16, 0.16);
+  scene.air_damping = 5.0;
+  pinAllSides(scene);
+  return scene;
+}
+
+class HapticSessionTest : public ::testing::Test {
+ protected:
+  static constexpr double kTick = 1e-3;  ///< [s]
+
+  HapticSessionTest() : simulation_(pinnedSheet()), session_(simulation_, 0, options_) {}
+
+  /// One tick without a step. Checks what holds for every tick.
+  void tick(const Vec3& position, bool paused = false) {
+    time_ += kTick;
+    take(session_.tick({position, Quat::Identity()}, time_, paused));
+  }
+
+  void tickWithoutPose() {
+    time_ += kTick;
+    take(session_.tick(time_));
+  }
+
+  void step() {
+    session_.beforeStep(simulation_, time_);
+    simulation_.step();
+    session_.afterStep(simulation_, time_);
+  }
+
+  /// Presses from above to 5 mm below the sheet's plane and stays there.
+  void press(int ticks = 1000) {
+    for (int k = 0; k < ticks; ++k) {
+      tick(Vec3(0.0, 0.0, std::max(-0.005, 0.015 - 1e-4 * k)));
+      step();
+    }
+  }
+
+  double force() const { return force_.norm(); }  ///< of the last tick [N]
+  ProbeReport probe() const { return simulation_.probe(); }
+
+  HapticOptions options_;
+  Simulation simulation_;
+  HapticSession session_;
+  double time_ = 10.0;  ///< [s]
+
+ private:
+  void take(const Wrench& wrench) {
+    ASSERT_TRUE(wrench.force.allFinite() && wrench.torque.allFinite());
+    EXPECT_LE(wrench.force.norm(), options_.max_force * (1.0 + kRoundOff));
+    EXPECT_LE((wrench.force - force_).norm(), options_.max_force_rate * kTick * (1.0 + kRoundOff));
+    force_ = wrench.force;
+  }
+
+  Vec3 force_ = Vec3::Zero();
+};
+
+TEST_F(HapticSessionTest, GivesTheForceOfTheCoupling) {
+  press();
+  EXPECT_EQ(session_.status(), HapticStatus::Contact);
+  const Vec3 stretch = probe().proxy - probe().device;
+  const double expected = simulation_.scene().probes[0].coupling_stiffness * stretch.z();
+  EXPECT_GT(expected, 0.1);
+  EXPECT_NEAR(force(), expected, 0.02 * expected);  // the sheet still swings a little
+}
+
+TEST_F(HapticSessionTest, GivesNothingWithoutContact) {
+  for (int k = 0; k < 20; ++k) {
+    tick(Vec3(0.0, 0.0, 0.05));
+    step();
+  }
+  EXPECT_EQ(session_.status(), HapticStatus::Free);
+  EXPECT_TRUE(probe().present);
+  EXPECT_EQ(force(), 0.0);
+}
+
+TEST_F(HapticSessionTest, RampsToZeroWhilePaused) {
+  press();
+  for (int k = 0; k < 30; ++k) tick(Vec3(0.0, 0.0, -0.005), true);  // ramp_time: 20 ms
+  EXPECT_EQ(session_.status(), HapticStatus::Paused);
+  EXPECT_EQ(force(), 0.0);
+}
+
+TEST_F(HapticSessionTest, RampsToZeroWhenStepsStop) {
+  press();
+  for (int k = 0; k < 130; ++k) tick(Vec3(0.0, 0.0, -0.005));  // snapshot_timeout + ramp_time: 120 ms
+  EXPECT_EQ(session_.status(), HapticStatus::SnapshotStale);
+  EXPECT_EQ(force(), 0.0);
+}
+
+TEST_F(HapticSessionTest, TakesAPoseThatIsNotFiniteForNone) {
+  press();
+  const double before = force();
+  const double bad = std::numeric_limits<double>::quiet_NaN();
+  const auto noPose = [&](int ticks) {
+    for (int k = 0; k < ticks; ++k) {
+      tick(Vec3(0.0, 0.0, bad));
+      step();
+    }
+  };
+  noPose(40);  // pose_timeout: 50 ms
+  EXPECT_EQ(session_.status(), HapticStatus::Contact);
+  EXPECT_NEAR(force(), before, 0.02 * before);
+  noPose(40);
+  EXPECT_EQ(session_.status(), HapticStatus::PoseStale);
+  EXPECT_EQ(force(), 0.0);
+  EXPECT_TRUE(probe().device.allFinite());
+}
+
+TEST_F(HapticSessionTest, ASilentDeviceLeavesTheScene) {
+  press();
+  const auto silent = [&](int ticks) {
+    for (int k = 0; k < ticks; ++k) {
+      tickWithoutPose();
+      step();
+    }
+  };
+  silent(990);
+  EXPECT_TRUE(probe().present);
+  silent(20);
+  EXPECT_FALSE(probe().present);
+  EXPECT_EQ(force(), 0.0);
+}
+
+TEST_F(HapticSessionTest, AJumpLetsGoAndBeginsAnew) {
+  session_.setGrasp(true);
+  press();
+  EXPECT_TRUE(probe().grasps);
+  for (int k = 0; k < 30; ++k) {
+    tick(Vec3(1.0, 0.0, 0.0));
+    step();
+  }
+  EXPECT_EQ(force(), 0.0);
+  EXPECT_FALSE(probe().grasps);
+  EXPECT_EQ(probe().device, Vec3(1.0, 0.0, 0.0));
+  press();  // another jump, back to the sheet: the grasp stays open
+  EXPECT_FALSE(probe().grasps);
+  EXPECT_GT(force(), 0.1);
+}
+
+TEST_F(HapticSessionTest, BeginsAnewAfterAReset) {
+  press();
+  simulation_.reset();
+  session_.restart(simulation_);
+  for (int k = 0; k < 30; ++k) tick(Vec3(0.0, 0.0, -0.005));
+  EXPECT_EQ(session_.status(), HapticStatus::NoSnapshot);
+  EXPECT_EQ(force(), 0.0);
+  EXPECT_FALSE(probe().present);
+  press();
+  EXPECT_GT(force(), 0.1);
+}
+
+TEST_F(HapticSessionTest, RefusesWhatItCannotServe) {
+  EXPECT_THROW(HapticSession(simulation_, -1), InputError);
+  EXPECT_THROW(HapticSession(simulation_, 1), InputError);
+  HapticOptions options;
+  options.max_force = 0.0;
+  EXPECT_THROW(HapticSession(simulation_, 0, options), InputError);
+}
+
+TEST(StepPace, IsTheMeanOfTheTimeBetweenStepsWithoutPauses) {
+  StepPace pace(1e-3);
+  EXPECT_EQ(pace.seconds(), 1e-3);
+  double now = 5.0;
+  for (int k = 0; k < 200; ++k) pace.begin(now += 3e-3);
+  EXPECT_NEAR(pace.seconds(), 3e-3, 1e-9);  // 0.9^199 of 2 ms
+  pace.interrupt();
+  pace.begin(now += 10.0);
+  EXPECT_NEAR(pace.seconds(), 3e-3, 1e-9);
+  for (int k = 0; k < 200; ++k) pace.begin(now += 1e-5);
+  EXPECT_EQ(pace.seconds(), 1e-3);  // a solver that catches up is no faster than the clock
+}
+
+}  // namespace
+}  // namespace haptic_cloth
