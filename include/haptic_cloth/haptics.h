@@ -29,7 +29,7 @@ struct ProbeSnapshot {
   Vec3 force = Vec3::Zero();      ///< on the probe at that solve [N]
   Vec3 torque = Vec3::Zero();     ///< on the probe about its proxy at that solve [N·m]
   bool contact = false;
-  int cloth = 0;  ///< counts up where the probe begins anew: by a jump, a reset or a loaded state
+  int cloth = 0;  ///< number of restarts of the probe: jumps, resets, loaded states
 };
 
 /// A device pose as received.
@@ -87,7 +87,8 @@ struct HapticOptions {
 /// @throws InputError naming the option, its value and the rule.
 void validateHapticOptions(const HapticOptions& options, const std::string& origin);
 
-/// Why the force is, or is not, what the snapshot says.
+/// State of the haptic tick. The force is on only in Contact; every other value says why it is zero.
+/// NoForce and ForceStale are those of admittance devices.
 enum class HapticStatus {
   NoPose,
   NoForce,
@@ -115,9 +116,9 @@ class HapticLoop {
   /// snapshot: no force. torque() then gives the torque, limited and ramped in the same way.
   Vec3 tick(const DeviceSample& device, const ProbeSnapshot& snapshot, bool paused, double now);
 
-  /// Other options from the next tick on. The force goes on from where it is, within max_force_rate.
-  /// @param unit forces and torques are stated in from now on, over that until now: what the hand
-  /// feels does not jump where the scale between hand and probe changes
+  /// Takes other options from the next tick on. The force continues within max_force_rate.
+  /// @param unit new unit of force and torque over the old one, so that the hand feels no jump when
+  /// the scale between hand and probe changes [-]
   /// @pre the options are valid
   void setOptions(const HapticOptions& options, double unit = 1.0);
 

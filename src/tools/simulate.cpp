@@ -45,7 +45,7 @@ constexpr const char* kFooter =
     "  particles.csv  i,j,active,x,y,z for every particle of the finest grid\n"
     "  mesh.ply       the active mesh as triangles\n"
     "To go on from a state, let it stop later: simulate drape.yaml --save-state drape.state, then\n"
-    "simulate drape.yaml --resume drape.state --set stop.time=4. The files then tell of the second run.\n"
+    "simulate drape.yaml --resume drape.state --set stop.time=4. The files then describe the second run only.\n"
     "Exit status: 0 success; 2 bad input, nothing written; 3 the simulation failed (a final state\n"
     "that is not finite, or more than 10 % of the steps failed), files are written; a state only where\n"
     "it is finite; 4 output cannot be written, for instance because the disk is full: then none of the\n"

@@ -67,9 +67,9 @@ void addHaptics(Group haptics) {
 }
 
 void addPassivity(Group passivity) {
-  passivity.add("damping", "most that is added [N s/m]", 0.0, 20.0,
+  passivity.add("damping", "largest damping that the controller adds [N s/m]", 0.0, 20.0,
                 [](auto& o) { return &o.haptics.passivity.damping; });
-  passivity.add("debt", "of energy at which the coupling is left half of its force [J]; 0: all of it", 0.0,
+  passivity.add("debt", "energy debt that halves the force of the coupling [J]; 0: never", 0.0,
                 0.01, [](auto& o) { return &o.haptics.passivity.debt; });
   passivity.add("store", "most energy put in earlier that may come out again [J]", 0.0, 0.5,
                 [](auto& o) { return &o.haptics.passivity.store; });
