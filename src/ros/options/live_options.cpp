@@ -69,8 +69,8 @@ void addHaptics(Group haptics) {
 void addPassivity(Group passivity) {
   passivity.add("damping", "largest damping that the controller adds [N s/m]", 0.0, 20.0,
                 [](auto& o) { return &o.haptics.passivity.damping; });
-  passivity.add("debt", "energy debt that halves the force of the coupling [J]; 0: never", 0.0,
-                0.01, [](auto& o) { return &o.haptics.passivity.debt; });
+  passivity.add("debt", "energy debt that halves the force of the coupling [J]; 0: never", 0.0, 0.01,
+                [](auto& o) { return &o.haptics.passivity.debt; });
   passivity.add("store", "most energy put in earlier that may come out again [J]", 0.0, 0.5,
                 [](auto& o) { return &o.haptics.passivity.store; });
   passivity.add("device_damping", "of mechanism and hand, which may be counted on [N s/m]", 0.0, 10.0,
