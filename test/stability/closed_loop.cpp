@@ -10,7 +10,6 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kVelocityTimeConstant = 0.005;  ///< default of the node [s]
 
 /// Range of a vector over time.
 struct Range {

@@ -45,8 +45,8 @@ class ObjectiveTest : public ::testing::Test {
         leaves_(mixed(grid_, scene_)),
         mesh_(leaves_, scene_.cloth.fabric.areal_density),
         internal_(scene_.cloth.fabric, mesh_),
-        contacts_(grid_, scene_.obstacles, scene_.probes, {5e-4, 1e-3, 1e-3}),
         team_(1),
+        contacts_(grid_, scene_.obstacles, scene_.probes, {5e-4, 1e-3, 1e-3}, team_),
         objective_(scene_, mesh_, internal_, contacts_, team_) {
     for (Field* field : {&nodes_, &velocities_}) field->clear(mesh_.nodes());
     for (int n = 0; n < mesh_.nodes(); ++n) {
@@ -84,8 +84,8 @@ class ObjectiveTest : public ::testing::Test {
   LeafMesh leaves_;
   ActiveMesh mesh_;
   InternalEnergy internal_;
-  ContactSet contacts_;
   Team team_;
+  ContactSet contacts_;
   ClothObjective objective_;
   Field nodes_, velocities_;
   Vector start_;
