@@ -139,14 +139,17 @@ bool ClothWorld::wakeUnrested() {
 }
 
 /// Evaluates Φ and its gradient with all nodes and proxies at x⁰, where the solve starts by
-/// default.
+/// default. Contact is sampled anew in each step: what that adds to the contact energy, beside the
+/// work of ejecting cloth, must not become motion. If solids move, it cannot be told from their work.
 void ClothWorld::lookAtRest() {
   const int size = objective.size();
   objective.pack(nodes_, start_);
   at_rest_ = objective.evaluate(start_, gradient_);
   Sums parts;
-  energy_before_ = objective.internalEnergy(parts) + objective.couplingEnergy() + objective.lossPotential() -
-                   std::max(0.0, created_);
+  const double internal_energy = objective.internalEnergy(parts);
+  sampled_ = solidsMove() ? 0.0 : parts[3] - contact_before_ - let_out_;
+  energy_before_ =
+      internal_energy + objective.couplingEnergy() + objective.lossPotential() - std::max(0.0, created());
   x_.head(size) = start_.head(size);
 }
 

@@ -157,6 +157,9 @@ StepReport ClothWorld::step() {
 
 void ClothWorld::takeStep(StepReport& report) {
   minimizer_.startBudget();
+  Sums parts;
+  objective.internalEnergy(parts);
+  contact_before_ = parts[3];
   contacts.advance();
   const auto start = std::chrono::steady_clock::now();
   adapt(report);
@@ -188,6 +191,17 @@ bool ClothWorld::isIdle() const {
       return false;
   }
   return true;
+}
+
+/// Tells whether an obstacle moves or a probe turns in this step.
+bool ClothWorld::solidsMove() const {
+  for (int k = 0; k < contacts.obstacles(); ++k) {
+    if (contacts.obstacleSpeed(k) > 0.0) return true;
+  }
+  for (std::size_t k = 0; k < probe_steps_.size(); ++k) {
+    if (probe_steps_[k].present && memories_[k].after.coeffs() != memories_[k].before.coeffs()) return true;
+  }
+  return false;
 }
 
 /// Tells whether the same probes are present as in the last solved step, with their devices in the

@@ -62,8 +62,8 @@ class ClothWorld {
 
   double time() const { return steps * scene.solver.time_step; }
   double mass() const;
-  /// Energy created by the mesh change of the last step [J].
-  double created() const { return created_; }
+  /// Energy that the mesh change and the contact samples of the last step created [J].
+  double created() const { return created_ + sampled_; }
   EnergyReport energy() const;
   double maxSpeed() const;
   const Field& nodes() const { return nodes_; }
@@ -75,6 +75,7 @@ class ClothWorld {
   void takeStep(StepReport& report);
   bool isIdle() const;
   bool devicesStay() const;
+  bool solidsMove() const;
   StepReport idle();
   void noteIdle(const StepReport& report);
   void forgetIdle() {
@@ -153,9 +154,11 @@ class ClothWorld {
   double initial_ = 0.0;                      ///< energy at the start [J]
   double supplied_ = 0.0;                     ///< initial_ plus work of devices and obstacles [J]
   double created_ = 0.0;                      ///< by the mesh change of the current step [J]
+  double contact_before_ = 0.0;               ///< contact energy at the end of the last step [J]
+  double sampled_ = 0.0;                      ///< by the contact samples of the current step [J]
   double let_out_ = 0.0;                      ///< ContactSet::letOutWork() of the last step [J]
   double at_rest_ = 0.0;                      ///< Φ(x⁰) of the current step [J]
-  double energy_before_ = 0.0;                ///< energies in Φ(x⁰), minus created_ if positive [J]
+  double energy_before_ = 0.0;                ///< energies in Φ(x⁰), minus created() if positive [J]
   Field nodes_, velocities_;
   std::vector<double> reach_;  ///< expected displacement of each node in the current step [m]
   Vector x_, start_, motion_, gradient_, joint_x_;
