@@ -278,8 +278,12 @@ LoadEstimate::View ClothWorld::loadView() {
     touches_.push_back({probes[k].proxy, scene.probes[k].radius, probes[k].force.norm()});
   }
   const double look_time = scene.adapt.interval * scene.solver.time_step;
-  return {
-      mesh, internal, contacts, nodes_, velocities_, weight_, look_time, touches_, scene.adapt.refine_above};
+  // The share of the force is that of the default threshold. One that allows cells twice as long
+  // allows four times the load on a cell.
+  const double usual = AdaptOptions().refine_above;
+  return {mesh,      internal,    contacts,
+          nodes_,    velocities_, weight_,
+          look_time, touches_,    usual * usual / scene.adapt.refine_above};
 }
 
 void ClothWorld::adapt(StepReport& report) {

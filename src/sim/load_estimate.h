@@ -52,7 +52,7 @@ class LoadEstimate {
     const std::vector<double>& weight;
     double look_time;  ///< time between two mesh decisions [s]
     const std::vector<Touch>& touches;
-    double split_turn;  ///< turning angle above which a cell splits [rad]
+    double split_turn;  ///< turn of a cell that misses kShare of the force [rad]
   };
 
   /// Measures tensions for later calls of turn(). @param least smaller angles may count as zero
