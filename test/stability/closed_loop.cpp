@@ -10,7 +10,6 @@
 namespace haptic_cloth {
 namespace {
 
-
 /// Range of a vector over time.
 struct Range {
   Vec3 low = Vec3::Constant(1e9), high = Vec3::Constant(-1e9);
