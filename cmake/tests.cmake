@@ -84,10 +84,11 @@ endif()
 add_test(NAME hello_cloth COMMAND hello_cloth)
 add_test(NAME haptic_loop COMMAND haptic_loop --seconds 1)
 
-# What find_package(haptic_cloth) gives. A sanitized library is for this build alone.
+# What find_package(haptic_cloth) gives. A sanitized library is for this build alone. The folder is
+# hidden, so that roslaunch does not find the launch files installed in it beside the package's own.
 if(NOT HAPTIC_CLOTH_SANITIZE)
   add_test(NAME consumer COMMAND ${CMAKE_COMMAND} "-DSOURCE=${PROJECT_SOURCE_DIR}"
-    "-DBUILD=${PROJECT_BINARY_DIR}" "-DWORK=${PROJECT_BINARY_DIR}/consumer"
+    "-DBUILD=${PROJECT_BINARY_DIR}" "-DWORK=${PROJECT_BINARY_DIR}/.consumer"
     "-DCOMPILER=${CMAKE_CXX_COMPILER}" "-DCATKIN=${catkin_FOUND}"
     -P "${PROJECT_SOURCE_DIR}/test/consumer/check.cmake")
 endif()
