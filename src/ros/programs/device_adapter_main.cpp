@@ -9,6 +9,7 @@
 #include "ros/input/device_adapter.h"
 #include "ros/node/shutdown.h"
 #include "ros/node/topics.h"
+#include "ros/programs/parameters.h"
 #include "ros/programs/program.h"
 
 namespace {
@@ -23,10 +24,8 @@ int run(int argc, char** argv) {
   haptic_cloth::answerShutdownCall(asked);
   if (!haptic_cloth::waitForMaster(signals)) return 0;
   ros::NodeHandle node, private_node("~");
-  XmlRpc::XmlRpcValue parameters;
-  private_node.getParam(private_node.getNamespace(), parameters);
-  const haptic_cloth::AdapterOptions options = haptic_cloth::readAdapterOptions(
-      haptic_cloth::ParameterGroup(parameters, private_node.getNamespace() + " (parameters)"));
+  const haptic_cloth::AdapterOptions options =
+      haptic_cloth::readAdapterOptions(haptic_cloth::ownParameters(private_node));
 
   for (const auto& [ours, drivers] :
        {std::pair(haptic_cloth::topics::kPose, haptic_cloth::topics::kDevicePose),

@@ -9,6 +9,7 @@
 #include "ros/node/steady_clock.h"
 #include "ros/node/topics.h"
 #include "ros/programs/hand_model.h"
+#include "ros/programs/parameters.h"
 #include "ros/programs/program.h"
 
 namespace {
@@ -26,10 +27,8 @@ struct Reaction {
 int run(int argc, char** argv) {
   ros::init(argc, argv, "hand");
   ros::NodeHandle node, private_node("~");
-  XmlRpc::XmlRpcValue parameters;
-  private_node.getParam(private_node.getNamespace(), parameters);
-  const haptic_cloth::HandOptions options = haptic_cloth::readHandOptions(
-      haptic_cloth::ParameterGroup(parameters, private_node.getNamespace() + " (parameters)"));
+  const haptic_cloth::HandOptions options =
+      haptic_cloth::readHandOptions(haptic_cloth::ownParameters(private_node));
 
   haptic_cloth::Mailbox<Reaction> mailbox;
   const ros::Subscriber reaction = node.subscribe<geometry_msgs::WrenchStamped>(

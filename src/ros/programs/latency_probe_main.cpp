@@ -26,8 +26,8 @@
 #include "ros/node/real_time.h"
 #include "ros/node/steady_clock.h"
 #include "ros/node/topics.h"
-#include "ros/options/node_options.h"
 #include "ros/options/parameter_group.h"
+#include "ros/programs/parameters.h"
 
 namespace {
 
@@ -269,13 +269,8 @@ nlohmann::json evaluate(const Sender& sender, const std::vector<ReceivedWrench>&
 int run(int argc, char** argv) {
   ros::init(argc, argv, "latency_probe");
   ros::NodeHandle node, private_node("~");
-  XmlRpc::XmlRpcValue own, theirs;
-  private_node.getParam(private_node.getNamespace(), own);
-  const Options options =
-      readOptions(haptic_cloth::ParameterGroup(own, private_node.getNamespace() + " (parameters)"));
-  node.getParam(options.node, theirs);
-  const haptic_cloth::NodeOptions served =
-      haptic_cloth::parseNodeOptions(theirs, options.node + " (parameters)");
+  const Options options = readOptions(haptic_cloth::ownParameters(private_node));
+  const haptic_cloth::NodeOptions served = haptic_cloth::optionsOf(node, options.node);
   const haptic_cloth::ProbeOptions& probe = served.scene.probes[0];
   if (probe.path.size() < 2)
     throw haptic_cloth::InputError(options.node, "probe.path", "", "must have two rows");

@@ -12,6 +12,7 @@
 #include "ros/node/steady_clock.h"
 #include "ros/options/node_options.h"
 #include "ros/options/parameter_group.h"
+#include "ros/programs/parameters.h"
 #include "ros/programs/program.h"
 
 namespace {
@@ -75,10 +76,7 @@ std::vector<std::string> findProbes(const ros::NodeHandle& node, const MonitorOp
 int run(int argc, char** argv) {
   ros::init(argc, argv, "monitor", ros::init_options::AnonymousName);
   ros::NodeHandle node, private_node("~");
-  XmlRpc::XmlRpcValue parameters;
-  private_node.getParam(private_node.getNamespace(), parameters);
-  const MonitorOptions options =
-      readOptions(haptic_cloth::ParameterGroup(parameters, private_node.getNamespace() + " (parameters)"));
+  const MonitorOptions options = readOptions(haptic_cloth::ownParameters(private_node));
 
   const std::vector<std::string> probes = findProbes(node, options);
   // One meter for the line, one for the whole time.

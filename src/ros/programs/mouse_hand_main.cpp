@@ -14,6 +14,7 @@
 #include "ros/node/topics.h"
 #include "ros/options/node_options.h"
 #include "ros/programs/mouse_hand.h"
+#include "ros/programs/parameters.h"
 #include "ros/programs/program.h"
 
 namespace {
@@ -99,13 +100,9 @@ class MouseProbe {
 int run(int argc, char** argv) {
   ros::init(argc, argv, "mouse_hand");
   ros::NodeHandle node, private_node("~");
-  XmlRpc::XmlRpcValue own, theirs;
-  private_node.getParam(private_node.getNamespace(), own);
-  const MouseOptions mouse =
-      readMouseOptions(haptic_cloth::ParameterGroup(own, private_node.getNamespace() + " (parameters)"));
+  const MouseOptions mouse = readMouseOptions(haptic_cloth::ownParameters(private_node));
   const std::string served = node.resolveName(mouse.node);
-  node.getParam(served, theirs);
-  const haptic_cloth::NodeOptions options = haptic_cloth::parseNodeOptions(theirs, served + " (parameters)");
+  const haptic_cloth::NodeOptions options = haptic_cloth::optionsOf(node, served);
 
   InteractiveMarkerServer server("probes", "", true);
   std::deque<MouseProbe> probes;

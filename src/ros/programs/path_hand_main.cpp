@@ -15,6 +15,7 @@
 #include "ros/node/steady_clock.h"
 #include "ros/node/topics.h"
 #include "ros/options/node_options.h"
+#include "ros/programs/parameters.h"
 #include "ros/programs/program.h"
 
 namespace {
@@ -118,13 +119,9 @@ class PathProbe {
 int run(int argc, char** argv) {
   ros::init(argc, argv, "path_hand");
   ros::NodeHandle node, private_node("~");
-  XmlRpc::XmlRpcValue own, theirs;
-  private_node.getParam(private_node.getNamespace(), own);
-  const PathOptions path =
-      readPathOptions(haptic_cloth::ParameterGroup(own, private_node.getNamespace() + " (parameters)"));
+  const PathOptions path = readPathOptions(haptic_cloth::ownParameters(private_node));
   const std::string served = node.resolveName(path.node);
-  node.getParam(served, theirs);
-  const haptic_cloth::NodeOptions options = haptic_cloth::parseNodeOptions(theirs, served + " (parameters)");
+  const haptic_cloth::NodeOptions options = haptic_cloth::optionsOf(node, served);
 
   std::deque<PathProbe> probes;
   for (std::size_t k = 0; k < options.scene.probes.size(); ++k) {
