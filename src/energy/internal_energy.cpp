@@ -124,7 +124,7 @@ void InternalEnergy::setNormals(const Field& positions) {
     }
   }
   kernels().normalise(mesh_.nodes(), node_normals_.arrays());
-  kernels().normalise(patches, patch_normals_.arrays());
+  if (twist_rigidity_ > 0.0) kernels().normalise(patches, patch_normals_.arrays());
 }
 
 void InternalEnergy::appendAwake(const std::vector<char>& awake, Runs& runs) const {

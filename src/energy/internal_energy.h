@@ -85,8 +85,8 @@ class InternalEnergy {
   Curve::Point law(int element, double deformation) const;
   double area(int element) const;
 
-  /// Surface normals of the step at a node and of a patch. twist() [N·m] is zero if there is no
-  /// such term.
+  /// Surface normals of the step at a node and, with a twist term, of a patch. twist() [N·m] is
+  /// zero if there is no such term.
   Vec3 normal(int node) const { return node_normals_[node]; }
   Vec3 patchNormal(int patch) const { return patch_normals_[patch]; }
   double twist() const { return twist_rigidity_; }
@@ -187,8 +187,8 @@ class InternalEnergy {
   NodeGather gather_;
   int edge_count_ = 0, triple_count_ = 0, patch_count_ = 0;
   Field node_normals_;
-  Field patch_normals_;
-  Field slots_;  ///< see NodeGather; [N], for triples [N·m²]
+  Field patch_normals_;  ///< unit vectors only with a twist term
+  Field slots_;          ///< see NodeGather; [N], for triples [N·m²]
   std::vector<EdgePack> edge_packs_;
   std::vector<TriplePack> triple_packs_;
   std::vector<PatchPack> patch_packs_;

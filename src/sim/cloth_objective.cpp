@@ -10,12 +10,12 @@ namespace {
 
 enum Part { kStretch, kBend, kShear, kContact, kFriction };
 
+}  // namespace
+
 double referenceAcceleration(const Vec3& gravity) {
   constexpr double kStandardGravity = 9.80665;  // [m/s²], used if a scene has no gravity
   return gravity.norm() > 0.0 ? gravity.norm() : kStandardGravity;
 }
-
-}  // namespace
 
 ClothObjective::ClothObjective(const Scene& scene, const ActiveMesh& mesh, InternalEnergy& internal,
                                ContactSet& contacts, Team& team)
@@ -343,6 +343,8 @@ double ClothObjective::internalEnergy(Sums& parts) const {
   parts = energies_;
   return energies_.head<4>().sum();
 }
+
+double ClothObjective::contactEnergy() const { return energies_[kContact]; }
 
 double ClothObjective::couplingEnergy(int probe) const {
   return 0.5 * couplings_[probe].stiffness * (proxies_[probe] - probes_[probe].device).squaredNorm();

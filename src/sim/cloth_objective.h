@@ -31,6 +31,10 @@ struct ProbeStep {
   void serialize(Archive& archive);
 };
 
+/// Acceleration in which residuals are measured: |gravity|, or that of the earth if a scene has none
+/// [m/s²].
+double referenceAcceleration(const Vec3& gravity);
+
 using Proxies = std::vector<Vec3>;  ///< position or displacement for each probe of the scene [m]
 
 /// Incremental potential of one step over the free nodes X and the proxies y:
@@ -168,6 +172,7 @@ class ClothObjective : public Objective {
 
   /// Writes stretch, bending, shear and contact energy [J] to parts 0 … 3. @return their sum
   double internalEnergy(Sums& parts) const;
+  double contactEnergy() const;   ///< [J]
   double couplingEnergy() const;  ///< springs between devices and proxies [J]
   double couplingEnergy(int probe) const;
   double lossPotential() const;  ///< potential of friction and coupling dampers [J]

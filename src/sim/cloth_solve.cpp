@@ -147,7 +147,7 @@ void ClothWorld::lookAtRest() {
   at_rest_ = objective.evaluate(start_, gradient_);
   Sums parts;
   const double internal_energy = objective.internalEnergy(parts);
-  sampled_ = solidsMove() ? 0.0 : parts[3] - contact_before_ - let_out_;
+  sampled_ = solidsMove() ? 0.0 : objective.contactEnergy() - contact_before_ - let_out_;
   energy_before_ =
       internal_energy + objective.couplingEnergy() + objective.lossPotential() - std::max(0.0, created());
   x_.head(size) = start_.head(size);

@@ -157,9 +157,7 @@ StepReport ClothWorld::step() {
 
 void ClothWorld::takeStep(StepReport& report) {
   minimizer_.startBudget();
-  Sums parts;
-  objective.internalEnergy(parts);
-  contact_before_ = parts[3];
+  contact_before_ = objective.contactEnergy();
   contacts.advance();
   const auto start = std::chrono::steady_clock::now();
   adapt(report);
@@ -186,9 +184,8 @@ bool ClothWorld::isIdle() const {
   if (!idle_ || contacts.obstaclesMove() || !devicesStay()) return false;
   for (std::size_t k = 0; k < probe_steps_.size(); ++k) {
     const ProbeMemory& memory = memories_[k];
-    const bool turns = memory.after.coeffs() != memory.before.coeffs();
-    if (probe_steps_[k].present && (memory.closed || turns || !probe_steps_[k].device_velocity.isZero(0.0)))
-      return false;
+    const bool moves = memory.turns() || !probe_steps_[k].device_velocity.isZero(0.0);
+    if (probe_steps_[k].present && (memory.closed || moves)) return false;
   }
   return true;
 }
@@ -199,7 +196,7 @@ bool ClothWorld::solidsMove() const {
     if (contacts.obstacleSpeed(k) > 0.0) return true;
   }
   for (std::size_t k = 0; k < probe_steps_.size(); ++k) {
-    if (probe_steps_[k].present && memories_[k].after.coeffs() != memories_[k].before.coeffs()) return true;
+    if (probe_steps_[k].present && memories_[k].turns()) return true;
   }
   return false;
 }

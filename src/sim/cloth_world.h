@@ -134,6 +134,7 @@ class ClothWorld {
     Quat before = Quat::Identity(), after = Quat::Identity();
     double coupling = 0.0;  ///< energy of the coupling at the end of the last step [J]
 
+    bool turns() const { return after.coeffs() != before.coeffs(); }
     void serialize(Archive& archive);
   };
   struct HeldParticle {

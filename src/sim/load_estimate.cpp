@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/cloth_objective.h"
+
 namespace haptic_cloth {
 namespace {
-
-constexpr double kStandardGravity = 9.80665;  // [m/s²], used if a scene has no gravity
 
 /// Secant of the law's middle line at a curvature that cloth takes easily.
 double rigidity(const Loop& bending) {
@@ -20,7 +20,7 @@ double rigidity(const Loop& bending) {
 LoadEstimate::LoadEstimate(const Fabric& fabric, const Grid& grid, const Vec3& gravity)
     : grid_(grid),
       density_(fabric.areal_density),
-      gravity_(gravity.norm() > 0.0 ? gravity.norm() : kStandardGravity),
+      gravity_(referenceAcceleration(gravity)),
       rigidity_(rigidity(fabric.bending[kWarp]) + rigidity(fabric.bending[kWeft])),
       range_(fabric.thickness) {
   for (auto* list : {&tension_, &sums_}) list->reserve(grid.particles());
