@@ -35,14 +35,14 @@ class Backoff {
   /// @param all time that the region took [s]
   void note(double lost, double all) {
     const bool crowded = lost > kMostLost * all;
-    length_ = crowded ? std::min(2 * length_, kLongest) : kShortest;
     left_ = crowded ? length_ : 0;
+    length_ = crowded ? std::min(2 * length_, kLongest) : kShortest;
   }
 
  private:
   /// Largest lost share of a region; beyond it two threads gain little or lose.
   static constexpr double kMostLost = 0.25;
-  static constexpr int kShortest = 4, kLongest = 512;  ///< number of runs with one thread
+  static constexpr int kShortest = 8, kLongest = 512;  ///< number of runs with one thread
   int length_ = kShortest, left_ = 0;
 };
 
