@@ -30,6 +30,17 @@ std::vector<std::string> nodeCommand(const std::vector<std::string>& parameters)
   return command;
 }
 
+/// Command of the node whose output can be read while it runs.
+std::vector<std::string> readableCommand() {
+  std::vector<std::string> command = nodeCommand({"_scene_file:=" + kScene});
+  command.insert(command.begin(), {"stdbuf", "-oL"});
+  return command;
+}
+
+bool waitUntilReady(const Process& process) {
+  return waitFor([&] { return process.output().find("ready") != std::string::npos; });
+}
+
 class LifecycleTest : public testing::Test {
  protected:
   LifecycleTest() : spinner_(2) { spinner_.start(); }
@@ -229,11 +240,8 @@ TEST_F(LifecycleTest, WaitsForTheMasterAndCanBeStoppedMeanwhile) {
 
 TEST_F(LifecycleTest, AMasterThatDoesNotAnswerDoesNotKeepTheNodeFromEnding) {
   OwnMaster master;
-  std::vector<std::string> command = nodeCommand({"_scene_file:=" + kScene});
-  command.insert(command.begin(), {"stdbuf", "-oL"});  // so its output can be read while it runs
-  Process process(command, {"ROS_MASTER_URI=" + master.uri()});
-  ASSERT_TRUE(waitFor([&] { return process.output().find("ready") != std::string::npos; }))
-      << process.output();
+  Process process(readableCommand(), {"ROS_MASTER_URI=" + master.uri()});
+  ASSERT_TRUE(waitUntilReady(process)) << process.output();
   sleepUntil(steadyNow() + 2.0);  // roscpp asks the master for a parameter while it logs this
   master.signal(SIGSTOP);
   process.signal(SIGTERM);
@@ -242,11 +250,8 @@ TEST_F(LifecycleTest, AMasterThatDoesNotAnswerDoesNotKeepTheNodeFromEnding) {
 
 TEST_F(LifecycleTest, ANewMasterFindsTheNodeAgain) {
   OwnMaster master;
-  std::vector<std::string> command = nodeCommand({"_scene_file:=" + kScene});
-  command.insert(command.begin(), {"stdbuf", "-oL"});  // so its output can be read while it runs
-  Process process(command, {"ROS_MASTER_URI=" + master.uri()});
-  ASSERT_TRUE(waitFor([&] { return process.output().find("ready") != std::string::npos; }))
-      << process.output();
+  Process process(readableCommand(), {"ROS_MASTER_URI=" + master.uri()});
+  ASSERT_TRUE(waitUntilReady(process)) << process.output();
   ASSERT_TRUE(master.knowsService("/cloth/reset"));
   master.kill();
   EXPECT_TRUE(waitFor([&] { return process.output().find("master lost") != std::string::npos; }));
