@@ -12,13 +12,13 @@
 
 namespace haptic_cloth {
 
-/// What acts on a probe, about its origin.
+/// Force and torque on a probe, about its origin.
 struct Wrench {
   Vec3 force = Vec3::Zero();   ///< [N]
   Vec3 torque = Vec3::Zero();  ///< [N·m]
 };
 
-/// What the solver hands to the haptic thread after each step. Times are of one steady clock [s].
+/// Result of a step for the haptic thread. All times are on one steady clock [s].
 struct ProbeSnapshot {
   double taken = -1.0;            ///< when the snapshot was published; < 0: none yet
   double device_received = -1.0;  ///< receipt time of the device pose it was solved for
@@ -127,7 +127,7 @@ class HapticLoop {
   /// Torque on the probe about its origin at the last tick [N·m], in the cloth's frame.
   const Vec3& torque() const { return wrench_.torque; }
 
-  /// What the hand has put in and not got back [J]; < 0: what the loop has made and owes.
+  /// Energy that the hand has put in and not got back [J]; < 0: energy that the loop made and owes.
   double energy() const { return passivity_.energy(); }
 
  private:

@@ -12,7 +12,7 @@ class AdmittanceLoop {
   /// @throws InputError if an option is not valid
   explicit AdmittanceLoop(const HapticOptions& options);
 
-  /// As HapticLoop::setOptions(); the tool itself stays what it is.
+  /// Does the same as HapticLoop::setOptions(). The tool keeps its state.
   void setOptions(const HapticOptions& options, double unit);
 
   /// Where the device is [m]; counts until the tool has started.

@@ -12,7 +12,7 @@ namespace {
 /// 20 ms the best on the measured strokes (decision 0015).
 constexpr double kDriftMemory = 0.01;
 
-/// What relaxes holds at most this many times what its local stiffness says [-]: twice where force rises with
+/// Bound of the relaxing energy over what the local stiffness gives [-]: twice where force rises with
 /// any power of length; the rest is for weight that was lifted and cloth in motion.
 constexpr double kHeldShare = 4.0;
 

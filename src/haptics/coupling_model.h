@@ -5,8 +5,8 @@
 
 namespace haptic_cloth {
 
-/// Of the coupling [N], for any pose, by one snapshot: the proxy follows what the device has moved since, by
-/// the solver's measure, and what it did beside that in the solved step goes on for a while.
+/// Force of the coupling [N] for any pose, by one snapshot: the proxy follows what the device has moved
+/// since, by the solver's measure, and what it did beside that in the solved step goes on for a while.
 Vec3 couplingForce(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot);
 
 /// couplingForce() with its torque about the probe's origin. The change of the force since the
@@ -15,8 +15,8 @@ Vec3 couplingForce(const HapticOptions& options, const DeviceSample& device, con
 Wrench couplingWrench(const HapticOptions& options, const DeviceSample& device,
                       const ProbeSnapshot& snapshot);
 
-/// What coupling and cloth give back at most when they relax from here: together a few times the energy of a
-/// spring of the local stiffness k (1 - follow).
+/// Most energy that coupling and cloth give back when they relax from here: together a few times the energy
+/// of a spring of the local stiffness k (1 - follow).
 HeldEnergy heldEnergy(const HapticOptions& options, const DeviceSample& device,
                       const ProbeSnapshot& snapshot);
 

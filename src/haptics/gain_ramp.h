@@ -3,7 +3,7 @@
 
 namespace haptic_cloth {
 
-/// What scales the force of one probe.
+/// Gains that scale the force of one probe.
 struct Gains {
   double coupling_stiffness = 0.0;  ///< [N/m]
   double coupling_damping = 0.0;    ///< [N·s/m]

@@ -143,7 +143,8 @@ Vec3 HapticLoop::tick(const DeviceSample& device, const ProbeSnapshot& snapshot,
   if (std::isfinite(now)) last_tick_ = now;
 
   status_ = judge(options_, device, snapshot, paused, now);
-  // Of another cloth: one tick without a snapshot, so that the force starts softly however fast it came.
+  // The snapshot is of another cloth: one tick without a snapshot, so that the force starts softly however
+  // fast it came.
   if (snapshot.cloth != snapshot_.cloth) status_ = HapticStatus::NoSnapshot;
   const bool good = status_ == HapticStatus::Free || status_ == HapticStatus::Contact;
 

@@ -14,7 +14,7 @@ inline Vec3 limited(const Vec3& vector, double limit) {
   return norm > limit ? Vec3(vector * (limit / norm)) : vector;
 }
 
-/// What limited() leaves of `vector` [-]; 0 if it is not finite.
+/// Factor by which limited() scales `vector` [-]; 0 if it is not finite.
 inline double shareWithin(const Vec3& vector, double limit) {
   const double norm = vector.norm();
   if (!std::isfinite(norm)) return 0.0;

@@ -10,8 +10,8 @@ namespace {
 constexpr double kMostDebt = 1.0;    ///< more than a device with a hand on it has in motion [J]
 constexpr double kForgetting = 1.0;  ///< of a debt where nothing is touched [s]
 
-/// Of the whole force when nothing is owed any more [s]. Of 0, 10, 20, 30 ms the one at which nothing buzzes
-/// in test/stability; from 0.1 s on slow swings take the buzz's place.
+/// Return of the whole force when nothing is owed any more [s]. Among 0, 10, 20, 30 ms the one at which
+/// nothing buzzes in test/stability; from 0.1 s on slow swings take the buzz's place.
 constexpr double kRecovery = 0.02;
 
 }  // namespace
@@ -24,7 +24,7 @@ PassivityController::PassivityController(const PassivityOptions& options, double
 void PassivityController::reset() {
   forces_.fill(Vec3::Zero());
   position_count_ = force_count_ = 0;
-  // What is held where the next contact begins may come out: after a fault the wall pushes the hand back out.
+  // Energy held where the next contact begins may come out: after a fault the wall pushes the hand back out.
   energy_ = std::numeric_limits<double>::max();  // until observe() bounds it
   gain_ = 1.0;
   velocity_ = Vec3::Zero();
@@ -39,8 +39,8 @@ void PassivityController::setOptions(const PassivityOptions& options, double per
   position_count_ = 0;  // speed is measured over ticks of one length
 }
 
-/// What pushed the device between the last two poses [N]: the force of the tick in which the first came, or
-/// of earlier ones where the way there and back takes time.
+/// Force that pushed the device between the last two poses [N]: the force of the tick in which the first
+/// came, or of earlier ones where the way there and back takes time.
 Vec3 PassivityController::forceFelt() const {
   const double back = std::min(options_.loop_delay / period_, kForces - 2.0);
   const int whole = static_cast<int>(back);

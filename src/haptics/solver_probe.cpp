@@ -25,7 +25,8 @@ void SolverProbe::takeDevice(Simulation& simulation, double now) {
   device_ = device;
 }
 
-/// What was learned of the cloth there is worth nothing elsewhere, and the force starts softly.
+/// Takes the probe away from where it was. The learned behaviour of the cloth there is worth
+/// nothing elsewhere, and the force starts softly.
 void SolverProbe::leave(Simulation& simulation) {
   open(simulation);
   simulation.removeDevice(number_);

@@ -12,10 +12,10 @@ namespace haptic_cloth {
 /// Without poses this long a probe leaves the scene, unless its user asks for another time [s].
 constexpr double kProbeTimeout = 1.0;
 
-/// What a probe does with the cloth it touches.
+/// Grasp of a probe on the cloth that it touches.
 enum class GraspState { Open, Closed, Holding };
 
-/// What the threads of one probe share. Each mailbox has one writer and one reader.
+/// Values that the threads of one probe share. Each mailbox has one writer and one reader.
 struct ProbeExchange {
   Mailbox<DeviceSample> device_for_solver;  ///< device's thread → solver's thread
   Mailbox<ProbeSnapshot> snapshot;          ///< solver's thread → device's thread

@@ -1,4 +1,4 @@
-/// What the tools print.
+/// Output of the tools.
 #pragma once
 
 namespace haptic_cloth {

@@ -1,4 +1,4 @@
-/// What a run came to: for programs (JSON) and for people.
+/// Result of a run, for programs (JSON) and for people.
 #pragma once
 
 #include <string>

@@ -102,7 +102,7 @@ void HapticThread::record(double now, double lateness) {
 }
 
 void HapticThread::endAtRest() {
-  // As in a pause: down within the ramp time.
+  // The force goes down within the ramp time, as in a pause.
   const double give_up = steadyNow() + kMaxRamp;
   while (!isQuiet() && steadyNow() < give_up) {
     sleepUntil(steadyNow() + period_);

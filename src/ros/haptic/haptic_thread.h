@@ -13,7 +13,7 @@
 
 namespace haptic_cloth {
 
-/// What goes out for one probe.
+/// Output of one probe.
 struct ProbePublishers {
   ros::Publisher reaction;
   ros::Publisher command;  ///< of admittance devices alone
@@ -28,7 +28,7 @@ class HapticThread {
   /// Runs until shared.stop; then ramps down and sends zeros.
   void run();
 
-  /// What requestRealTime() gave; empty before the thread has started.
+  /// Result of requestRealTime(); empty before the thread has started.
   std::string scheduling() const { return scheduling_ready_ ? scheduling_ : ""; }
 
  private:

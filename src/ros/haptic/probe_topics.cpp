@@ -50,7 +50,7 @@ void ProbeTopics::subscribe(ros::NodeHandle& node, ros::CallbackQueue& poses) {
 }
 
 std::string ProbeTopics::grasp(bool closed) {
-  // What would close by itself at the end of a pause, or when a device comes, surprises the hand.
+  // A grasp that closed by itself after a pause, or when a device comes, would surprise the hand.
   if (closed && paused_) return "paused";
   if (closed && !shared_.present) return "no " + message();
   shared_.grasp_wanted = closed;

@@ -1,4 +1,4 @@
-/// What the node offers to others for one probe: topics and a service.
+/// Interface of one probe to other nodes: topics and a service.
 #pragma once
 
 #include <geometry_msgs/PoseStamped.h>
@@ -27,7 +27,7 @@ class ProbeTopics {
               ros::NodeHandle node, const Queues& queues, SharedState& shared);
 
   const std::string& name() const { return name_; }
-  /// Of what its device sends at haptic rate.
+  /// Counters of the messages that its device sends at haptic rate.
   const InputCounters& counters() const { return admittance_ ? force_.counters() : input_.counters(); }
   std::string message() const { return admittance_ ? "force" : "pose"; }
   const ros::Publisher& reaction() const { return reaction_; }

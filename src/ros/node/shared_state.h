@@ -1,4 +1,4 @@
-/// What the threads of the node tell each other. Mailboxes have one writer and one reader each, named here.
+/// Values that the threads of the node share. Mailboxes have one writer and one reader each, named here.
 #pragma once
 
 #include <ros/time.h>
@@ -69,14 +69,14 @@ struct HapticStats {
   LatenessHistogram lateness;
 };
 
-/// What a hand feels.
+/// Force and torque that a hand feels.
 struct FeltForce {
   HapticStatus status = HapticStatus::NoPose;
   Vec3 force = Vec3::Zero();                          ///< on the probe [N]
   Vec3 torque = Vec3::Zero();                         ///< on the probe [N·m]
   std::uint64_t input_stops = 0, snapshot_stops = 0;  ///< how often either was stale, since start
 
-  /// What a tick found and sent.
+  /// Records the result of a tick.
   void note(HapticStatus now, const Wrench& sent) {
     const auto stale = [](HapticStatus s) {
       return s == HapticStatus::PoseStale || s == HapticStatus::ForceStale;
@@ -89,8 +89,8 @@ struct FeltForce {
   }
 };
 
-/// What the threads share of one probe. `device_for_solver` is written by the pose callback, or by the haptic
-/// thread where that moves a tool.
+/// Values of one probe that the threads share. `device_for_solver` is written by the pose callback, or by the
+/// haptic thread where that moves a tool.
 struct SharedProbe : ProbeExchange {
   Mailbox<StampedSample> device_for_haptics;  ///< pose callback → haptic thread
   Mailbox<StampedForce> force;                ///< force callback → haptic thread; admittance devices
@@ -103,7 +103,7 @@ struct ObstacleTarget {
   Pose pose;
 };
 
-/// What became of requests to change options.
+/// Outcome of requests to change options.
 struct LiveReport {
   std::uint64_t taken = 0, refused = 0;  ///< since start
   bool refused_last = false;
