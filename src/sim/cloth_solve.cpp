@@ -104,20 +104,20 @@ MinimizerReport ClothWorld::minimise() {
   }
   MinimizerReport report;
   report.residual = objective.residual(gradient_);
-  rest_.begin(mesh);
-  if (rest_.possible() && held_nodes_.empty()) objective.sleepAll();
+  sleep_.begin(mesh);
+  if (sleep_.possible() && held_nodes_.empty()) objective.awake().sleepAll();
   for (int solve = 0; solve < kSolves; ++solve) {
     const bool more = wakeUnrested();
-    const bool first = solve == 0 && (objective.allAwake() || objective.size() > 3 * mesh.free);
+    const bool first = solve == 0 && (objective.awake().all() || objective.size() > 3 * mesh.free);
     const bool left = solve > 0 && report.why == Termination::Converged && report.residual > tolerance;
     if (!more && !first && !left) break;
-    if (solve == kSolves - 1) objective.wakeAll();
+    if (solve == kSolves - 1) objective.awake().wakeAll();
     const double start = solve == 0 ? chooseStart() : objective.evaluate(x_, gradient_);
     report = sum(report, minimizer_.minimize(objective, x_, start, gradient_, team));
     if (isCut(report)) moveAsAWhole(report);
     const bool ended = report.why == Termination::NotFinite || report.why == Termination::TimeBudget;
-    if (objective.allAwake()) break;
-    objective.lookAtAll();  // also after an early end: energies and forces are summed over all
+    if (objective.awake().all()) break;
+    objective.awake().coverAll();  // also after an early end: energies and forces are summed over all
     objective.evaluate(x_, gradient_);
     objective.measureSleepers();
     report.residual = objective.residual(gradient_);
@@ -129,11 +129,11 @@ MinimizerReport ClothWorld::minimise() {
 
 /// Wakes nodes that may not sleep at the last evaluated point. @return whether there were any
 bool ClothWorld::wakeUnrested() {
-  if (objective.allAwake()) return false;
+  if (objective.awake().all()) return false;
   const double tolerance = scene.solver.minimizer.tolerance * objective.accelerationUnit();
   objective.forcesAtRest(velocities_, forces_);
-  rest_.look(mesh, forces_, objective.gradient(), tolerance, [this](int n) { return objective.isAwake(n); });
-  const bool more = objective.wake(rest_);
+  sleep_.updateCandidates(mesh, forces_, objective.gradient(), tolerance, objective.awake().flags());
+  const bool more = objective.awake().wake(sleep_);
   objective.measureSleepers();
   return more;
 }
@@ -184,7 +184,8 @@ void ClothWorld::moveAsAWhole(MinimizerReport& report) {
   motion_.head(size).setZero();
   for (int c = 0; c < 3; ++c) {
     const double force = -gradient_.segment(c * mesh.free, mesh.free).sum();
-    for (int n = 0; n < mesh.free; ++n) motion_[c * mesh.free + n] = objective.isAwake(n) ? force : 0.0;
+    for (int n = 0; n < mesh.free; ++n)
+      motion_[c * mesh.free + n] = objective.awake().contains(n) ? force : 0.0;
   }
   const double slope = motion_.head(size).dot(gradient_.head(size));
   const Objective::Along along = objective.along(motion_);
@@ -208,7 +209,7 @@ void ClothWorld::moveAsAWhole(MinimizerReport& report) {
 /// @return Φ at the guess; gradient_ is its gradient
 double ClothWorld::chooseStart() {
   const int size = objective.size();
-  const double at_rest = objective.allAwake() ? at_rest_ : objective.evaluate(start_, gradient_);
+  const double at_rest = objective.awake().all() ? at_rest_ : objective.evaluate(start_, gradient_);
   const std::array<double, 2> steps = stepsAlongWays();
   motion_.head(size) = steps[0] * ways_[0].head(size) + steps[1] * ways_[1].head(size);
   const double reach = std::min(1.0, objective.maxStep(motion_));
@@ -222,17 +223,14 @@ double ClothWorld::chooseStart() {
 /// Minimum of Φ's quadratic model in the plane of the two directions; along their sum if they are
 /// parallel.
 std::array<double, 2> ClothWorld::stepsAlongWays() {
-  const double h = scene.solver.time_step, share = h / (1.0 + scene.air_damping * h);
+  const double h = scene.solver.time_step, share = objective.integrator().inertialTime();
   const int size = objective.size();
   for (int c = 0; c < 3; ++c) {
     ways_[0].segment(c * mesh.free, mesh.free) =
         share * Eigen::Map<const Vector>(velocities_.coordinate(c).data(), mesh.free);
     ways_[1].segment(c * mesh.free, mesh.free).setConstant(share * h * scene.gravity[c]);
   }
-  for (int n = 0; !objective.allAwake() && n < mesh.free; ++n) {
-    if (objective.isAwake(n)) continue;
-    for (int c = 0; c < 3; ++c) ways_[0][c * mesh.free + n] = ways_[1][c * mesh.free + n] = 0.0;
-  }
+  for (Vector& way : ways_) objective.awake().clearSleepers(way);
   for (std::size_t k = 0; k < probes.size(); ++k) {
     const ProbeStep& probe = objective.probeSteps()[k];
     if (!probe.present) continue;

@@ -38,7 +38,7 @@ void ClothWorld::serializeCloth(Archive& archive) {
   archive("weight", weight_);
   archive("fabric", internal);
   adaptation_.serialize(archive, steps);
-  archive("rest", rest_);
+  archive("rest", sleep_);
 }
 
 void ClothWorld::serializeProbes(Archive& archive) {

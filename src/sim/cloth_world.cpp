@@ -49,7 +49,7 @@ ClothWorld::ClothWorld(const Scene& s)
       probes(s.probes.size()),
       adaptation_(s.adapt, grid),
       load_(s.cloth.fabric, grid, s.gravity),
-      rest_(grid, s.solver.cost == Cost::Condensed ? s.solver.sleep_speed : 0.0),
+      sleep_(grid, s.solver.cost == Cost::Condensed ? s.solver.sleep_speed : 0.0),
       minimizer_(s.solver.minimizer),
       probe_steps_(s.probes.size()),
       memories_(s.probes.size()),
@@ -130,7 +130,7 @@ void ClothWorld::setGrasp(int k, bool closed) {
 }
 
 void ClothWorld::setOptions(const SolverOptions& solver, const AdaptOptions& adapt, double air_damping) {
-  if (solver.sleep_speed != scene.solver.sleep_speed && !joint_) rest_.setSpeed(solver.sleep_speed);
+  if (solver.sleep_speed != scene.solver.sleep_speed && !joint_) sleep_.setSpeed(solver.sleep_speed);
   scene.solver = solver;
   scene.adapt = adapt;
   scene.air_damping = air_damping;
@@ -174,7 +174,7 @@ void ClothWorld::takeStep(StepReport& report) {
   ++steps;
   report.time = time();
   report.active_particles = mesh.active();
-  report.awake_particles = objective.awake();
+  report.awake_particles = objective.awake().count();
   noteIdle(report);
 }
 
@@ -225,8 +225,8 @@ void ClothWorld::noteIdle(const StepReport& report) {
     return !probe.present || probe.velocity.norm() < scene.solver.sleep_speed;
   });
   const bool changed = !devicesStay() || report.refined > 0 || report.coarsened > 0 || report.failed;
-  quiet_ = objective.awake() == 0 && proxies_rest && !changed ? quiet_ + 1 : 0;
-  idle_ = quiet_ >= Rest::kSteps;  // the mesh has had time to adapt
+  quiet_ = objective.awake().count() == 0 && proxies_rest && !changed ? quiet_ + 1 : 0;
+  idle_ = quiet_ >= SleepTracker::kSteps;  // the mesh has had time to adapt
   idle_probes_ = probe_steps_;
   idle_residual_ = report.minimizer.residual;
 }
@@ -295,8 +295,8 @@ void ClothWorld::adapt(StepReport& report) {
   adaptation_.apply(steps, leaves, mesh, state);
   report.refined = static_cast<int>(adaptation_.split().size());
   report.coarsened = static_cast<int>(adaptation_.merged().size());
-  for (const Cell& cell : adaptation_.merged()) rest_.disturb(grid, cell);
-  for (const Cell& cell : adaptation_.split()) rest_.disturb(grid, cell);
+  for (const Cell& cell : adaptation_.merged()) sleep_.disturb(grid, cell);
+  for (const Cell& cell : adaptation_.split()) sleep_.disturb(grid, cell);
   takeMesh();
   internal.endChange(nodes_);
   if (history_) {
@@ -329,18 +329,13 @@ void ClothWorld::takeHold() {
 }
 
 void ClothWorld::accept(StepReport& report) {
-  const double h = scene.solver.time_step;
   const Field& after = objective.nodes();
   const double kinetic_before = kineticEnergy();
   double gravity_work = 0.0;
   for (int n = 0; n < mesh.active(); ++n) {
     gravity_work += mesh.mass[n] * scene.gravity.dot(after[n] - nodes_[n]);
   }
-  for (int c = 0; c < 3; ++c) {
-    const auto &end = after.coordinate(c), &start = nodes_.coordinate(c);
-    auto& velocity = velocities_.coordinate(c);
-    for (int n = 0; n < mesh.nodes(); ++n) velocity[n] = (end[n] - start[n]) / h;
-  }
+  objective.integrator().updateVelocities(nodes_, after, velocities_);
   measureWeight();
   nodes_ = after;
   let_out_nodes_.assign(mesh.nodes(), 0);
@@ -348,9 +343,7 @@ void ClothWorld::accept(StepReport& report) {
   for (auto g = mesh.ghosts.rbegin(); g != mesh.ghosts.rend(); ++g) {
     if (let_out_nodes_[g->node] != 0) let_out_nodes_[g->a] = let_out_nodes_[g->b] = 1;
   }
-  rest_.update(
-      mesh, velocities_, [this](int n) { return objective.isAwake(n); },
-      [this](int n) { return let_out_nodes_[n] != 0; });
+  sleep_.update(mesh, velocities_, objective.awake().flags(), let_out_nodes_);
   // Ejected cloth is stopped after each step, but does not count as resting.
   contacts.calm(velocities_);
 

@@ -115,8 +115,8 @@ class ClothWorld {
   /// Gravity minus acceleration of the nodes in the last step, along the surface normal, for load_
   /// [m/s²].
   std::vector<double> weight_;
-  Rest rest_;
-  Field forces_;                         ///< negative forces on the nodes at rest, for rest_ [N]
+  SleepTracker sleep_;
+  Field forces_;                         ///< negative forces on the nodes at rest, for sleep_ [N]
   std::vector<char> let_out_nodes_;      ///< scratch of accept(): one flag for each node
   int quiet_ = 0;                        ///< steps in a row in which all slept and no input changed
   bool idle_ = false;                    ///< quiet_ is large enough: steps are skipped
