@@ -353,6 +353,11 @@ double ClothObjective::lossPotential() const {
   return loss;
 }
 
+double ClothObjective::storedAndLost() const {
+  Sums parts;
+  return internalEnergy(parts) + couplingEnergy() + lossPotential();
+}
+
 double ClothObjective::motionCost() const {
   double cost = 0.0;
   for (int n = 0; n < mesh_.free; ++n) cost += 0.5 * h_ * h_ / mesh_.mass[n] * gradient_[n].squaredNorm();

@@ -154,8 +154,11 @@ class ClothObjective : public Objective {
   double couplingEnergy() const;  ///< springs between devices and proxies [J]
   double couplingEnergy(int probe) const;
   double lossPotential() const;  ///< potential of friction and coupling dampers [J]
-  double motionCost() const;     ///< E^n = Σ h²/(2m) |residual|² over the free nodes [J]
-  Vec3 pinForce() const;         ///< force of the pins on the cloth [N]
+
+  /// All of Φ but motion and gravity: energies stored, and the loss potential [J].
+  double storedAndLost() const;
+  double motionCost() const;  ///< E^n = Σ h²/(2m) |residual|² over the free nodes [J]
+  Vec3 pinForce() const;      ///< force of the pins on the cloth [N]
 
  private:
   struct Coupling {

@@ -1,4 +1,4 @@
-/// State of a probe in one step.
+/// Input of a step for a probe.
 #pragma once
 
 #include <vector>
@@ -8,6 +8,7 @@
 
 namespace haptic_cloth {
 
+/// State of a probe in one step.
 struct ProbeStep {
   bool present = false;
   int unknown = 0;                      ///< index among the present probes
