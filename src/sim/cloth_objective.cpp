@@ -330,9 +330,8 @@ double ClothObjective::residual(const Vector& gradient) const {
   return std::sqrt(square[0] + awake_.sleepersSquare());
 }
 
-double ClothObjective::internalEnergy(Sums& parts) const {
-  parts = energies_;
-  return energies_.head<4>().sum();
+InternalEnergy::Energy ClothObjective::fabricEnergy() const {
+  return {energies_[kStretch], energies_[kBend], energies_[kShear]};
 }
 
 double ClothObjective::contactEnergy() const { return energies_[kContact]; }
@@ -347,6 +346,7 @@ double ClothObjective::couplingEnergy() const {
   return energy;
 }
 
+/// Potential of friction and coupling dampers [J].
 double ClothObjective::lossPotential() const {
   double loss = energies_[kFriction];
   forPresent([&](int k) { loss += 0.5 * couplings_[k].damping * h_ * slip(k).squaredNorm(); });
@@ -354,8 +354,7 @@ double ClothObjective::lossPotential() const {
 }
 
 double ClothObjective::storedAndLost() const {
-  Sums parts;
-  return internalEnergy(parts) + couplingEnergy() + lossPotential();
+  return energies_.head<kFriction>().sum() + couplingEnergy() + lossPotential();
 }
 
 double ClothObjective::motionCost() const {

@@ -148,14 +148,15 @@ class ClothObjective : public Objective {
   Vec3 holdForce(int probe) const { return hold_forces_[probe]; }
   Vec3 holdTorque(int probe) const { return hold_torques_[probe]; }
 
-  /// Writes stretch, bending, shear and contact energy [J] to parts 0 … 3. @return their sum
-  double internalEnergy(Sums& parts) const;
-  double contactEnergy() const;   ///< [J]
-  double couplingEnergy() const;  ///< springs between devices and proxies [J]
+  /// Energies at the last evaluated point [J]; for a fabric with memory its part of Φ, which is not
+  /// what it stores.
+  InternalEnergy::Energy fabricEnergy() const;
+  double contactEnergy() const;
+  double couplingEnergy() const;  ///< springs between devices and proxies
   double couplingEnergy(int probe) const;
-  double lossPotential() const;  ///< potential of friction and coupling dampers [J]
 
-  /// All of Φ but motion and gravity: energies stored, and the loss potential [J].
+  /// All of Φ but motion and gravity: these energies, and the potential of friction and coupling
+  /// dampers [J].
   double storedAndLost() const;
   double motionCost() const;  ///< E^n = Σ h²/(2m) |residual|² over the free nodes [J]
   Vec3 pinForce() const;      ///< force of the pins on the cloth [N]
@@ -168,6 +169,7 @@ class ClothObjective : public Objective {
   template <class Visit>
   void forPresent(const Visit& visit) const;
   Vec3 slip(int probe) const;
+  double lossPotential() const;
   void placeProbes();
   void fitMultilevel();
   double evaluateProbes(Vector& gradient);

@@ -49,13 +49,11 @@ void EnergyBalance::account(const Scene& scene, const ClothObjective& solved, co
 
 EnergyReport EnergyBalance::report(const Cloth& cloth, const ClothObjective& solved) const {
   EnergyReport e = cloth.motionEnergy();
-  Sums parts;
-  solved.internalEnergy(parts);
-  const InternalEnergy::Energy stored = cloth.storedEnergy({parts[0], parts[1], parts[2]});
+  const InternalEnergy::Energy stored = cloth.storedEnergy(solved.fabricEnergy());
   e.stretch = stored.stretch;
   e.bend = stored.bend;
   e.shear = stored.shear;
-  e.contact = parts[3];
+  e.contact = solved.contactEnergy();
   e.coupling = solved.couplingEnergy();
   e.work = supplied_ - initial_;
   e.dissipated = supplied_ - e.total();
