@@ -65,57 +65,56 @@ MinimizerOptions endless(MinimizerOptions options, int iterations) {
 ClothCase::ClothCase(const CaseOptions& options)
     : options_(options),
       world_(std::make_unique<ClothWorld>(sceneOf(options))),
-      adaptation_(world_->scene.adapt, world_->grid) {
-  ClothWorld& world = *world_;
-  while (world.time() < options.time) world.step();
-  const double h = world.scene.solver.time_step;
-  reach_.assign(world.mesh.nodes(),
-                2.0 * h * h * world.scene.gravity.norm() + 0.1 * std::min(world.grid.dx, world.grid.dy));
-  const int capacity = world.objective.capacity();
+      adaptation_(scene().adapt, cloth().grid()) {
+  while (world_->time() < options.time) world_->step();
+  const double h = scene().solver.time_step;
+  reach_.assign(mesh().nodes(),
+                2.0 * h * h * scene().gravity.norm() + 0.1 * std::min(cloth().grid().dx, cloth().grid().dy));
+  const int capacity = objective().capacity();
   for (Vector* v : {&point_, &direction_, &scratch_, &start_}) v->setZero(capacity);
-  nodes_ = motion_ = gradient_ = world.objective.nodes();
-  world.objective.pack(nodes_, point_);
-  for (int k = 0; k < world.objective.size(); ++k) {
+  nodes_ = motion_ = gradient_ = objective().nodes();
+  objective().pack(nodes_, point_);
+  for (int k = 0; k < objective().size(); ++k) {
     point_[k] += kAway * scatter(k);
     direction_[k] = kAway * scatter(7 * k + 1);
   }
-  proxies_.assign(world.scene.probes.size(), Vec3::Zero());
-  world.objective.unpack(direction_, motion_, proxies_);
-  world.objective.unpack(point_, nodes_, proxies_);
+  proxies_.assign(scene().probes.size(), Vec3::Zero());
+  objective().unpack(direction_, motion_, proxies_);
+  objective().unpack(point_, nodes_, proxies_);
   measureUnder();
 }
 
 /// Sets the terms of inertia and gravity as the objective does.
 void ClothCase::measureUnder() {
-  const ActiveMesh& mesh = world_->mesh;
+  const ActiveMesh& mesh = cloth().mesh();
   start_nodes_ = inertial_ = nodes_;
   mass_.assign(padded(mesh.nodes()), 0.0);
   moving_mass_ = mass_;
   std::copy(mesh.mass.begin(), mesh.mass.end(), mass_.begin());
   std::copy_n(mesh.mass.begin(), mesh.free, moving_mass_.begin());
-  const Vec3 g = world_->scene.gravity;
-  terms_ = {mass_.data(),          moving_mass_.data(), {g.x(), g.y(), g.z()}, world_->objective.inertia(),
-            start_nodes_.arrays(), inertial_.arrays()};
+  const Vec3 g = scene().gravity;
+  terms_ = {mass_.data(),          moving_mass_.data(),   {g.x(), g.y(), g.z()},
+            objective().inertia(), start_nodes_.arrays(), inertial_.arrays()};
 }
 
-ClothCase::Iterations ClothCase::minimize(Objective& objective, int iterations) {
-  Minimizer minimizer(endless(world_->scene.solver.minimizer, iterations));
-  minimizer.reserve(world_->objective.capacity());
+ClothCase::Iterations ClothCase::minimize(Objective& potential, int iterations) {
+  Minimizer minimizer(endless(scene().solver.minimizer, iterations));
+  minimizer.reserve(objective().capacity());
   start_ = point_;
-  const double value = objective.evaluate(start_, scratch_);
+  const double value = potential.evaluate(start_, scratch_);
   const std::clock_t before = std::clock();
   MinimizerReport report;
-  world_->team.run(world_->mesh.active(),
-                   [&] { report = minimizer.minimize(objective, start_, value, scratch_, world_->team); });
+  world_->team_.run(mesh().active(),
+                    [&] { report = minimizer.minimize(potential, start_, value, scratch_, world_->team_); });
   const double cpu = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
   return {report.iterations, report.evaluations, report.seconds, cpu};
 }
 
-ClothCase::Iterations ClothCase::iterate(int iterations) { return minimize(world_->objective, iterations); }
+ClothCase::Iterations ClothCase::iterate(int iterations) { return minimize(objective(), iterations); }
 
 ClothCase::Iterations ClothCase::iterateVectors(int iterations) {
-  VectorsOnly objective(world_->objective);
-  return minimize(objective, iterations);
+  VectorsOnly vectors(objective());
+  return minimize(vectors, iterations);
 }
 
 }  // namespace haptic_cloth

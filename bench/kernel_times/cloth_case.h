@@ -23,8 +23,18 @@ class ClothCase {
   explicit ClothCase(const CaseOptions& options);
 
   const CaseOptions& options() const { return options_; }
-  ClothWorld& world() { return *world_; }
-  const Fabric& fabric() const { return world_->scene.cloth.fabric; }
+  const Scene& scene() const { return world_->scene(); }
+  const Fabric& fabric() const { return scene().cloth.fabric; }
+  const Cloth& cloth() const { return world_->cloth(); }
+  const ActiveMesh& mesh() const { return cloth().mesh(); }
+
+  /// Parts of the world that single passes run on.
+  InternalEnergy& internal() { return world_->cloth_.internal(); }
+  ContactSet& contacts() { return world_->contacts_; }
+  ClothObjective& objective() { return world_->solver_.objective(); }
+
+  int threads() const { return world_->threads(); }
+  void setThreads(int threads) { world_->team_ = Team(threads); }
 
   /// Unknowns near the last state, as the solver has them, and a search direction.
   const Vector& point() const { return point_; }
@@ -37,8 +47,8 @@ class ClothCase {
   Vector& scratch() { return scratch_; }
   Field& gradient() { return gradient_; }
 
-  int particles() const { return world_->mesh.active(); }
-  int places() const { return world_->mesh.nodes(); }
+  int particles() const { return mesh().active(); }
+  int places() const { return mesh().nodes(); }
 
   struct Iterations {
     int iterations = 0, evaluations = 0;
@@ -54,7 +64,7 @@ class ClothCase {
   Iterations iterateVectors(int iterations);
 
  private:
-  Iterations minimize(Objective& objective, int iterations);
+  Iterations minimize(Objective& potential, int iterations);
   void measureUnder();
 
   CaseOptions options_;

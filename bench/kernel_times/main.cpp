@@ -140,7 +140,7 @@ void addIterations(const std::string& name, ClothCase& cloth, double flops, doub
       }
       // Alone on its core a thread has all of the time. With several threads the slowest counts, so
       // wall time.
-      const double seconds = cloth.world().team.threads() == 1 ? done.cpu_seconds : done.seconds;
+      const double seconds = cloth.threads() == 1 ? done.cpu_seconds : done.seconds;
       state.SetIterationTime(seconds / done.iterations);
       evaluations = static_cast<double>(done.evaluations) / done.iterations;
     }
@@ -158,7 +158,7 @@ void addPasses(const std::string& name, ClothCase& cloth) {
     addSimple(name + pass.part + "/" + pass.name, pass.flops, pass.bytes, pass.run, cloth.particles(),
               pass.roots);
   }
-  const int unknowns = cloth.world().objective.size();
+  const int unknowns = cloth.objective().size();
   addIterations(name + "vectors/vector updates", cloth, vectorFlops(unknowns), vectorBytes(unknowns),
                 [&cloth](int count) { return cloth.iterateVectors(count); });
   addIterations(name + "whole/iteration", cloth, -1.0, -1.0,
@@ -168,22 +168,21 @@ void addPasses(const std::string& name, ClothCase& cloth) {
 /// Adds the parts of Table 2 of [M04] for a number of threads.
 void addThreads(int threads, const std::string& strategy, ClothCase& cloth) {
   const std::string name = "threads/" + std::to_string(threads) + "/" + strategy + "/";
-  ClothWorld& world = cloth.world();
-  const auto on_threads = [&world, threads] {
-    if (world.team.threads() != threads) world.team = Team(threads);
+  const auto on_threads = [&cloth, threads] {
+    if (cloth.threads() != threads) cloth.setThreads(threads);
   };
   addSimple(
       name + "gradient", -1.0, -1.0,
-      [&cloth, &world, on_threads] {
+      [&cloth, on_threads] {
         on_threads();
-        return world.objective.evaluate(cloth.point(), cloth.scratch());
+        return cloth.objective().evaluate(cloth.point(), cloth.scratch());
       },
       cloth.particles());
   addSimple(
       name + "energy", -1.0, -1.0,
-      [&cloth, &world, on_threads] {
+      [&cloth, on_threads] {
         on_threads();
-        return world.objective.along(cloth.direction()).curvature;
+        return cloth.objective().along(cloth.direction()).curvature;
       },
       cloth.particles());
   addIterations(name + "total", cloth, -1.0, -1.0, [&cloth, on_threads](int count) {

@@ -34,22 +34,20 @@ struct Counts {
 };
 
 Counts countsOf(ClothCase& cloth) {
-  ClothWorld& world = cloth.world();
-  const NodeGather& gather = world.internal.gather();
+  const NodeGather& gather = cloth.internal().gather();
   return {static_cast<double>(gather.edges().size()),
           static_cast<double>(gather.triples().size()),
           static_cast<double>(gather.patches().size()),
-          static_cast<double>(padded(world.mesh.nodes())),
-          static_cast<double>(world.objective.size()),
-          static_cast<double>(world.contacts.size()),
+          static_cast<double>(padded(cloth.mesh().nodes())),
+          static_cast<double>(cloth.objective().size()),
+          static_cast<double>(cloth.contacts().size()),
           !cloth.fabric().shear.isZero(),
           cloth.fabric().twist_rigidity > 0.0};
 }
 
 /// Adds energy and gradient, term by term; each term writes forces to slots.
 void addElements(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
-  ClothWorld& world = cloth.world();
-  InternalEnergy& internal = world.internal;
+  InternalEnergy& internal = cloth.internal();
   const NodeGather& gather = internal.gather();
   const Fabric& fabric = cloth.fabric();
   const int triples = gather.firstTriple(), patches = gather.firstPatch(), end = internal.size();
@@ -80,15 +78,14 @@ void addElements(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
   passes.push_back({"shear", "value", n.patches * (shear + twist),
                     n.patches * of_patch + (n.patches > 0.0 ? 1.0 : 0.0) * n.nodes * kVector,
                     range(patches, end), n.shear ? n.patches : 0.0});
-  passes.push_back({"contact", "value", -1.0,
-                    n.samples * (static_cast<double>(sizeof(SamplePack)) / kPack + kVector),
-                    [&world, &x] { return world.contacts.evaluate(0, world.contacts.size(), x).contact; }});
+  passes.push_back(
+      {"contact", "value", -1.0, n.samples * (static_cast<double>(sizeof(SamplePack)) / kPack + kVector),
+       [&cloth, &x] { return cloth.contacts().evaluate(0, cloth.contacts().size(), x).contact; }});
 }
 
 /// Adds the passes over nodes: inertia and gravity, and gathering the forces of the elements.
 void addNodes(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
-  ClothWorld& world = cloth.world();
-  const int nodes = world.mesh.nodes();
+  const int nodes = cloth.mesh().nodes();
   // Flops: displacement 3, stiffness 1, energy 17, gradient 9. Memory: masses, three fields read,
   // one written.
   passes.push_back({"motion, gravity", "value", n.nodes * 31.0,
@@ -102,27 +99,26 @@ void addNodes(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
       2.0 * n.edges + 3.0 * n.triples + (n.shear ? 4.0 : 0.0) * n.patches + (n.twist ? 4.0 : 0.0) * n.patches;
   const double slots = n.edges + n.triples + ((n.shear ? 2.0 : 0.0) + (n.twist ? 1.0 : 0.0)) * n.patches;
   passes.push_back({"gathering", "value", 6.0 * entries,
-                    kVector * slots + 2.0 * kVector * n.nodes + 2.0 * entries, [&cloth, &world, nodes] {
-                      world.internal.addGradient(0, nodes, cloth.gradient());
+                    kVector * slots + 2.0 * kVector * n.nodes + 2.0 * entries, [&cloth, nodes] {
+                      cloth.internal().addGradient(0, nodes, cloth.gradient());
                       return cloth.gradient().coordinate(0)[0];
                     }});
-  passes.push_back({"gathering of contact", "value", -1.0, kVector * n.samples + sizeof(int) * n.nodes,
-                    [&cloth, &world, nodes] {
-                      world.contacts.addGradient(0, nodes, cloth.gradient());
-                      return cloth.gradient().coordinate(0)[0];
-                    }});
-  passes.push_back({"packing", "value", 0.0, 4.0 * n.unknowns * sizeof(double), [&cloth, &world] {
-                      Proxies proxies(world.scene.probes.size(), Vec3::Zero());
-                      world.objective.unpack(cloth.point(), cloth.gradient(), proxies);
-                      world.objective.packFree(cloth.gradient(), cloth.scratch());
+  passes.push_back(
+      {"gathering of contact", "value", -1.0, kVector * n.samples + sizeof(int) * n.nodes, [&cloth, nodes] {
+         cloth.contacts().addGradient(0, nodes, cloth.gradient());
+         return cloth.gradient().coordinate(0)[0];
+       }});
+  passes.push_back({"packing", "value", 0.0, 4.0 * n.unknowns * sizeof(double), [&cloth] {
+                      Proxies proxies(cloth.scene().probes.size(), Vec3::Zero());
+                      cloth.objective().unpack(cloth.point(), cloth.gradient(), proxies);
+                      cloth.objective().packFree(cloth.gradient(), cloth.scratch());
                       return cloth.scratch()[0];
                     }});
 }
 
 /// Adds the quadratic form along the direction.
 void addAlong(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
-  ClothWorld& world = cloth.world();
-  const InternalEnergy& internal = world.internal;
+  const InternalEnergy& internal = cloth.internal();
   const NodeGather& gather = internal.gather();
   const int triples = gather.firstTriple(), patches = gather.firstPatch(), end = internal.size();
   const Field& d = cloth.motion();
@@ -141,55 +137,54 @@ void addAlong(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
                     n.patches * (packBytes<PatchPack>(1) + (n.twist ? kVector : 0.0)) + n.nodes * kVector,
                     range(patches, end)});
   passes.push_back({"contact, curvature", "along", -1.0,
-                    n.samples * static_cast<double>(sizeof(SamplePack)) / kPack, [&world, &d] {
-                      const Proxies still(world.scene.probes.size(), Vec3::Zero());
-                      return world.contacts.curvature(0, world.contacts.size(), d, still, false);
+                    n.samples * static_cast<double>(sizeof(SamplePack)) / kPack, [&cloth, &d] {
+                      const Proxies still(cloth.scene().probes.size(), Vec3::Zero());
+                      return cloth.contacts().curvature(0, cloth.contacts().size(), d, still, false);
                     }});
   passes.push_back(
       {"motion, curvature", "along", n.nodes * 7.0, n.nodes * (sizeof(double) + kVector), [&cloth] {
          return kernels().motionCurvature(cloth.motionTerms(), 0, cloth.places(), cloth.motion().arrays());
        }});
-  passes.push_back({"unpacking", "along", 0.0, 2.0 * n.unknowns * sizeof(double), [&cloth, &world] {
-                      Proxies proxies(world.scene.probes.size(), Vec3::Zero());
-                      world.objective.unpack(cloth.direction(), cloth.gradient(), proxies);
+  passes.push_back({"unpacking", "along", 0.0, 2.0 * n.unknowns * sizeof(double), [&cloth] {
+                      Proxies proxies(cloth.scene().probes.size(), Vec3::Zero());
+                      cloth.objective().unpack(cloth.direction(), cloth.gradient(), proxies);
                       return cloth.gradient().coordinate(0)[0];
                     }});
 }
 
 /// Adds the work that a step does once, before and after its iterations.
 void addStep(ClothCase& cloth, std::vector<Pass>& passes) {
-  ClothWorld& world = cloth.world();
-  InternalEnergy& internal = world.internal;
+  InternalEnergy& internal = cloth.internal();
   const Field& x = cloth.nodes();
   const auto add = [&passes](const char* name, std::function<double()> run) {
     passes.push_back({name, "step", -1.0, -1.0, std::move(run)});
   };
-  add("look at the mesh", [&cloth, &world] {
+  add("look at the mesh", [&cloth] {
     const auto nothing_hidden = [](const Cell&, int) { return 0.0; };
-    cloth.adaptation().plan(0, cloth.nodes(), world.internal, {}, world.leaves, world.mesh, world.state,
-                            nothing_hidden);
+    cloth.adaptation().plan(0, cloth.nodes(), cloth.internal(), {}, cloth.cloth().leaves(), cloth.mesh(),
+                            cloth.cloth().state(), nothing_hidden);
     return 0.0;
   });
   add("normals", [&internal, &x] {
     internal.setNormals(x);
     return internal.normal(0).z();
   });
-  add("contacts", [&cloth, &world] {
-    world.contacts.collect(world.mesh, cloth.nodes(), cloth.reach(), {});
-    return static_cast<double>(world.contacts.size());
+  add("contacts", [&cloth] {
+    cloth.contacts().collect(cloth.mesh(), cloth.nodes(), cloth.reach(), {});
+    return static_cast<double>(cloth.contacts().size());
   });
-  add("start of the objective", [&cloth, &world] {
-    const std::vector<ProbeStep> probes(world.scene.probes.size());
-    world.objective.begin(cloth.nodes(), cloth.motion(), probes);
-    return world.objective.inertia();
+  add("start of the objective", [&cloth] {
+    const std::vector<ProbeStep> probes(cloth.scene().probes.size());
+    cloth.objective().begin(cloth.nodes(), cloth.motion(), probes);
+    return cloth.objective().inertia();
   });
-  add("state at rest", [&cloth, &world] { return world.objective.evaluate(cloth.point(), cloth.scratch()); });
-  add("start of the solve", [&cloth, &world] {
-    const double inertial = world.objective.curvatureOfWay(cloth.direction()).sum();
-    return inertial + world.objective.evaluate(cloth.point(), cloth.scratch());
+  add("state at rest", [&cloth] { return cloth.objective().evaluate(cloth.point(), cloth.scratch()); });
+  add("start of the solve", [&cloth] {
+    const double inertial = cloth.objective().curvatureOfWay(cloth.direction()).sum();
+    return inertial + cloth.objective().evaluate(cloth.point(), cloth.scratch());
   });
-  add("fit of the preconditioner", [&cloth, &world] {
-    world.objective.fitPreconditioner();
+  add("fit of the preconditioner", [&cloth] {
+    cloth.objective().fitPreconditioner();
     return cloth.scratch()[0];
   });
   add("memory of the fabric", [&internal, &x] {
@@ -197,10 +192,10 @@ void addStep(ClothCase& cloth, std::vector<Pass>& passes) {
     return 0.0;
   });
   add("energy of the fabric", [&internal, &x] { return internal.stored(x).stretch; });
-  add("packs of a new mesh", [&cloth, &world] {
-    world.internal.resize();
-    world.internal.setNormals(cloth.nodes());
-    world.objective.resize();
+  add("packs of a new mesh", [&cloth] {
+    cloth.internal().resize();
+    cloth.internal().setNormals(cloth.nodes());
+    cloth.objective().resize();
     return 0.0;
   });
 }
@@ -213,18 +208,17 @@ std::vector<Pass> passesOf(ClothCase& cloth) {
   addElements(cloth, counts, passes);
   addNodes(cloth, counts, passes);
   addAlong(cloth, counts, passes);
-  ClothWorld& world = cloth.world();
   // Per node: its block 18 flops; as a child 12 up and 12 down; a third of a hat 8. Read and
   // written: the block 48 bytes, gradient and direction 72, values on the way up and down 96,
   // numbers, blocks and corrections of a child and a third of a hat 68.
   const double nodes = counts.unknowns / 3.0;
-  passes.push_back({"preconditioner", "vectors", 50.0 * nodes, 284.0 * nodes, [&cloth, &world] {
-                      world.objective.precondition(cloth.direction(), cloth.scratch());
+  passes.push_back({"preconditioner", "vectors", 50.0 * nodes, 284.0 * nodes, [&cloth] {
+                      cloth.objective().precondition(cloth.direction(), cloth.scratch());
                       return cloth.scratch()[0];
                     }});
   addStep(cloth, passes);
-  passes.push_back({"fit of the preconditioner", "fit", -1.0, -1.0, [&cloth, &world] {
-                      world.objective.fitPreconditioner();
+  passes.push_back({"fit of the preconditioner", "fit", -1.0, -1.0, [&cloth] {
+                      cloth.objective().fitPreconditioner();
                       return cloth.scratch()[0];
                     }});
   return passes;

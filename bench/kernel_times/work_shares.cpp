@@ -31,9 +31,8 @@ struct WorkLoop {
 /// Elements, then contact samples, in the order in which the objective runs them. Padding has the
 /// weight of the item before it.
 WorkLoop elementLoop(ClothCase& cloth, const Weights& weight) {
-  const ClothWorld& world = cloth.world();
-  const ActiveMesh& mesh = world.mesh;
-  const NodeGather& gather = world.internal.gather();
+  const ActiveMesh& mesh = cloth.mesh();
+  const NodeGather& gather = cloth.internal().gather();
   WorkLoop loop;
   const auto put = [&](int end, double w, int first, int count, const std::function<int(int)>& node) {
     for (int k = 0; k < count; ++k) loop.add(w, mesh.particle[node(first + k)]);
@@ -48,16 +47,16 @@ WorkLoop elementLoop(ClothCase& cloth, const Weights& weight) {
   const PackedRange& t = gather.triples();
   put(gather.firstTriple() + t.warpEnd(), weight.triple, 0, t.warp, triple);
   put(gather.firstPatch(), weight.triple, t.warp, t.weft, triple);
-  put(world.internal.size(), weight.patch, 0, gather.patches().warp, patch);
-  for (int k = 0; k < world.contacts.size(); ++k) {
-    loop.add(weight.sample, mesh.particle[world.contacts.firstNode(k)]);
+  put(cloth.internal().size(), weight.patch, 0, gather.patches().warp, patch);
+  for (int k = 0; k < cloth.contacts().size(); ++k) {
+    loop.add(weight.sample, mesh.particle[cloth.contacts().firstNode(k)]);
   }
   return loop;
 }
 
 WorkLoop nodeLoop(ClothCase& cloth, double weight) {
   WorkLoop loop;
-  for (const int particle : cloth.world().mesh.particle) loop.add(weight, particle);
+  for (const int particle : cloth.mesh().particle) loop.add(weight, particle);
   return loop;
 }
 
@@ -122,7 +121,7 @@ struct Shares {
 using Passes = std::array<std::vector<WorkLoop>, 2>;
 
 nlohmann::json rowOf(ClothCase& cloth, const Passes& passes, int threads, Sharing sharing) {
-  const int particles = cloth.world().mesh.grid.particles();
+  const int particles = cloth.mesh().grid.particles();
   std::array<Shares, 3> shares;
   for (int pass = 0; pass < 2; ++pass) {
     for (const WorkLoop& loop : passes[pass]) {

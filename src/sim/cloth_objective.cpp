@@ -26,8 +26,9 @@ ClothObjective::ClothObjective(const Scene& scene, const ActiveMesh& mesh, Inter
       gravity_(scene.gravity),
       preconditioner_(scene.solver.minimizer.preconditioner),
       h_(scene.solver.time_step),
-      air_damping_(scene.air_damping),
-      probes_(scene.probes.size()) {
+      integrator_(h_, scene.air_damping),
+      probes_(scene.probes.size()),
+      awake_(mesh, internal, contacts) {
   for (const ProbeOptions& probe : scene.probes) {
     couplings_.push_back({probe.coupling_stiffness, probe.coupling_damping});
   }
@@ -38,9 +39,6 @@ ClothObjective::ClothObjective(const Scene& scene, const ActiveMesh& mesh, Inter
   for (auto* list : {&start_, &inertial_, &nodes_, &motion_, &gradient_, &diagonal_}) {
     list->reserve(mesh.grid.particles());
   }
-  for (auto* list : {&awake_, &seen_, &reached_}) list->reserve(mesh.grid.particles());
-  awake_elements_.reserve(mesh.grid.particles());
-  awake_nodes_.reserve(mesh.grid.particles() / kPack + 1);
   for (auto* list : {&mass_, &moving_mass_}) list->reserve(padded(mesh.grid.particles()));
   for (Vector* v : {&inverse_diagonal_, &residual_weight_}) v->resize(capacity());
   proxy_unknowns_.reserve(probes_.size());
@@ -62,14 +60,9 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
   present_ = 0;
   forPresent([this](int k) { probes_[k].unknown = present_++; });
   start_ = positions;
-  for (auto* list : {&inertial_, &gradient_, &diagonal_}) list->resize(mesh_.nodes());
+  for (auto* list : {&gradient_, &diagonal_}) list->resize(mesh_.nodes());
   motion_.clear(mesh_.nodes());  // zero for pinned nodes
-  const double share = h_ / (1.0 + air_damping_ * h_);
-  for (int c = 0; c < 3; ++c) {
-    const auto &x = positions.coordinate(c), &v = velocities.coordinate(c);
-    auto& ahead = inertial_.coordinate(c);
-    for (int n = 0; n < mesh_.nodes(); ++n) ahead[n] = x[n] + share * v[n];
-  }
+  integrator_.placeInertially(positions, velocities, inertial_);
   nodes_ = positions;
   for (std::size_t k = 0; k < probes_.size(); ++k) proxies_[k] = probes_[k].proxy;
   for (Proxies* list : {&proxy_motions_, &hold_forces_, &hold_torques_})
@@ -94,15 +87,7 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
   }
   forPresent(
       [&](int k) { residual_weight_.segment<3>(proxyAt(probes_[k])).setConstant(weight(proxy_mass(k))); });
-  awake_.assign(mesh_.nodes(), 1);
-  wakeAll();
-}
-
-void ProbeStep::serialize(Archive& archive) {
-  archive("present", present);
-  archive("device", device);
-  archive("device_velocity", device_velocity);
-  archive("proxy", proxy);
+  awake_.begin();
 }
 
 void ClothObjective::serialize(Archive& archive) {
@@ -148,16 +133,16 @@ double ClothObjective::evaluate(const Vector& x, Vector& gradient) {
   unpack(x, nodes_, proxies_);
   carryHeld(proxies_, true, nodes_);
   placeProbes();
-  energies_ = team_.sum(awake_elements_.size(), [this](int from, int to) {
+  energies_ = team_.sum(awake_.elements().size(), [this](int from, int to) {
     Sums sums = Sums::Zero();
-    awake_elements_.forPart(from, to, [&](int begin, int end) { sums += evaluateElements(begin, end); });
+    awake_.elements().forPart(from, to, [&](int begin, int end) { sums += evaluateElements(begin, end); });
     return sums;
   });
   const Sums motion = team_.sum(
-      awake_nodes_.size(),
+      awake_.nodes().size(),
       [this](int from, int to) {
         Sums sums = Sums::Zero();
-        awake_nodes_.forPart(from, to, [&](int begin, int end) {
+        awake_.nodes().forPart(from, to, [&](int begin, int end) {
           sums[0] += gatherNodes(begin, std::min(end, mesh_.nodes()));
         });
         return sums;
@@ -166,10 +151,7 @@ double ClothObjective::evaluate(const Vector& x, Vector& gradient) {
   mesh_.handOverGhosts(gradient_);
   const double coupling = evaluateProbes(gradient);
   packFree(gradient_, gradient);
-  for (int n = 0; !all_awake_ && n < mesh_.free; ++n) {
-    if (awake_[n]) continue;
-    for (int c = 0; c < 3; ++c) gradient[c * mesh_.free + n] = 0.0;
-  }
+  awake_.clearSleepers(gradient);
   return energies_.head<5>().sum() + motion[0] + coupling;
 }
 
@@ -189,6 +171,15 @@ double ClothObjective::evaluateProbes(Vector& gradient) {
     value += couplingEnergy(k) + 0.5 * couplings_[k].damping * h_ * slip(k).squaredNorm();
   });
   return value;
+}
+
+void ClothObjective::forcesAtRest(const Field& velocities, Field& forces) const {
+  forces = gradient_;
+  for (int c = 0; c < 3; ++c) {
+    const auto& v = velocities.coordinate(c);
+    auto& force = forces.coordinate(c);
+    for (int n = 0; n < mesh_.free; ++n) force[n] += moving_mass_[n] / h_ * v[n];
+  }
 }
 
 void ClothObjective::carryHeld(const Proxies& proxies, bool offsets, Field& nodes) const {
@@ -260,9 +251,9 @@ double ClothObjective::maxStep(const Vector& d) {
 
 ClothObjective::Curvature ClothObjective::curvature(bool whole_way, bool deforms) {
   const int internal = internal_.size();
-  const Sums elements = team_.sum(awake_elements_.size(), [&](int from, int to) {
+  const Sums elements = team_.sum(awake_.elements().size(), [&](int from, int to) {
     Sums sums = Sums::Zero();
-    awake_elements_.forPart(from, to, [&](int begin, int end) {
+    awake_.elements().forPart(from, to, [&](int begin, int end) {
       if (deforms)
         sums[0] += internal_.curvature(std::min(begin, internal), std::min(end, internal), motion_);
       sums[1] += contacts_.curvature(std::max(begin, internal) - internal, std::max(end, internal) - internal,
@@ -271,10 +262,10 @@ ClothObjective::Curvature ClothObjective::curvature(bool whole_way, bool deforms
     return sums;
   });
   const Sums moving = team_.sum(
-      awake_nodes_.size(),
+      awake_.nodes().size(),
       [&](int from, int to) {
         Sums sums = Sums::Zero();
-        awake_nodes_.forPart(from, to, [&](int begin, int end) {
+        awake_.nodes().forPart(from, to, [&](int begin, int end) {
           sums[0] += kernels().motionCurvature(motion(), begin, end, motion_.arrays());
         });
         return sums;
@@ -288,7 +279,7 @@ ClothObjective::Curvature ClothObjective::curvature(bool whole_way, bool deforms
 void ClothObjective::fitMultilevel() {
   proxy_unknowns_.clear();
   forPresent([this](int k) { proxy_unknowns_.push_back({k, proxyAt(probes_[k]), couplingStiffness(k)}); });
-  multilevel_->fit(internal_, contacts_, inertia(), awake_, held_, proxy_unknowns_);
+  multilevel_->fit(internal_, contacts_, inertia(), awake_.flags(), held_, proxy_unknowns_);
 }
 
 void ClothObjective::fitPreconditioner() {
@@ -314,7 +305,7 @@ void ClothObjective::fitPreconditioner() {
     diagonal_.set(n, (diagonal_[n].array() + mesh_.mass[n] * inertia()).inverse());
   }
   for (int n = 0; n < mesh_.free; ++n) {
-    if (!awake_[n]) diagonal_.set(n, Vec3::Zero());
+    if (!awake_.contains(n)) diagonal_.set(n, Vec3::Zero());
   }
   for (const HeldNode& held : held_) diagonal_.set(held.node, Vec3::Zero());
   packFree(diagonal_, inverse_diagonal_);
@@ -336,12 +327,11 @@ double ClothObjective::residual(const Vector& gradient) const {
         return sums;
       },
       Team::kEntry);
-  return std::sqrt(square[0] + asleep_square_);
+  return std::sqrt(square[0] + awake_.sleepersSquare());
 }
 
-double ClothObjective::internalEnergy(Sums& parts) const {
-  parts = energies_;
-  return energies_.head<4>().sum();
+InternalEnergy::Energy ClothObjective::fabricEnergy() const {
+  return {energies_[kStretch], energies_[kBend], energies_[kShear]};
 }
 
 double ClothObjective::contactEnergy() const { return energies_[kContact]; }
@@ -356,10 +346,15 @@ double ClothObjective::couplingEnergy() const {
   return energy;
 }
 
+/// Potential of friction and coupling dampers [J].
 double ClothObjective::lossPotential() const {
   double loss = energies_[kFriction];
   forPresent([&](int k) { loss += 0.5 * couplings_[k].damping * h_ * slip(k).squaredNorm(); });
   return loss;
+}
+
+double ClothObjective::storedAndLost() const {
+  return energies_.head<kFriction>().sum() + couplingEnergy() + lossPotential();
 }
 
 double ClothObjective::motionCost() const {

@@ -11,31 +11,19 @@
 #include "haptic_cloth/scene.h"
 #include "mesh/active_mesh.h"
 #include "parallel/parallel_for.h"
-#include "parallel/runs.h"
+#include "sim/awake_set.h"
 #include "sim/held_node.h"
 #include "sim/motion.h"
 #include "sim/multilevel_preconditioner.h"
-#include "sim/rest.h"
+#include "sim/probe_step.h"
+#include "sim/time_integrator.h"
 #include "solver/objective.h"
 
 namespace haptic_cloth {
 
-/// State of a probe in one step.
-struct ProbeStep {
-  bool present = false;
-  int unknown = 0;                      ///< index among the present probes
-  Vec3 device = Vec3::Zero();           ///< position of the device at the end of the step [m]
-  Vec3 device_velocity = Vec3::Zero();  ///< [m/s]
-  Vec3 proxy = Vec3::Zero();            ///< position of the proxy at the start of the step [m]
-
-  void serialize(Archive& archive);
-};
-
 /// Acceleration in which residuals are measured: |gravity|, or that of the earth if a scene has none
 /// [m/s²].
 double referenceAcceleration(const Vec3& gravity);
-
-using Proxies = std::vector<Vec3>;  ///< position or displacement for each probe of the scene [m]
 
 /// Incremental potential of one step over the free nodes X and the proxies y:
 ///
@@ -54,7 +42,7 @@ class ClothObjective : public Objective {
   int capacity() const { return 3 * (mesh_.grid.particles() + static_cast<int>(probes_.size())); }
 
   /// Changes take effect with the next begin().
-  void setAirDamping(double air_damping) { air_damping_ = air_damping; }
+  void setAirDamping(double air_damping) { integrator_.setAirDamping(air_damping); }
   void setCoupling(int probe, double stiffness, double damping) { couplings_[probe] = {stiffness, damping}; }
 
   /// Starts a step from positions and velocities of the nodes, hanging ones included. All nodes are
@@ -64,27 +52,17 @@ class ClothObjective : public Objective {
   void begin(const Field& positions, const Field& velocities, const std::vector<ProbeStep>& probes,
              const std::vector<HeldNode>& held = {});
 
-  /// Puts all nodes to sleep. Sleeping nodes and the elements between them are left out of the
-  /// solve; the nodes keep their position. begin() wakes all.
-  void sleepAll();
-
-  /// Negative forces on the nodes at the last evaluated point, as if the nodes had no velocity [N].
-  void forcesAtRest(const Field& velocities, Field& forces) const;
-
-  /// Wakes the free nodes that may not rest, with some around them; later evaluations cover these.
-  /// @return whether there were any @pre the last evaluation covered all nodes
-  bool wake(const Rest& rest);
-  void wakeAll();
-
-  /// Makes evaluations cover everything, sleeping nodes included, until the next wake().
-  void lookAtAll();
+  /// Nodes that take part in the solve; begin() wakes all. Evaluations leave out sleeping nodes and
+  /// the elements between them.
+  AwakeSet& awake() { return awake_; }
+  const AwakeSet& awake() const { return awake_; }
 
   /// Includes the forces on sleeping nodes in residual(). @pre the last evaluation covered all
   /// nodes
-  void measureSleepers();
-  bool allAwake() const { return all_awake_; }
-  int awake() const;  ///< number of free nodes that are awake
-  bool isAwake(int node) const { return awake_[node] != 0; }
+  void measureSleepers() { awake_.measureSleepers(gradient_, residual_weight_); }
+
+  /// Negative forces on the nodes at the last evaluated point, as if the nodes had no velocity [N].
+  void forcesAtRest(const Field& velocities, Field& forces) const;
 
   /// Gradient of all nodes at the last evaluated point [N].
   const Field& gradient() const { return gradient_; }
@@ -104,7 +82,7 @@ class ClothObjective : public Objective {
   Curvature curvatureOfWay(const Vector& d, bool deforms = true);
 
   /// Tells whether a direction over all free nodes moves every node.
-  bool allFree() const { return mesh_.pinned == 0 && held_.empty() && all_awake_; }
+  bool allFree() const { return mesh_.pinned == 0 && held_.empty() && awake_.all(); }
 
   /// Largest admissible factor of d at the last evaluated point.
   double maxStep(const Vector& d);
@@ -138,7 +116,8 @@ class ClothObjective : public Objective {
     if (node < mesh_.free) gradient += mesh_.mass[node] * inertia() * (x - inertial_[node]);
     return gradient;
   }
-  double inertia() const { return (1.0 + air_damping_ * h_) / (h_ * h_); }
+  double inertia() const { return integrator_.inertia(); }
+  const TimeIntegrator& integrator() const { return integrator_; }
 
   /// Gradient of the coupling's energy by a proxy [N], and its stiffness [N/m].
   Vec3 couplingGradient(int probe, const Vec3& proxy) const;
@@ -149,7 +128,6 @@ class ClothObjective : public Objective {
   /// Saves or loads results of the last step that are queried later; begin() does not read them.
   void serialize(Archive& archive);
 
-  double timeStep() const { return h_; }
   Preconditioner preconditioner() const { return preconditioner_; }
 
   /// Unit of residuals, |gravity| [m/s²].
@@ -170,14 +148,18 @@ class ClothObjective : public Objective {
   Vec3 holdForce(int probe) const { return hold_forces_[probe]; }
   Vec3 holdTorque(int probe) const { return hold_torques_[probe]; }
 
-  /// Writes stretch, bending, shear and contact energy [J] to parts 0 … 3. @return their sum
-  double internalEnergy(Sums& parts) const;
-  double contactEnergy() const;   ///< [J]
-  double couplingEnergy() const;  ///< springs between devices and proxies [J]
+  /// Energies at the last evaluated point [J]; for a fabric with memory its part of Φ, which is not
+  /// what it stores.
+  InternalEnergy::Energy fabricEnergy() const;
+  double contactEnergy() const;
+  double couplingEnergy() const;  ///< springs between devices and proxies
   double couplingEnergy(int probe) const;
-  double lossPotential() const;  ///< potential of friction and coupling dampers [J]
-  double motionCost() const;     ///< E^n = Σ h²/(2m) |residual|² over the free nodes [J]
-  Vec3 pinForce() const;         ///< force of the pins on the cloth [N]
+
+  /// All of Φ but motion and gravity: these energies, and the potential of friction and coupling
+  /// dampers [J].
+  double storedAndLost() const;
+  double motionCost() const;  ///< E^n = Σ h²/(2m) |residual|² over the free nodes [J]
+  Vec3 pinForce() const;      ///< force of the pins on the cloth [N]
 
  private:
   struct Coupling {
@@ -187,11 +169,10 @@ class ClothObjective : public Objective {
   template <class Visit>
   void forPresent(const Visit& visit) const;
   Vec3 slip(int probe) const;
+  double lossPotential() const;
   void placeProbes();
   void fitMultilevel();
   double evaluateProbes(Vector& gradient);
-  void spread();
-  void listAwake();
   Sums evaluateElements(int begin, int end);
   double gatherNodes(int begin, int end);
   void setMotion(const Vector& d);
@@ -204,7 +185,8 @@ class ClothObjective : public Objective {
   Team& team_;
   Vec3 gravity_;
   Preconditioner preconditioner_;
-  double h_, air_damping_;
+  double h_;  ///< time step [s]
+  TimeIntegrator integrator_;
   std::vector<Coupling> couplings_;      ///< one for each probe of the scene
   double reference_acceleration_ = 1.0;  ///< |gravity|² [m²/s⁴]
   /// Mass of the free nodes times |gravity|², the unit of squared residuals [kg m²/s⁴].
@@ -212,12 +194,9 @@ class ClothObjective : public Objective {
 
   std::vector<ProbeStep> probes_;
   std::vector<HeldNode> held_;
-  int present_ = 0;                           ///< number of present probes
-  std::vector<char> awake_, seen_, reached_;  ///< one flag for each node
-  bool all_awake_ = true;
-  double asleep_square_ = 0.0;         ///< share of the sleeping nodes in the squared residual [-]
-  Runs awake_elements_, awake_nodes_;  ///< ranges covered by evaluate() and along()
-  Field start_, inertial_;             ///< x⁰ and x⁰ + h v⁰/(1 + c h) of the nodes [m]
+  int present_ = 0;  ///< number of present probes
+  AwakeSet awake_;
+  Field start_, inertial_;  ///< x⁰ and inertial positions of the nodes [m]
   /// Mass of all nodes; mass of the free nodes, zero for others [kg]. Both padded.
   std::vector<double> mass_, moving_mass_;
   Field nodes_, motion_, gradient_, diagonal_;

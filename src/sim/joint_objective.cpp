@@ -27,7 +27,7 @@ void JointObjective::forPresent(const Visit& visit) const {
 }
 
 void JointObjective::begin(const Vector& start, const Vector& positions, Vector& unknowns) {
-  const double h = step_.timeStep();
+  const double h = step_.integrator().timeStep();
   nodes_ = step_.nodes();  // for nodes that do not move
   motion_.clear(mesh_.nodes());
   for (auto* list : {&residual_, &gradient_, &diagonal_, &stiffness_}) list->clear(mesh_.nodes());

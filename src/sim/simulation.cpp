@@ -56,7 +56,7 @@ void Simulation::moveObstacle(int obstacle, const Pose& pose) {
 }
 
 Pose Simulation::obstaclePose(int obstacle) const {
-  const Solid& solid = implementation_->world.contacts.obstacle(obstacle);
+  const Solid& solid = implementation_->world.contacts().obstacle(obstacle);
   return {solid.position(), Quat(solid.rotation())};
 }
 
@@ -103,21 +103,21 @@ void Simulation::loadState(const std::string& saved, const std::string& origin) 
   implementation_ = std::move(loaded);
 }
 
-const Scene& Simulation::scene() const { return implementation_->world.scene; }
+const Scene& Simulation::scene() const { return implementation_->world.scene(); }
 double Simulation::time() const { return implementation_->world.time(); }
-int Simulation::threads() const { return implementation_->world.team.threads(); }
-double Simulation::mass() const { return implementation_->world.mass(); }
-int Simulation::activeParticles() const { return implementation_->world.mesh.active(); }
-ProbeReport Simulation::probe(int probe) const { return implementation_->world.probes[probe]; }
+int Simulation::threads() const { return implementation_->world.threads(); }
+double Simulation::mass() const { return implementation_->world.cloth().mass(); }
+int Simulation::activeParticles() const { return implementation_->world.cloth().mesh().active(); }
+ProbeReport Simulation::probe(int probe) const { return implementation_->world.probes()[probe]; }
 EnergyReport Simulation::energy() const { return implementation_->world.energy(); }
-double Simulation::maxSpeed() const { return implementation_->world.maxSpeed(); }
-Vec3 Simulation::supportForce() const { return implementation_->world.support_force; }
+double Simulation::maxSpeed() const { return implementation_->world.cloth().maxSpeed(); }
+Vec3 Simulation::supportForce() const { return implementation_->world.supportForce(); }
 
-CostReport Simulation::cost() const { return implementation_->world.cost; }
+CostReport Simulation::cost() const { return implementation_->world.cost(); }
 
 double Simulation::maxStrain() const {
-  const ClothWorld& world = implementation_->world;
-  return world.internal.maxStrain(world.nodes());
+  const Cloth& cloth = implementation_->world.cloth();
+  return cloth.internal().maxStrain(cloth.nodes());
 }
 
 std::uint64_t Simulation::stateHash() const {
@@ -127,47 +127,49 @@ std::uint64_t Simulation::stateHash() const {
     const auto* bytes = static_cast<const unsigned char*>(data);
     for (std::size_t k = 0; k < size; ++k) hash = (hash ^ bytes[k]) * 1099511628211ull;
   };
-  for (const int p : world.mesh.particle) {
+  const ParticleState& state = world.cloth().state();
+  for (const int p : world.cloth().mesh().particle) {
     add(&p, sizeof(p));
-    add(world.state.position[p].data(), 3 * sizeof(double));
-    add(world.state.velocity[p].data(), 3 * sizeof(double));
+    add(state.position[p].data(), 3 * sizeof(double));
+    add(state.velocity[p].data(), 3 * sizeof(double));
   }
-  for (const ProbeReport& probe : world.probes) add(probe.proxy.data(), 3 * sizeof(double));
-  add(&world.steps, sizeof(world.steps));
+  for (const ProbeReport& probe : world.probes()) add(probe.proxy.data(), 3 * sizeof(double));
+  const long steps = world.steps();
+  add(&steps, sizeof(steps));
   return hash;
 }
 
 void Simulation::positions(std::vector<Vec3>& positions) const {
-  const ClothWorld& world = implementation_->world;
-  positions = world.state.position;
-  for (const Patch& patch : world.mesh.patches) {
-    if (patch.cell.level > 0) interpolateCell(world.grid, patch.cell, positions);
+  const Cloth& cloth = implementation_->world.cloth();
+  positions = cloth.state().position;
+  for (const Patch& patch : cloth.mesh().patches) {
+    if (patch.cell.level > 0) interpolateCell(cloth.grid(), patch.cell, positions);
   }
 }
 
 void Simulation::activeFlags(std::vector<char>& flags) const {
-  const ActiveMesh& mesh = implementation_->world.mesh;
+  const ActiveMesh& mesh = implementation_->world.cloth().mesh();
   flags.assign(mesh.grid.particles(), 0);
   for (int n = 0; n < mesh.active(); ++n) flags[mesh.particle[n]] = 1;
 }
 
 void Simulation::cells(std::vector<CellView>& cells) const {
-  const ActiveMesh& mesh = implementation_->world.mesh;
+  const ActiveMesh& mesh = implementation_->world.cloth().mesh();
   cells.clear();
   for (const Patch& patch : mesh.patches) cells.push_back({patch.cell.corners(mesh.grid), patch.cell.level});
 }
 
 void Simulation::cellLoads(std::vector<float>& tension, std::vector<float>& bending) const {
-  const ClothWorld& world = implementation_->world;
-  const ActiveMesh& mesh = world.mesh;
+  const Cloth& cloth = implementation_->world.cloth();
+  const ActiveMesh& mesh = cloth.mesh();
   std::vector<double> node_tension(mesh.nodes(), 0.0), node_bending(mesh.nodes(), 0.0);
   for (int e = 0; e < static_cast<int>(mesh.edges.size()); ++e) {
-    const double value = world.internal.tension(e, world.nodes());
+    const double value = cloth.internal().tension(e, cloth.nodes());
     for (const int n : {mesh.edges[e].a, mesh.edges[e].b}) node_tension[n] = std::max(node_tension[n], value);
   }
   for (int t = 0; t < static_cast<int>(mesh.triples.size()); ++t) {
     double& largest = node_bending[mesh.triples[t].c];
-    largest = std::max(largest, world.internal.bendingDensity(t, world.nodes()));
+    largest = std::max(largest, cloth.internal().bendingDensity(t, cloth.nodes()));
   }
   tension.clear();
   bending.clear();

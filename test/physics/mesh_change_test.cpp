@@ -65,8 +65,8 @@ struct Change {
 class Shadow {
  public:
   explicit Shadow(const ClothWorld& world)
-      : adaptation_(world.scene.adapt, world.grid),
-        load_(world.scene.cloth.fabric, world.grid, world.scene.gravity) {}
+      : adaptation_(world.scene().adapt, world.cloth().grid()),
+        load_(world.scene().cloth.fabric, world.cloth().grid(), world.scene().gravity) {}
 
   void setOptions(const AdaptOptions& options) { adaptation_.setOptions(options); }
 
@@ -75,31 +75,32 @@ class Shadow {
 
   /// Called once before each step. @return nothing if the mesh does not change
   std::optional<Change> change(ClothWorld& world, const FineRegions& fine = {}) {
+    const Cloth& cloth = world.cloth();
     const LoadEstimate::View view = world.loadView();
-    load_.begin(view, std::min(world.scene.adapt.refine_above, world.scene.adapt.coarsen_below));
-    if (!adaptation_.plan(world.steps, world.nodes(), world.internal, fine, world.leaves, world.mesh,
-                          world.state,
+    load_.begin(view, std::min(world.scene().adapt.refine_above, world.scene().adapt.coarsen_below));
+    if (!adaptation_.plan(world.steps(), cloth.nodes(), cloth.internal(), fine, cloth.leaves(), cloth.mesh(),
+                          cloth.state(),
                           [&](const Cell& cell, int parts) { return load_.turn(view, cell, parts); })) {
       return std::nullopt;
     }
-    const Fabric& fabric = world.scene.cloth.fabric;
-    LeafMesh leaves = world.leaves;
+    const Fabric& fabric = world.scene().cloth.fabric;
+    LeafMesh leaves = cloth.leaves();
     ActiveMesh mesh(leaves, fabric.areal_density);
-    ParticleState state = world.state;
+    ParticleState state = cloth.state();
     InternalEnergy internal(fabric, mesh);
-    ForceHistory history(world.grid);
-    Field nodes = world.nodes();
+    ForceHistory history(cloth.grid());
+    Field nodes = cloth.nodes();
     Change change;
-    world.internal.remember(nodes, history);
-    for (int p = 0; p < world.grid.particles(); ++p) {
+    cloth.internal().remember(nodes, history);
+    for (int p = 0; p < cloth.grid().particles(); ++p) {
       for (const int d : {kWarp, kWeft})
         change.moment = std::max(change.moment, std::abs(history.moment(p, d)));
     }
-    const double stored_before = stored(world.internal, nodes);
+    const double stored_before = stored(cloth.internal(), nodes);
     const std::vector<Vec3> before = displayed(mesh, state);
     const std::vector<double> old_spacing = spacings(mesh);
 
-    adaptation_.apply(world.steps, leaves, mesh, state);
+    adaptation_.apply(world.steps(), leaves, mesh, state);
     change.merged = static_cast<int>(adaptation_.merged().size());
     change.split = static_cast<int>(adaptation_.split().size());
     particles_ = mesh.particle;
@@ -112,7 +113,7 @@ class Shadow {
     for (const Cell& parent : adaptation_.split()) history.split(parent);
     internal.recall(nodes, history);
     change.stored = stored(internal, nodes) / stored_before;
-    change.residual = residual(world.scene.gravity, mesh, internal, nodes);
+    change.residual = residual(world.scene().gravity, mesh, internal, nodes);
 
     const std::vector<Vec3> after = displayed(mesh, state);
     const std::vector<double> spacing = spacings(mesh);
@@ -182,14 +183,14 @@ bool comesToRest(ClothWorld& world, double max_time) {
   int quiet = 0;
   for (const double end = world.time() + max_time; quiet < 20 && world.time() < end;) {
     world.step();
-    quiet = world.maxSpeed() < kRestSpeed ? quiet + 1 : 0;
+    quiet = world.cloth().maxSpeed() < kRestSpeed ? quiet + 1 : 0;
   }
   return quiet == 20;
 }
 
 /// Largest displacement of a displayed particle over its spacing.
 double distance(const ClothWorld& world, const std::vector<Vec3>& from, const std::vector<double>& spacing) {
-  const std::vector<Vec3> now = displayed(world.mesh, world.state);
+  const std::vector<Vec3> now = displayed(world.cloth().mesh(), world.cloth().state());
   double largest = 0.0;
   for (std::size_t p = 0; p < now.size(); ++p) {
     largest = std::max(largest, (now[p] - from[p]).norm() / spacing[p]);
@@ -199,23 +200,24 @@ double distance(const ClothWorld& world, const std::vector<Vec3>& from, const st
 
 void makeTrip(const std::string& name, const Scene& scene, const std::array<Strategy, 3>& legs) {
   ClothWorld world(scene);
+  const Cloth& cloth = world.cloth();
   ASSERT_TRUE(comesToRest(world, 6.0)) << name;
   Shadow shadow(world);
-  const std::vector<Vec3> home = displayed(world.mesh, world.state);
-  std::vector<double> coarsest = spacings(world.mesh);
+  const std::vector<Vec3> home = displayed(cloth.mesh(), cloth.state());
+  std::vector<double> coarsest = spacings(cloth.mesh());
   int leg = 0;
   for (const Strategy way : legs) {
     const AdaptOptions options = oneWay(way, scene.adapt);
     world.setAdaptOptions(options);
     shadow.setOptions(options);
-    const std::vector<Vec3> before = displayed(world.mesh, world.state);
-    std::vector<double> spacing = spacings(world.mesh);
+    const std::vector<Vec3> before = displayed(cloth.mesh(), cloth.state());
+    std::vector<double> spacing = spacings(cloth.mesh());
     const std::optional<Change> change = shadow.change(world);
     ASSERT_TRUE(change) << name;
     world.step();
-    ASSERT_EQ(world.mesh.particle, shadow.particles());
+    ASSERT_EQ(cloth.mesh().particle, shadow.particles());
     world.setAdaptOptions(oneWay(Strategy::Finest, scene.adapt));
-    const std::vector<double> new_spacing = spacings(world.mesh);
+    const std::vector<double> new_spacing = spacings(cloth.mesh());
     for (std::size_t p = 0; p < spacing.size(); ++p) {
       spacing[p] = larger(spacing, new_spacing, p);
       coarsest[p] = larger(coarsest, new_spacing, p);
@@ -253,13 +255,13 @@ TEST(MeshChange, RestSurvivesRoundTrips) {
 
 /// Regions of finest cells around the probe, as in docs/model.md.
 FineRegions moveProbe(ClothWorld& world) {
-  const double h = world.scene.solver.time_step, t = world.time();
-  const Vec3 from = pathPosition(world.scene.probes[0].path, t),
-             to = pathPosition(world.scene.probes[0].path, t + h);
+  const double h = world.scene().solver.time_step, t = world.time();
+  const Vec3 from = pathPosition(world.scene().probes[0].path, t),
+             to = pathPosition(world.scene().probes[0].path, t + h);
   world.setDevice(0, {to, (to - from) / h});
-  const double spacing = std::max(world.grid.dx, world.grid.dy);
-  const double ahead = std::min((to - world.probes[0].proxy).norm(), 2.0 * spacing);
-  return {{world.probes[0].proxy, world.scene.probes[0].radius + 2.0 * spacing + ahead}};
+  const double spacing = std::max(world.cloth().grid().dx, world.cloth().grid().dy);
+  const double ahead = std::min((to - world.probes()[0].proxy).norm(), 2.0 * spacing);
+  return {{world.probes()[0].proxy, world.scene().probes[0].radius + 2.0 * spacing + ahead}};
 }
 
 struct Shipped {
@@ -286,7 +288,7 @@ TEST_P(ShippedScene, NothingSeenPops) {
     ASSERT_EQ(report.coarsened, change ? change->merged : 0);
     ASSERT_EQ(report.refined, change ? change->split : 0);
     if (!change) continue;
-    ASSERT_EQ(world.mesh.particle, shadow.particles());
+    ASSERT_EQ(world.cloth().mesh().particle, shadow.particles());
     merged += change->merged;
     split += change->split;
     largest = std::max(largest, change->jump);

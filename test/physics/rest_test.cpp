@@ -144,17 +144,17 @@ TEST(Rest, EnergyIsThatOfAllElementsHoweverASolveEnds) {
   setStrategy(scene, Strategy::Coarsest, 1);
   scene.solver.minimizer.time_budget = 1e-9;  // one iteration per step
   ClothWorld world(scene);
-  for (int step = 0; step < 4000 && (step == 0 || world.maxSpeed() > 0.0); ++step) world.step();
-  ASSERT_EQ(world.maxSpeed(), 0.0);
+  for (int step = 0; step < 4000 && (step == 0 || world.cloth().maxSpeed() > 0.0); ++step) world.step();
+  ASSERT_EQ(world.cloth().maxSpeed(), 0.0);
   int cut_short = 0;
   for (int step = 0; step < 100; ++step) {
     world.setDevice(0, {Vec3(-0.06, 0.05, 0.01 - 2e-4 * step), Vec3(0.0, 0.0, -0.2)});
     const StepReport report = world.step();
-    const bool partly = report.awake_particles > 0 && report.awake_particles < world.mesh.free;
+    const bool partly = report.awake_particles > 0 && report.awake_particles < world.cloth().mesh().free;
     if (!partly || report.minimizer.why != Termination::TimeBudget) continue;
     ++cut_short;
     const EnergyReport energy = world.energy();
-    const InternalEnergy::Energy stored = world.internal.stored(world.nodes());
+    const InternalEnergy::Energy stored = world.cloth().internal().stored(world.cloth().nodes());
     const double sum = stored.stretch + stored.bend + stored.shear;
     EXPECT_NEAR(energy.stretch + energy.bend + energy.shear, sum, tolerance(1e-9) * sum) << step;
   }
@@ -190,8 +190,8 @@ TEST(Rest, ACreepingProbeIsFelt) {
 TEST(Rest, NewAdaptOptionsAreNotSleptThrough) {
   ClothWorld world(sagging(3e-4));
   for (int step = 0; step < 4000; ++step) world.step();
-  ASSERT_LT(world.mesh.active(), 33 * 33);
-  AdaptOptions options = world.scene.adapt;
+  ASSERT_LT(world.cloth().mesh().active(), 33 * 33);
+  AdaptOptions options = world.scene().adapt;
   options.refine_above = 1e-6;
   options.coarsen_below = 1e-7;
   world.setAdaptOptions(options);

@@ -53,7 +53,7 @@ Torture cycledStrip(const std::string& name, const Vec3& bias, const Vec3& ampli
   strip.scene.solver.sleep_speed = 0.0;
   strip.before = [bias, amplitude](ClothWorld& world, long step) {
     constexpr long kReach = 50, kGo = 100;
-    const double h = world.scene.solver.time_step, end = 0.5 * (kColumns - 1) * kCell - 0.0025;
+    const double h = world.scene().solver.time_step, end = 0.5 * (kColumns - 1) * kCell - 0.0025;
     const Vec3 start(end, 0.0, kGrip + 0.004), touch(end, 0.0, kGrip + 0.0002);
     const auto at = [&](long n) -> Vec3 {
       if (n < kReach) return start + (touch - start) * static_cast<double>(n) / kReach;
@@ -61,7 +61,7 @@ Torture cycledStrip(const std::string& name, const Vec3& bias, const Vec3& ampli
       const double turns = static_cast<double>((n - kReach - kGo) % kStepsPerCycle) / kStepsPerCycle;
       return touch + bias + amplitude * std::sin(2.0 * EIGEN_PI * turns);
     };
-    world.setDevice(0, {at(step + 1), (at(step + 1) - at(step)) / h, world.scene.probes[0].orientation});
+    world.setDevice(0, {at(step + 1), (at(step + 1) - at(step)) / h, world.scene().probes[0].orientation});
     world.setGrasp(0, true);
   };
   return strip;
@@ -78,7 +78,8 @@ class Drift {
   void note(const ClothWorld& world, long steps) {
     if (steps <= kStart) return;
     const long cycle = (steps - kStart) / kStepsPerCycle;
-    const Phase now{world.state.position[world.grid.particle(kColumns / 2, 0)], world.probes[0].force.norm()};
+    const Phase now{world.cloth().state().position[world.cloth().grid().particle(kColumns / 2, 0)],
+                    world.probes()[0].force.norm()};
     if (cycle == kSettle) {
       force_.extend(Vec1(now.force));
       middle_.extend(now.middle);

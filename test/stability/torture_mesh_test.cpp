@@ -48,7 +48,7 @@ TEST(Torture, RefinedAndCoarsenedAtRandomInEveryStep) {
     sheet.scene.probes[0].path = {{0.0, Vec3(0, 0, 0.03)}, {0.2, Vec3(0, 0, -0.03)}, {0.3, Vec3(0, 0, 0.05)}};
     sheet.scene.stop.time = 0.3;
     sheet.before = [&](ClothWorld& world, long step) {
-      world.setAdaptOptions(randomThresholds(world.scene.adapt, step));
+      world.setAdaptOptions(randomThresholds(world.scene().adapt, step));
     };
     torture(sheet);
   }
@@ -78,10 +78,11 @@ Vec3 collapsed(const std::string& kind, const Vec3& x) {
 
 /// Velocity of the mass centre [m/s].
 Vec3 meanVelocity(const ClothWorld& world) {
+  const ActiveMesh& mesh = world.cloth().mesh();
   Vec3 momentum = Vec3::Zero();
-  for (int n = 0; n < world.mesh.active(); ++n)
-    momentum += world.mesh.mass[n] * world.state.velocity[world.mesh.particle[n]];
-  return momentum / world.mass();
+  for (int n = 0; n < mesh.active(); ++n)
+    momentum += mesh.mass[n] * world.cloth().state().velocity[mesh.particle[n]];
+  return momentum / world.cloth().mass();
 }
 
 /// Expects the mass centre to fall like a free particle under backward Euler, v ← (v + g h)/(1 + c
@@ -89,11 +90,11 @@ Vec3 meanVelocity(const ClothWorld& world) {
 /// force of tolerance · |g| · mass, as |Σ r| ≤ rms_m(r/m) · mass [Cauchy and Schwarz]; a step that
 /// was cut short leaves no more.
 void expectFreeFall(const ClothWorld& world, const Vec3& before, long step) {
-  const SolverOptions& solver = world.scene.solver;
-  const double h = solver.time_step, g = world.scene.gravity.norm();
-  const Vec3 fallen = (before + h * world.scene.gravity) / (1.0 + world.scene.air_damping * h);
+  const SolverOptions& solver = world.scene().solver;
+  const double h = solver.time_step, g = world.scene().gravity.norm();
+  const Vec3 fallen = (before + h * world.scene().gravity) / (1.0 + world.scene().air_damping * h);
   EXPECT_LE((meanVelocity(world) - fallen).norm(), tolerance(solver.minimizer.tolerance * g * h))
-      << world.scene.cloth.fabric.name << ", step " << step;
+      << world.scene().cloth.fabric.name << ", step " << step;
 }
 
 /// Free sheet with collapsed positions at the first step.
@@ -107,8 +108,10 @@ Torture collapsedSheet(const std::string& kind) {
   sheet.set_up = 1;
   sheet.before = [kind](ClothWorld& world, long step) {
     if (step != 0) return;
-    for (Vec3& x : world.state.position) x = collapsed(kind, x);
-    AdaptOptions options = world.scene.adapt;
+    std::vector<Vec3> positions = world.cloth().state().position;
+    for (Vec3& x : positions) x = collapsed(kind, x);
+    world.setPositions(positions);
+    AdaptOptions options = world.scene().adapt;
     options.refine_above_strain = options.refine_above = -1.0;
     world.setAdaptOptions(options);
   };
@@ -149,7 +152,7 @@ TEST(Torture, ShrunkClothFallsFreelyWhileItUnfolds) {
     }
     // It began at a strain of -1. The other case may take longer.
     if (kind == "shrunk_1e3") {
-      EXPECT_LT(world.internal.maxStrain(world.nodes()), 0.5) << "it did not unfold";
+      EXPECT_LT(world.cloth().internal().maxStrain(world.cloth().nodes()), 0.5) << "it did not unfold";
     }
   }
 }
@@ -176,7 +179,7 @@ TEST(Torture, EverythingChangesInEveryStep) {
       return Vec3(reach * (random(step, first) - 0.5), reach * (random(step, first + 1) - 0.5),
                   reach * (random(step, first + 2) - 0.5));
     };
-    world.setAdaptOptions(randomThresholds(world.scene.adapt, step));
+    world.setAdaptOptions(randomThresholds(world.scene().adapt, step));
     world.moveObstacle(0, {at(10, 0.2), Quat::Identity()});
     for (int k = 0; k < 2; ++k) {
       const double what = random(step / 10, 20 + k);
@@ -213,7 +216,7 @@ TEST(Torture, SavedSceneReplaysTheSameBits) {
   EXPECT_EQ(sceneText(read, "f.yaml"), sceneText(again, "f.yaml"));
   std::vector<Vec3> seen, replayed;
   sheet.scene = read;
-  sheet.after = [&](const ClothWorld& world, long) { seen = world.state.position; };
+  sheet.after = [&](const ClothWorld& world, long) { seen = world.cloth().state().position; };
   torture(sheet);
   Simulation simulation(again);
   runScene(simulation, false, nullptr);

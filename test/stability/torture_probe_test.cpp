@@ -114,7 +114,7 @@ TEST(Torture, ProbeTeleportsFromAPressAndBackIntoTheCloth) {
     sheet.limits.strain = mostStrain(probe, 0.01, 1000.0);  // it presses that deep
     double before = 0.0, meanwhile = 0.0, after = 0.0;
     sheet.after = [&](const ClothWorld& world, long step) {
-      const double time = h * static_cast<double>(step), force = world.probes[0].force.norm();
+      const double time = h * static_cast<double>(step), force = world.probes()[0].force.norm();
       if (time < 0.039) before = std::max(before, force);
       if (time > 0.041 && time < 0.115) meanwhile = std::max(meanwhile, force);
       if (time > 0.125) after = std::max(after, force);

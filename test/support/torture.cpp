@@ -38,7 +38,7 @@ void writeText(const fs::path& file, const std::string& text) {
 
 /// Drives the inputs as `simulate` does (src/tools/run.cpp).
 void followPaths(ClothWorld& world) {
-  const Scene& scene = world.scene;
+  const Scene& scene = world.scene();
   const double h = scene.solver.time_step, end = world.time() + h;
   for (int k = 0; k < static_cast<int>(scene.probes.size()); ++k) {
     const ProbeOptions& probe = scene.probes[k];
@@ -57,11 +57,12 @@ void followPaths(ClothWorld& world) {
 }
 
 bool isFinite(const ClothWorld& world, const EnergyReport& energy) {
-  bool finite = std::isfinite(energy.total()) && world.support_force.allFinite();
-  for (const int p : world.mesh.particle) {
-    finite = finite && world.state.position[p].allFinite() && world.state.velocity[p].allFinite();
+  bool finite = std::isfinite(energy.total()) && world.supportForce().allFinite();
+  const ParticleState& state = world.cloth().state();
+  for (const int p : world.cloth().mesh().particle) {
+    finite = finite && state.position[p].allFinite() && state.velocity[p].allFinite();
   }
-  for (const ProbeReport& probe : world.probes) {
+  for (const ProbeReport& probe : world.probes()) {
     finite = finite && probe.force.allFinite() && probe.torque.allFinite() && probe.proxy.allFinite();
   }
   return finite;
@@ -73,11 +74,12 @@ std::uint64_t hashOf(const ClothWorld& world) {
     const auto* bytes = reinterpret_cast<const unsigned char*>(v.data());
     for (std::size_t k = 0; k < sizeof(Vec3); ++k) hash = (hash ^ bytes[k]) * 1099511628211ull;
   };
-  for (const int p : world.mesh.particle) {
-    add(world.state.position[p]);
-    add(world.state.velocity[p]);
+  const ParticleState& state = world.cloth().state();
+  for (const int p : world.cloth().mesh().particle) {
+    add(state.position[p]);
+    add(state.velocity[p]);
   }
-  for (const ProbeReport& probe : world.probes) add(probe.proxy);
+  for (const ProbeReport& probe : world.probes()) add(probe.proxy);
   return hash;
 }
 
@@ -87,7 +89,7 @@ class Run {
   Run(const Torture& wanted, const Scene& scene) : wanted_(wanted), world_(scene) {
     const double size = std::hypot(scene.cloth.size[0], scene.cloth.size[1]);
     const double g = scene.gravity.norm() > 0.0 ? scene.gravity.norm() : kStandardGravity;
-    weight_ = world_.mass() * g;
+    weight_ = cloth().mass() * g;
     result_.energy = weight_ * size;
     ways_.resize(scene.probes.size());
     show();
@@ -96,13 +98,13 @@ class Run {
   }
 
   TortureResult run() {
-    const double h = world_.scene.solver.time_step;
-    const long steps = std::lround(world_.scene.stop.time / h);
+    const double h = world_.scene().solver.time_step;
+    const long steps = std::lround(world_.scene().stop.time / h);
     while (result_.steps < steps && result_.finite) {
       step();
       if (result_.steps % kTell == 0) tell();
     }
-    for (const ProbeReport& probe : world_.probes) {
+    for (const ProbeReport& probe : world_.probes()) {
       if (probe.present) result_.left = std::max(result_.left, (probe.proxy - probe.device).norm());
     }
     result_.hash = hashOf(world_);
@@ -123,6 +125,8 @@ class Run {
   const std::string& probeRows() const { return rows_; }
 
  private:
+  const Cloth& cloth() const { return world_.cloth(); }
+
   /// Steps between progress messages of a long run: ten minutes at 1 kHz.
   static constexpr long kTell = 600000;
 
@@ -149,8 +153,8 @@ class Run {
     result_.failed += report.failed ? 1 : 0;
     result_.cut += report.minimizer.why == Termination::Converged ? 0 : 1;
     result_.finite = isFinite(world_, energy);
-    result_.strain = std::max(result_.strain, world_.internal.maxStrain(world_.nodes()));
-    result_.speed = std::max(result_.speed, world_.maxSpeed());
+    result_.strain = std::max(result_.strain, cloth().internal().maxStrain(cloth().nodes()));
+    result_.speed = std::max(result_.speed, cloth().maxSpeed());
     noteMotion();
     result_.penetration = std::max(result_.penetration, report.max_penetration);
     balance(report, energy);
@@ -162,29 +166,29 @@ class Run {
   /// Bending energy that the next step creates by turning the surface normals [J]. It is measured
   /// on a copy, because the step makes its mesh decisions with the old normals.
   double madeByTurning() const {
-    InternalEnergy internal = world_.internal;
+    InternalEnergy internal = cloth().internal();
     const auto bending = [&] {
-      return internal.evaluate(internal.gather().firstTriple(), internal.size(), world_.nodes()).bend;
+      return internal.evaluate(internal.gather().firstTriple(), internal.size(), cloth().nodes()).bend;
     };
     const double before = bending();
-    internal.setNormals(world_.nodes());
+    internal.setNormals(cloth().nodes());
     return std::max(0.0, bending() - before);
   }
 
   /// Positions of devices and obstacles; none for a device that is absent.
   std::vector<std::optional<Vec3>> inputs() const {
     std::vector<std::optional<Vec3>> places;
-    for (const ProbeReport& probe : world_.probes)
+    for (const ProbeReport& probe : world_.probes())
       places.push_back(probe.present ? std::optional(probe.device) : std::nullopt);
-    for (std::size_t k = 0; k < world_.scene.obstacles.size(); ++k)
-      places.emplace_back(world_.contacts.obstacle(static_cast<int>(k)).position());
+    for (std::size_t k = 0; k < world_.scene().obstacles.size(); ++k)
+      places.emplace_back(world_.contacts().obstacle(static_cast<int>(k)).position());
     return places;
   }
 
   /// Records the speed of the inputs in the step (except jumps), the depth of the cloth and its
   /// strain.
   void noteMotion() {
-    const double h = world_.scene.solver.time_step, g = world_.scene.gravity.norm();
+    const double h = world_.scene().solver.time_step, g = world_.scene().gravity.norm();
     const std::vector<std::optional<Vec3>> now = inputs();
     for (std::size_t k = 0; k < now.size(); ++k) {
       if (!now[k] || !inputs_[k]) continue;
@@ -192,13 +196,13 @@ class Run {
       if (!isJump(way, h)) result_.driven = std::max(result_.driven, way / h);
     }
     inputs_ = now;
-    for (const Edge& edge : world_.mesh.edges) {
-      const double strain = (world_.nodes()[edge.b] - world_.nodes()[edge.a]).norm() / edge.length - 1.0;
+    for (const Edge& edge : cloth().mesh().edges) {
+      const double strain = (cloth().nodes()[edge.b] - cloth().nodes()[edge.a]).norm() / edge.length - 1.0;
       result_.stretched = std::max(result_.stretched, strain);
       result_.shortened = std::max(result_.shortened, -strain);
     }
-    for (const int p : world_.mesh.particle) {
-      const double sunk = (world_.state.position[p] - began_[p]).dot(world_.scene.gravity);
+    for (const int p : cloth().mesh().particle) {
+      const double sunk = (cloth().state().position[p] - began_[p]).dot(world_.scene().gravity);
       if (g > 0.0) result_.sunk = std::max(result_.sunk, sunk / g);
     }
   }
@@ -206,17 +210,17 @@ class Run {
   /// Records the force that the couplings cannot explain. The proxy has no mass but that of its
   /// residual, and the report holds the sum of all residuals.
   void noteForces(const StepReport& report) {
-    const double h = world_.scene.solver.time_step;
-    const double residual = std::max(report.minimizer.residual, world_.scene.solver.minimizer.tolerance);
-    for (std::size_t k = 0; k < world_.probes.size(); ++k) {
-      const ProbeReport& probe = world_.probes[k];
+    const double h = world_.scene().solver.time_step;
+    const double residual = std::max(report.minimizer.residual, world_.scene().solver.minimizer.tolerance);
+    for (std::size_t k = 0; k < world_.probes().size(); ++k) {
+      const ProbeReport& probe = world_.probes()[k];
       if (!probe.present) continue;
-      const ProbeOptions& options = world_.scene.probes[k];
-      const double slip = (probe.velocity - world_.objective.probeSteps()[k].device_velocity).norm();
+      const ProbeOptions& options = world_.scene().probes[k];
+      const double slip = (probe.velocity - world_.objective().probeSteps()[k].device_velocity).norm();
       const double pull =
           options.coupling_stiffness * (probe.device - probe.proxy).norm() + options.coupling_damping * slip;
       const double counts = h * (h * options.coupling_stiffness + options.coupling_damping);
-      const double left = residual * weight_ * std::sqrt(counts / world_.mass());
+      const double left = residual * weight_ * std::sqrt(counts / cloth().mass());
       result_.unexplained = std::max(result_.unexplained, probe.force.norm() - pull - left);
     }
   }
@@ -227,7 +231,7 @@ class Run {
     const double work = energy.work - work_before_;
     work_before_ = energy.work;
     result_.energy += std::abs(work);
-    const double residual = std::max(report.minimizer.residual, world_.scene.solver.minimizer.tolerance);
+    const double residual = std::max(report.minimizer.residual, world_.scene().solver.minimizer.tolerance);
     allowed_ += residual * weight_ * way() + std::max(0.0, world_.created());
     if (result_.steps > wanted_.set_up)
       result_.created = std::max(result_.created, world_.created() / result_.energy);
@@ -245,18 +249,18 @@ class Run {
     double sum = 0.0;
     shown_.swap(shown_before_);
     show();
-    for (int n = 0; n < world_.mesh.active(); ++n) {
-      const int p = world_.mesh.particle[n];
-      sum += world_.mesh.mass[n] * (shown_[p] - shown_before_[p]).squaredNorm();
+    for (int n = 0; n < cloth().mesh().active(); ++n) {
+      const int p = cloth().mesh().particle[n];
+      sum += cloth().mesh().mass[n] * (shown_[p] - shown_before_[p]).squaredNorm();
     }
-    return std::sqrt(sum / world_.mass());
+    return std::sqrt(sum / cloth().mass());
   }
 
   /// Records the positions of all finest particles, interpolated in coarse cells.
   void show() {
-    shown_ = world_.state.position;
-    for (const Patch& patch : world_.mesh.patches) {
-      if (patch.cell.level > 0) interpolateCell(world_.grid, patch.cell, shown_);
+    shown_ = cloth().state().position;
+    for (const Patch& patch : cloth().mesh().patches) {
+      if (patch.cell.level > 0) interpolateCell(cloth().grid(), patch.cell, shown_);
     }
   }
 
@@ -265,8 +269,8 @@ class Run {
     constexpr long kMostRows = 200000;
     std::ostringstream rows;
     rows.precision(17);
-    for (std::size_t k = 0; k < world_.probes.size(); ++k) {
-      const ProbeReport& probe = world_.probes[k];
+    for (std::size_t k = 0; k < world_.probes().size(); ++k) {
+      const ProbeReport& probe = world_.probes()[k];
       if (!probe.present) continue;
       result_.force = std::max(result_.force, probe.force.norm());
       if (result_.steps > kMostRows) continue;

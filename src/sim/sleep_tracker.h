@@ -11,12 +11,12 @@ namespace haptic_cloth {
 /// sleep: it keeps its position until the force on it differs from that when it fell asleep.
 /// Sleeping particles count in the residual of a step like all others, so together they may use up
 /// the tolerance only as far as it leaves room for the others.
-class Rest {
+class SleepTracker {
  public:
   static constexpr int kSteps = 50;
 
   /// @param speed particles slower than this may sleep [m/s]; 0: none ever sleeps
-  Rest(const Grid& grid, double speed);
+  SleepTracker(const Grid& grid, double speed);
 
   /// Changes the speed; all particles wake.
   void setSpeed(double speed);
@@ -31,31 +31,16 @@ class Rest {
   /// @param residuals unbalanced forces if the nodes stop now; differ from `forces` only for moving
   /// nodes [N]
   /// @param tolerance of the solve [m/s²]
-  /// @param awake whether a node takes part in the solve
-  template <class Awake>
-  void look(const ActiveMesh& mesh, const Field& forces, const Field& residuals, double tolerance,
-            const Awake& awake) {
-    sleeps_.assign(mesh.nodes(), 0);
-    for (int n = 0; n < mesh.free; ++n) {
-      if (!awake(n)) sleeps_[n] = isCalm(mesh, n, forces[n], tolerance);
-    }
-    keepBalance(mesh, residuals, tolerance);
-  }
+  /// @param awake flag for each node: it takes part in the solve
+  void updateCandidates(const ActiveMesh& mesh, const Field& forces, const Field& residuals, double tolerance,
+                        const std::vector<char>& awake);
   bool sleeps(int node) const { return sleeps_[node] != 0; }
 
   /// Updates the particles after a step.
-  /// @param awake whether a node took part in the solve
-  /// @param driven whether a node is being moved from where it may not stay, however slowly
-  template <class Awake, class Driven>
-  void update(const ActiveMesh& mesh, const Field& velocities, const Awake& awake, const Driven& driven) {
-    for (int n = 0; n < mesh.free; ++n) {
-      if (!awake(n)) continue;
-      Particle& p = particles_[mesh.particle[n]];
-      const bool still = velocities[n].norm() < speed_ && disturbed_[n] == 0 && !driven(n);
-      p.known = false;
-      p.still = still ? p.still + 1 : 0;
-    }
-  }
+  /// @param awake flag for each node: it took part in the solve
+  /// @param driven flag for each node: it is being moved from where it may not stay, however slowly
+  void update(const ActiveMesh& mesh, const Field& velocities, const std::vector<char>& awake,
+              const std::vector<char>& driven);
 
   void serialize(Archive& archive);
 

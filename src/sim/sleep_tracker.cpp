@@ -1,21 +1,41 @@
-#include "sim/rest.h"
+#include "sim/sleep_tracker.h"
 
 #include <algorithm>
 
 namespace haptic_cloth {
 
-Rest::Rest(const Grid& grid, double speed) : speed_(speed), particles_(grid.particles()) {
+SleepTracker::SleepTracker(const Grid& grid, double speed) : speed_(speed), particles_(grid.particles()) {
   sleeps_.reserve(grid.particles());
   disturbed_.reserve(grid.particles());
 }
 
-void Rest::setSpeed(double speed) {
+void SleepTracker::setSpeed(double speed) {
   speed_ = speed;
   std::fill(particles_.begin(), particles_.end(), Particle());
 }
 
+void SleepTracker::updateCandidates(const ActiveMesh& mesh, const Field& forces, const Field& residuals,
+                                    double tolerance, const std::vector<char>& awake) {
+  sleeps_.assign(mesh.nodes(), 0);
+  for (int n = 0; n < mesh.free; ++n) {
+    if (awake[n] == 0) sleeps_[n] = isCalm(mesh, n, forces[n], tolerance);
+  }
+  keepBalance(mesh, residuals, tolerance);
+}
+
+void SleepTracker::update(const ActiveMesh& mesh, const Field& velocities, const std::vector<char>& awake,
+                          const std::vector<char>& driven) {
+  for (int n = 0; n < mesh.free; ++n) {
+    if (awake[n] == 0) continue;
+    Particle& p = particles_[mesh.particle[n]];
+    const bool still = velocities[n].norm() < speed_ && disturbed_[n] == 0 && driven[n] == 0;
+    p.known = false;
+    p.still = still ? p.still + 1 : 0;
+  }
+}
+
 /// Tells whether a node was slow for long enough and the force on it is that when it fell asleep.
-bool Rest::isCalm(const ActiveMesh& mesh, int node, const Vec3& force, double tolerance) {
+bool SleepTracker::isCalm(const ActiveMesh& mesh, int node, const Vec3& force, double tolerance) {
   // Change of force that wakes, relative to what a solve may leave.
   constexpr double kDisturbed = 3.0;
   Particle& p = particles_[mesh.particle[node]];
@@ -30,7 +50,7 @@ bool Rest::isCalm(const ActiveMesh& mesh, int node, const Vec3& force, double to
 /// Limits the unbalanced force on all sleeping nodes: to the tolerance if all nodes sleep,
 /// otherwise to a little less, so that the awake nodes can compensate. Beyond that limit, each node
 /// with more than half the tolerance of its own wakes; the others then leave less than half of it.
-void Rest::keepBalance(const ActiveMesh& mesh, const Field& residuals, double tolerance) {
+void SleepTracker::keepBalance(const ActiveMesh& mesh, const Field& residuals, double tolerance) {
   constexpr double kShare = 0.9, kOwn = 0.5;
   double square = 0.0, mass = 0.0;
   bool all = true;
@@ -47,14 +67,14 @@ void Rest::keepBalance(const ActiveMesh& mesh, const Field& residuals, double to
   }
 }
 
-void Rest::serialize(Archive& archive) {
+void SleepTracker::serialize(Archive& archive) {
   archive.each("still", particles_, &Particle::still);
   for (const Particle& p : particles_) archive.check(p.still >= 0, "still", "must be >= 0");
   archive.each("known", particles_, &Particle::known);
   archive.each("force", particles_, &Particle::force);
 }
 
-void Rest::disturb(const Grid& grid, const Cell& cell) {
+void SleepTracker::disturb(const Grid& grid, const Cell& cell) {
   for (int j = cell.j; j <= cell.j + cell.span(); ++j) {
     for (int i = cell.i; i <= cell.i + cell.span(); ++i) particles_[grid.particle(i, j)] = Particle();
   }

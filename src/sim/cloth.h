@@ -1,0 +1,97 @@
+/// The cloth between two steps.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "contact/contact_set.h"
+#include "energy/history.h"
+#include "energy/internal_energy.h"
+#include "haptic_cloth/report.h"
+#include "haptic_cloth/scene.h"
+#include "mesh/active_mesh.h"
+#include "mesh/transfer.h"
+#include "parallel/parallel_for.h"
+#include "sim/adaptation.h"
+#include "state/archive.h"
+
+namespace haptic_cloth {
+
+class ClothObjective;
+
+/// Adaptive mesh, state of its nodes, and fabric with its memory. Only a change of the mesh, an
+/// accepted step and loading change the state.
+class Cloth {
+ public:
+  /// Flat cloth at rest.
+  explicit Cloth(const Scene& scene);
+
+  const Grid& grid() const { return grid_; }
+  const LeafMesh& leaves() const { return leaves_; }
+  const ActiveMesh& mesh() const { return mesh_; }
+  const ParticleState& state() const { return state_; }
+  const Field& nodes() const { return nodes_; }            ///< positions [m]
+  const Field& velocities() const { return velocities_; }  ///< [m/s]
+
+  /// Gravity minus acceleration of the nodes in the last step, along the surface normal [m/s²].
+  const std::vector<double>& weight() const { return weight_; }
+
+  /// Elements of the fabric. Evaluations store forces in them; that does not change the cloth.
+  InternalEnergy& internal() { return internal_; }
+  const InternalEnergy& internal() const { return internal_; }
+
+  /// Places the particles of the finest grid. The next change of the mesh reads these positions, and
+  /// the energy that they add counts as created by it.
+  void setPositions(const std::vector<Vec3>& positions) { state_.position = positions; }
+
+  /// Turns the surface normals to the current positions.
+  void updateNormals() { internal_.setNormals(nodes_); }
+
+  /// Makes the planned changes of the mesh and hands the state over. @return energy created [J]
+  double changeMesh(Adaptation& adaptation, long step);
+
+  /// Takes positions, velocities and weight from a solved step.
+  void move(const ClothObjective& solved);
+
+  /// Stops cloth that obstacles eject: it is not thrown.
+  void stopEjected(const ContactSet& contacts) { contacts.calm(velocities_); }
+  void scaleVelocities(double factor);
+
+  /// Completes an accepted step: stores the state by particle, and loads the fabric's memory.
+  void commit(Team& team);
+
+  /// Stops all nodes where they are.
+  void stop();
+
+  double mass() const;           ///< [kg]
+  double maxSpeed() const;       ///< [m/s]
+  double kineticEnergy() const;  ///< [J]
+
+  /// Work of gravity on a motion to the positions `to` [J].
+  double gravityWork(const Field& to) const;
+
+  /// Kinetic energy and energy of gravity.
+  EnergyReport motionEnergy() const;
+
+  /// Stretch, bending and shear energy stored in the fabric [J].
+  /// @param potential its part of Φ, which is what a fabric without memory stores
+  InternalEnergy::Energy storedEnergy(const InternalEnergy::Energy& potential) const;
+
+  void serialize(Archive& archive);
+
+ private:
+  void gatherNodes();
+  void takeMesh();
+
+  Vec3 gravity_;  ///< [m/s²]
+  Grid grid_;
+  LeafMesh leaves_;
+  ActiveMesh mesh_;
+  ParticleState state_;
+  Field nodes_, velocities_;  ///< state_ by node
+  std::vector<double> weight_;
+  InternalEnergy internal_;
+  std::optional<ForceHistory> history_;  ///< set for a fabric with hysteresis; scratch of changeMesh()
+};
+
+}  // namespace haptic_cloth

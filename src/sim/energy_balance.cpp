@@ -1,0 +1,68 @@
+#include "sim/energy_balance.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptic_cloth {
+
+EnergyBalance::EnergyBalance(const Cloth& cloth, const ClothObjective& solved) {
+  initial_ = supplied_ = report(cloth, solved).total();
+}
+
+void EnergyBalance::beginStep(const ClothObjective& last) {
+  created_by_mesh_ = 0.0;
+  contact_before_ = last.contactEnergy();
+}
+
+void EnergyBalance::noteStart(const StepSolver::Start& start, bool solids_move) {
+  // Contact is sampled again in each step: what that adds to the contact energy, beside the work of
+  // ejecting cloth, must not become motion. If solids move, it cannot be told from their work.
+  created_by_samples_ = solids_move ? 0.0 : start.contact - contact_before_ - ejection_work_;
+  energy_before_ = start.energy - std::max(0.0, created());
+}
+
+double EnergyBalance::guard(double kinetic_before, double gravity_work, const ClothObjective& solved,
+                            Cloth& cloth) const {
+  const double spent = solved.storedAndLost();
+  const double allowed = std::max(0.0, energy_before_ + kinetic_before + gravity_work - spent);
+  const double kinetic = cloth.kineticEnergy();
+  if (kinetic <= allowed || kinetic == 0.0) return 1.0;
+  const double scale = std::sqrt(allowed / kinetic);
+  cloth.scaleVelocities(scale);
+  return scale;
+}
+
+void EnergyBalance::account(const Scene& scene, const ClothObjective& solved, const ContactSet& contacts,
+                            Probes& probes) {
+  for (int k = 0; k < probes.count(); ++k) {
+    const ProbeStep& made = solved.probeSteps()[k];
+    supplied_ -= probes.replaceCouplingEnergy(k, made.present ? solved.couplingEnergy(k) : 0.0);
+    if (!made.present) continue;
+    const ProbeOptions& options = scene.probes[k];
+    const Vec3 slip = made.device_velocity - probes.reports()[k].velocity;
+    supplied_ += 0.5 * options.coupling_stiffness * (made.device - made.proxy).squaredNorm() +
+                 options.coupling_damping * scene.solver.time_step * slip.dot(made.device_velocity);
+  }
+  supplied_ += contacts.obstacleWork() + ejection_work_;
+  ejection_work_ = contacts.letOutWork();
+}
+
+EnergyReport EnergyBalance::report(const Cloth& cloth, const ClothObjective& solved) const {
+  EnergyReport e = cloth.motionEnergy();
+  const InternalEnergy::Energy stored = cloth.storedEnergy(solved.fabricEnergy());
+  e.stretch = stored.stretch;
+  e.bend = stored.bend;
+  e.shear = stored.shear;
+  e.contact = solved.contactEnergy();
+  e.coupling = solved.couplingEnergy();
+  e.work = supplied_ - initial_;
+  e.dissipated = supplied_ - e.total();
+  return e;
+}
+
+void EnergyBalance::serialize(Archive& archive) {
+  archive("supplied", supplied_);
+  archive("let_out", ejection_work_);
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,54 @@
+#include "sim/idle_tracker.h"
+
+#include <algorithm>
+#include <climits>
+
+#include "sim/sleep_tracker.h"
+
+namespace haptic_cloth {
+
+bool IdleTracker::isIdle(const Probes& probes, const ContactSet& contacts) const {
+  if (!idle_ || contacts.obstaclesMove() || !devicesStay(probes)) return false;
+  for (int k = 0; k < probes.count(); ++k) {
+    const bool moves = probes.turns(k) || !probes.steps()[k].device_velocity.isZero(0.0);
+    if (probes.isPresent(k) && (probes.isClosed(k) || moves)) return false;
+  }
+  return true;
+}
+
+void IdleTracker::note(const StepReport& report, const Probes& probes, double sleep_speed) {
+  const auto& reports = probes.reports();
+  const bool proxies_rest = std::all_of(reports.begin(), reports.end(), [&](const ProbeReport& probe) {
+    return !probe.present || probe.velocity.norm() < sleep_speed;
+  });
+  const bool changed = !devicesStay(probes) || report.refined > 0 || report.coarsened > 0 || report.failed;
+  quiet_ = report.awake_particles == 0 && proxies_rest && !changed ? quiet_ + 1 : 0;
+  idle_ = quiet_ >= SleepTracker::kSteps;  // the mesh has had time to adapt
+  probes_ = probes.steps();
+  residual_ = report.minimizer.residual;
+}
+
+void IdleTracker::forget() {
+  quiet_ = 0;
+  idle_ = false;
+}
+
+/// Tells whether the same probes are present as in the last solved step, with their devices in the
+/// same positions.
+bool IdleTracker::devicesStay(const Probes& probes) const {
+  return std::equal(probes.steps().begin(), probes.steps().end(), probes_.begin(), probes_.end(),
+                    [](const ProbeStep& now, const ProbeStep& then) {
+                      return now.present == then.present && now.device == then.device;
+                    });
+}
+
+void IdleTracker::serialize(Archive& archive) {
+  archive.within("idle.quiet", quiet_, 0, INT_MAX / 2);
+  archive("idle.idle", idle_);
+  archive.length("idle.count", probes_, count_);
+  archive.each("idle.present", probes_, &ProbeStep::present);
+  archive.each("idle.devices", probes_, &ProbeStep::device);
+  archive("idle.residual", residual_);
+}
+
+}  // namespace haptic_cloth

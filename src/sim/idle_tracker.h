@@ -1,0 +1,43 @@
+/// Steps that would change nothing.
+#pragma once
+
+#include <vector>
+
+#include "contact/contact_set.h"
+#include "haptic_cloth/report.h"
+#include "sim/probes.h"
+#include "state/archive.h"
+
+namespace haptic_cloth {
+
+/// Tells when steps may be skipped: all particles have slept for a while, and no input differs from
+/// that of the last solved step.
+class IdleTracker {
+ public:
+  explicit IdleTracker(int probes) : count_(probes) { probes_.reserve(probes); }
+
+  /// Tells whether the next step would change nothing.
+  bool isIdle(const Probes& probes, const ContactSet& contacts) const;
+
+  /// Records a solved step.
+  /// @param sleep_speed proxies slower than this rest [m/s]
+  void note(const StepReport& report, const Probes& probes, double sleep_speed);
+
+  /// Makes the next steps be solved, after a change that the inputs do not show.
+  void forget();
+
+  double residual() const { return residual_; }  ///< of the last solved step
+
+  void serialize(Archive& archive);
+
+ private:
+  bool devicesStay(const Probes& probes) const;
+
+  int count_;                      ///< number of probes
+  int quiet_ = 0;                  ///< steps in a row in which all slept and no input changed
+  bool idle_ = false;              ///< quiet_ is large enough
+  std::vector<ProbeStep> probes_;  ///< in the last solved step; empty before it
+  double residual_ = 0.0;
+};
+
+}  // namespace haptic_cloth

@@ -1,0 +1,108 @@
+#include "sim/probes.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "sim/cloth_objective.h"
+#include "sim/grasps.h"
+
+namespace haptic_cloth {
+
+Probes::Probes(int count) : steps_(count), memories_(count), reports_(count) { touching_.reserve(count); }
+
+bool Probes::jumps(int k, const DeviceState& device, double time_step) const {
+  const double elapsed = std::max(device.elapsed, time_step);
+  return steps_[k].present && isJump((device.position - steps_[k].device).norm(), elapsed);
+}
+
+void Probes::setDevice(int k, const DeviceState& device) {
+  ProbeStep& step = steps_[k];
+  Memory& memory = memories_[k];
+  memory.after = device.orientation.normalized();
+  if (!step.present) {
+    step.proxy = device.position;
+    reports_[k].proxy = device.position;
+    reports_[k].velocity = Vec3::Zero();
+    memory.has_been_clear = false;
+    memory.before = memory.after;
+  }
+  step.present = true;
+  step.device = device.position;
+  step.device_velocity = device.velocity;
+  reports_[k].present = true;
+  reports_[k].device = device.position;
+}
+
+void Probes::remove(int k) {
+  steps_[k] = ProbeStep();
+  reports_[k] = ProbeReport();
+}
+
+bool Probes::turns(int k) const {
+  return steps_[k].present && memories_[k].after.coeffs() != memories_[k].before.coeffs();
+}
+
+const std::vector<ContactSet::Reach>& Probes::findTouching(const ActiveMesh& mesh, const Field& nodes,
+                                                           const std::vector<double>& reach,
+                                                           ContactSet& contacts) {
+  touching_.clear();
+  for (int k = 0; k < count(); ++k) {
+    Memory& memory = memories_[k];
+    if (!steps_[k].present) continue;
+    contacts.startProbe(k, steps_[k].proxy, memory.before, memory.after);
+    if (!memory.has_been_clear) memory.has_been_clear = contacts.isClear(mesh, nodes, k);
+    if (memory.has_been_clear) touching_.push_back({k, reach[k]});
+  }
+  return touching_;
+}
+
+void Probes::accept(const ClothObjective& solved, const ContactSet& contacts, const Field& nodes,
+                    const Grasps& grasps) {
+  for (int k = 0; k < count(); ++k) {
+    if (!steps_[k].present) continue;
+    ProbeReport& report = reports_[k];
+    report.proxy = solved.proxy(k);
+    report.velocity = (report.proxy - steps_[k].proxy) / solved.integrator().timeStep();
+    report.force = solved.holdForce(k) - contacts.proxyGradient(k);
+    report.torque = solved.holdTorque(k) + contacts.proxyTorque(k, nodes);
+    report.grasps = grasps.holds(k);
+    report.contact = report.grasps || contacts.probeTouched(k);
+    steps_[k].proxy = report.proxy;
+    memories_[k].before = memories_[k].after;
+  }
+}
+
+void Probes::restore() {
+  for (ProbeReport& report : reports_) {
+    report.velocity = Vec3::Zero();
+    report.force = report.torque = Vec3::Zero();
+    report.contact = false;
+  }
+}
+
+double Probes::replaceCouplingEnergy(int k, double energy) {
+  return std::exchange(memories_[k].coupling, energy);
+}
+
+void Probes::serialize(Archive& archive) {
+  archive("probe", steps_);
+  archive("probe_memory", memories_);
+  archive.each("probe_present", reports_, &ProbeReport::present);
+  archive.each("probe_device", reports_, &ProbeReport::device);
+  archive.each("probe_proxy", reports_, &ProbeReport::proxy);
+  archive.each("probe_velocity", reports_, &ProbeReport::velocity);
+  archive.each("probe_force", reports_, &ProbeReport::force);
+  archive.each("probe_torque", reports_, &ProbeReport::torque);
+  archive.each("probe_contact", reports_, &ProbeReport::contact);
+  archive.each("probe_grasps", reports_, &ProbeReport::grasps);
+}
+
+void Probes::Memory::serialize(Archive& archive) {
+  archive("entered", has_been_clear);
+  archive("closed", closed);
+  archive("before", before);
+  archive("after", after);
+  archive("coupling", coupling);
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,74 @@
+/// Probes of a scene: input of their devices, memory between steps, reports.
+#pragma once
+
+#include <vector>
+
+#include "contact/contact_set.h"
+#include "haptic_cloth/report.h"
+#include "sim/probe_step.h"
+#include "state/archive.h"
+
+namespace haptic_cloth {
+
+class ClothObjective;
+class Grasps;
+
+class Probes {
+ public:
+  explicit Probes(int count);
+  int count() const { return static_cast<int>(steps_.size()); }
+
+  /// Tells whether a device is farther from its last position than a hand can move.
+  bool jumps(int probe, const DeviceState& device, double time_step) const;
+
+  /// Sets the device for the next step. The proxy of a probe that was absent starts at the device.
+  /// @pre device is finite
+  void setDevice(int probe, const DeviceState& device);
+  void remove(int probe);
+  void setClosed(int probe, bool closed) { memories_[probe].closed = closed; }
+
+  const std::vector<ProbeStep>& steps() const { return steps_; }  ///< input of the next step
+  const std::vector<ProbeReport>& reports() const { return reports_; }
+  bool isPresent(int probe) const { return steps_[probe].present; }
+  bool isClosed(int probe) const { return memories_[probe].closed; }
+  bool turns(int probe) const;  ///< tells whether it is present and turns in this step
+
+  /// Places the present probes for a search of contacts. A probe that appears within the cloth
+  /// touches nothing until it has been clear of it once.
+  /// @param reach largest expected displacement of each proxy [m]
+  /// @return probes that may touch the cloth; valid until the next call
+  const std::vector<ContactSet::Reach>& findTouching(const ActiveMesh& mesh, const Field& nodes,
+                                                     const std::vector<double>& reach, ContactSet& contacts);
+
+  /// Takes the results of a solved step.
+  /// @param nodes positions at its end [m]
+  void accept(const ClothObjective& solved, const ContactSet& contacts, const Field& nodes,
+              const Grasps& grasps);
+
+  /// Ends a step whose solve failed: no motion, no force.
+  void restore();
+
+  /// Replaces the recorded energy of a coupling. @return the one before [J]
+  double replaceCouplingEnergy(int probe, double energy);
+
+  void serialize(Archive& archive);
+
+ private:
+  /// State of a probe that is kept between steps.
+  struct Memory {
+    bool has_been_clear = false;  ///< of the cloth, since it appeared
+    bool closed = false;          ///< holds the cloth that it touches
+    /// Orientation at the start and at the end of the current step.
+    Quat before = Quat::Identity(), after = Quat::Identity();
+    double coupling = 0.0;  ///< energy of the coupling at the end of the last step [J]
+
+    void serialize(Archive& archive);
+  };
+
+  std::vector<ProbeStep> steps_;
+  std::vector<Memory> memories_;
+  std::vector<ProbeReport> reports_;
+  std::vector<ContactSet::Reach> touching_;
+};
+
+}  // namespace haptic_cloth

@@ -1,0 +1,245 @@
+#include "sim/step_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptic_cloth {
+namespace {
+
+/// Report of two solves of one step: work is added, the state is that of the last solve.
+MinimizerReport sum(const MinimizerReport& a, MinimizerReport b) {
+  b.iterations += a.iterations;
+  b.evaluations += a.evaluations;
+  b.restarts += a.restarts;
+  b.seconds += a.seconds;
+  return b;
+}
+
+/// Tells whether a solve was stopped by a limit, with a usable state.
+bool isCut(const MinimizerReport& report) {
+  return report.why != Termination::Converged && report.why != Termination::NotFinite;
+}
+
+}  // namespace
+
+StepSolver::StepSolver(const Scene& scene, Cloth& cloth, ContactSet& contacts, Probes& probes,
+                       SleepTracker& sleep, Team& team)
+    : scene_(scene),
+      cloth_(cloth),
+      contacts_(contacts),
+      probes_(probes),
+      sleep_(sleep),
+      team_(team),
+      objective_(scene, cloth.mesh(), cloth.internal(), contacts, team),
+      minimizer_(scene.solver.minimizer),
+      reach_(scene, cloth, probes) {
+  forces_.reserve(cloth.grid().particles());
+  // Eigen does not initialise these vectors, so pages that no mesh needs take no memory.
+  for (Vector* v : {&x_, &start_, &directions_[0], &directions_[1], &motion_, &gradient_})
+    v->resize(objective_.capacity());
+  if (scene.solver.cost == Cost::Joint) {
+    joint_.emplace(objective_, cloth.mesh(), cloth.internal(), contacts, team);
+    joint_x_.resize(joint_->capacity());
+  }
+  const int unknowns = joint_ ? joint_->capacity() : objective_.capacity();
+  minimizer_.reserve(unknowns);
+  team.reserve(std::max(unknowns, NodeGather::capacity(cloth.mesh()) + contacts.capacity()));
+  findContacts();  // cloth that starts in contact has contact energy
+  objective_.begin(cloth.nodes(), cloth.velocities(), probes.steps());
+  evaluateStart();
+}
+
+void StepSolver::setOptions(const MinimizerOptions& options, double air_damping) {
+  minimizer_.setOptions(options);
+  objective_.setAirDamping(air_damping);
+}
+
+MinimizerReport StepSolver::solve(const std::vector<HeldNode>& held) {
+  constexpr int kAttempts = 3;
+  MinimizerReport report;
+  reach_.estimate();
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    findContacts();
+    beginSolve(held);
+    const MinimizerReport last = joint_ ? minimizeJoint() : minimizeCondensed();
+    report = attempt == 0 ? last : sum(report, last);
+    if (reach_.covers(objective_) || last.why == Termination::TimeBudget) break;
+  }
+  return report;
+}
+
+void StepSolver::findContacts() {
+  const auto& touching = probes_.findTouching(cloth_.mesh(), cloth_.nodes(), reach_.proxies(), contacts_);
+  contacts_.collect(cloth_.mesh(), cloth_.nodes(), reach_.nodes(), touching);
+}
+
+/// Evaluates Φ and its gradient with all nodes and proxies at x⁰. @return Φ
+double StepSolver::evaluateStart() {
+  objective_.pack(cloth_.nodes(), start_);
+  return objective_.evaluate(start_, gradient_);
+}
+
+/// Starts a solve at x⁰, with all nodes awake.
+void StepSolver::beginSolve(const std::vector<HeldNode>& held) {
+  objective_.begin(cloth_.nodes(), cloth_.velocities(), probes_.steps(), held);
+  start_values_.potential = evaluateStart();
+  start_values_.energy = objective_.storedAndLost();
+  start_values_.contact = objective_.contactEnergy();
+  x_.head(objective_.size()) = start_.head(objective_.size());
+}
+
+/// Minimises over the awake nodes. After each solve everything is evaluated, and sleeping nodes
+/// that were pushed wake. The last solve, if it is needed, covers all nodes, so a step reported as
+/// converged has converged as a whole.
+MinimizerReport StepSolver::minimizeCondensed() {
+  constexpr int kSolves = 4;
+  const double tolerance = scene_.solver.minimizer.tolerance;
+  AwakeSet& awake = objective_.awake();
+  MinimizerReport report;
+  report.residual = objective_.residual(gradient_);
+  sleep_.begin(cloth_.mesh());
+  if (sleep_.possible() && objective_.held().empty()) awake.sleepAll();
+  for (int solve = 0; solve < kSolves; ++solve) {
+    const bool more = wakeDisturbed();
+    const bool first = solve == 0 && (awake.all() || objective_.size() > 3 * cloth_.mesh().free);
+    const bool left = solve > 0 && report.why == Termination::Converged && report.residual > tolerance;
+    if (!more && !first && !left) break;
+    if (solve == kSolves - 1) awake.wakeAll();
+    const double start = solve == 0 ? chooseInitialGuess() : objective_.evaluate(x_, gradient_);
+    report = sum(report, minimizer_.minimize(objective_, x_, start, gradient_, team_));
+    if (isCut(report)) correctNetForce(report);
+    const bool ended = report.why == Termination::NotFinite || report.why == Termination::TimeBudget;
+    if (awake.all()) break;
+    awake.coverAll();  // also after an early end: energies and forces are summed over all
+    objective_.evaluate(x_, gradient_);
+    objective_.measureSleepers();
+    report.residual = objective_.residual(gradient_);
+    if (ended) break;
+  }
+  cost_.motion = objective_.motionCost();
+  return report;
+}
+
+/// Wakes nodes that may not sleep at the last evaluated point. @return whether there were any
+bool StepSolver::wakeDisturbed() {
+  if (objective_.awake().all()) return false;
+  const double tolerance = scene_.solver.minimizer.tolerance * objective_.accelerationUnit();
+  objective_.forcesAtRest(cloth_.velocities(), forces_);
+  sleep_.updateCandidates(cloth_.mesh(), forces_, objective_.gradient(), tolerance,
+                          objective_.awake().flags());
+  const bool more = objective_.awake().wake(sleep_);
+  objective_.measureSleepers();
+  return more;
+}
+
+/// Minimises the joint cost; forces and energies are then those of the laws at its positions. The
+/// joint cost may fall while Φ rises. If the solve was cut short above Φ(x⁰), which the condensed
+/// cost never is, the step stays at the initial guess. Otherwise a step could create any amount of
+/// energy.
+MinimizerReport StepSolver::minimizeJoint() {
+  chooseInitialGuess();
+  const int size = objective_.size();
+  joint_->begin(start_, x_, joint_x_);
+  MinimizerReport report = minimizer_.minimize(*joint_, joint_x_, team_);
+  cost_ = joint_->costs();
+  motion_.head(size) = x_.head(size);
+  x_.head(size) = joint_x_.head(size);
+  const double end = objective_.evaluate(x_, gradient_);
+  if (isCut(report) && !(end <= start_values_.potential)) {
+    x_.head(size) = motion_.head(size);
+    objective_.evaluate(x_, gradient_);
+    report.why = Termination::LineSearchFailed;
+  }
+  if (isCut(report)) correctNetForce(report);
+  return report;
+}
+
+/// Corrects the net force after a solve that was cut short: moves all awake cloth alike along that
+/// force, to the minimum of Φ's quadratic model. Stiff inner forces do not oppose this motion. The
+/// centre of mass of free cloth thus obeys Newton's law however a step ended.
+void StepSolver::correctNetForce(MinimizerReport& report) {
+  constexpr double kRounding = 1e-10;  // relative to Φ, as in the line search of the minimizer
+  const int size = objective_.size(), free = cloth_.mesh().free;
+  const double value = objective_.evaluate(x_, gradient_);
+  motion_.head(size).setZero();
+  for (int c = 0; c < 3; ++c) {
+    const double force = -gradient_.segment(c * free, free).sum();
+    for (int n = 0; n < free; ++n) motion_[c * free + n] = objective_.awake().contains(n) ? force : 0.0;
+  }
+  const double slope = motion_.head(size).dot(gradient_.head(size));
+  const Objective::Along along = objective_.along(motion_);
+  if (!(slope < 0.0) || !(along.curvature > 0.0)) return;
+  Vector& trial = directions_[0];
+  trial.head(size) = x_.head(size) + std::min(-slope / along.curvature, along.max_step) * motion_.head(size);
+  const double moved = objective_.evaluate(trial, gradient_);
+  const double left = gradient_.head(size).dot(motion_.head(size));
+  if (moved <= value + kRounding * std::abs(value) && std::abs(left) <= -slope) {
+    x_.head(size) = trial.head(size);
+    if (!joint_) report.residual = objective_.residual(gradient_);
+    if (!joint_) report.value_end = moved;
+  } else {
+    objective_.evaluate(x_, gradient_);
+  }
+}
+
+/// Chooses the initial guess: the minimum of Φ's quadratic model at x⁰ over two directions,
+/// inertial motion and the motion that gravity adds, or x⁰ itself if Φ is lower there. So Φ never
+/// ends above Φ(x⁰), and motion without new forces, such as free fall, is exact at any tolerance.
+/// @return Φ at the guess; gradient_ is its gradient
+double StepSolver::chooseInitialGuess() {
+  const int size = objective_.size();
+  const double at_rest =
+      objective_.awake().all() ? start_values_.potential : objective_.evaluate(start_, gradient_);
+  const std::array<double, 2> steps = stepsAlongDirections();
+  motion_.head(size) = steps[0] * directions_[0].head(size) + steps[1] * directions_[1].head(size);
+  const double reach = std::min(1.0, objective_.maxStep(motion_));
+  x_.head(size) = start_.head(size) + reach * motion_.head(size);
+  const double moving = objective_.evaluate(x_, gradient_);
+  if (moving <= at_rest) return moving;
+  x_.head(size) = start_.head(size);
+  return objective_.evaluate(x_, gradient_);
+}
+
+/// Minimum of Φ's quadratic model in the plane of the two directions; along their sum if they are
+/// parallel.
+std::array<double, 2> StepSolver::stepsAlongDirections() {
+  const double h = scene_.solver.time_step, share = objective_.integrator().inertialTime();
+  const int size = objective_.size(), free = cloth_.mesh().free;
+  for (int c = 0; c < 3; ++c) {
+    directions_[0].segment(c * free, free) =
+        share * Eigen::Map<const Vector>(cloth_.velocities().coordinate(c).data(), free);
+    directions_[1].segment(c * free, free).setConstant(share * h * scene_.gravity[c]);
+  }
+  for (Vector& direction : directions_) objective_.awake().clearSleepers(direction);
+  for (int k = 0; k < probes_.count(); ++k) {
+    const ProbeStep& probe = objective_.probeSteps()[k];
+    if (!probe.present) continue;
+    directions_[0].segment<3>(objective_.proxyAt(probe)) = h * probes_.reports()[k].velocity;
+    directions_[1].segment<3>(objective_.proxyAt(probe)).setZero();
+  }
+  motion_.head(size) = directions_[0].head(size) + directions_[1].head(size);
+  // If no node is held, gravity's direction deforms nothing, and the sum deforms like inertia's
+  // direction.
+  const bool deforms = !objective_.allFree();
+  const ClothObjective::Curvature inertial = objective_.curvatureOfWay(directions_[0]);
+  const double a = inertial.sum(), b = objective_.curvatureOfWay(directions_[1], deforms).sum(),
+               both = objective_.curvatureOfWay(motion_, deforms).sum() + (deforms ? 0.0 : inertial.fabric),
+               mixed = 0.5 * (both - a - b);
+  const double p = -gradient_.head(size).dot(directions_[0].head(size)),
+               q = -gradient_.head(size).dot(directions_[1].head(size));
+  const double determinant = a * b - mixed * mixed;
+  if (determinant > 1e-9 * a * b) {
+    return {(b * p - mixed * q) / determinant, (a * q - mixed * p) / determinant};
+  }
+  const double sum = both > 0.0 ? (p + q) / both : 0.0;
+  return {sum, sum};
+}
+
+void StepSolver::serializeCost(Archive& archive) {
+  archive("cost.motion", cost_.motion);
+  archive("cost.stretch", cost_.stretch);
+  archive("cost.bend", cost_.bend);
+  archive("cost.shear", cost_.shear);
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,93 @@
+/// Solves a step: minimises its potential.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "contact/contact_set.h"
+#include "haptic_cloth/report.h"
+#include "haptic_cloth/scene.h"
+#include "sim/cloth.h"
+#include "sim/cloth_objective.h"
+#include "sim/contact_reach.h"
+#include "sim/joint_objective.h"
+#include "sim/probes.h"
+#include "sim/sleep_tracker.h"
+#include "solver/minimizer.h"
+#include "state/archive.h"
+
+namespace haptic_cloth {
+
+/// Finds contacts, chooses an initial guess, wakes sleeping nodes that are pushed, and minimises.
+/// The result is in objective(); cloth and probes do not move.
+class StepSolver {
+ public:
+  /// Evaluates the cloth where it is. The arguments must outlive this object.
+  StepSolver(const Scene& scene, Cloth& cloth, ContactSet& contacts, Probes& probes, SleepTracker& sleep,
+             Team& team);
+
+  /// Changes take effect with the next step.
+  void setOptions(const MinimizerOptions& options, double air_damping);
+  void setCoupling(int probe, double stiffness, double damping) {
+    objective_.setCoupling(probe, stiffness, damping);
+  }
+
+  /// Must follow a change of the mesh.
+  void resize() { objective_.resize(); }
+
+  /// Starts the time limit of a step.
+  void startBudget() { minimizer_.startBudget(); }
+
+  /// Solves a step from the current state of cloth and probes. If something moved farther than contacts were
+  /// searched, the step is solved again.
+  MinimizerReport solve(const std::vector<HeldNode>& held);
+
+  /// Returns to the start of the step, after a solve that failed.
+  void restore() { evaluateStart(); }
+
+  /// Values where the last step started.
+  struct Start {
+    double potential = 0.0;  ///< Φ(x⁰) [J]
+    double energy = 0.0;     ///< energies in Φ(x⁰) [J]
+    double contact = 0.0;    ///< contact energy [J]
+  };
+  const Start& start() const { return start_values_; }
+
+  ClothObjective& objective() { return objective_; }
+  const ClothObjective& objective() const { return objective_; }  ///< with the solution
+  const CostReport& cost() const { return cost_; }                ///< of the last solve
+
+  /// Saves or loads the costs of the last solve.
+  void serializeCost(Archive& archive);
+
+ private:
+  void findContacts();
+  double evaluateStart();
+  void beginSolve(const std::vector<HeldNode>& held);
+  MinimizerReport minimizeCondensed();
+  MinimizerReport minimizeJoint();
+  bool wakeDisturbed();
+  void correctNetForce(MinimizerReport& report);
+  double chooseInitialGuess();
+  std::array<double, 2> stepsAlongDirections();
+
+  const Scene& scene_;
+  Cloth& cloth_;
+  ContactSet& contacts_;
+  Probes& probes_;
+  SleepTracker& sleep_;
+  Team& team_;
+  ClothObjective objective_;
+  std::optional<JointObjective> joint_;  ///< set for the joint cost
+  Minimizer minimizer_;
+  ContactReach reach_;
+  Start start_values_;
+  CostReport cost_;
+  Field forces_;  ///< negative forces on the nodes at rest, for sleep_ [N]
+  Vector x_, start_, motion_, gradient_, joint_x_;
+  /// Directions of the initial guess: inertial motion, and the motion that gravity adds.
+  std::array<Vector, 2> directions_;
+};
+
+}  // namespace haptic_cloth
