@@ -1,5 +1,5 @@
-/// Bending of the triples: E = A ψ(κ), κ = n · (left (x_l - x_c) + right (x_r - x_c)), with the surface
-/// normal n at the centre.
+/// Bending of the triples: E = A ψ(κ), κ = n · (left (x_l - x_c) + right (x_r - x_c)), with the
+/// surface normal n at the centre.
 #pragma once
 
 #include <array>

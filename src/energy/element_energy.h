@@ -28,23 +28,19 @@ struct PackRun {
 };
 
 /// Energy of all elements of one kind: their laws, packs and memory. An element has an area A [m²]
-/// and a deformation s (strain [-], curvature [1/m] or shear angle [rad]), and its energy is A ψ(s).
+/// and a deformation s (strain [-], curvature [1/m] or shear angle [rad]). Its energy is A ψ(s).
+///
 /// Kind, the class that derives from this one, supplies the geometry:
-///
-///     double area(int element) const;
-///     double deformation(int element, const Surface&) const;
-///     void deformations(int pack, const Surface&, double* values) const;  // of a whole pack
-///     static bool touches(const Pack&, const char* flags);   // tells whether a node has its flag set
-///     void addEnergy(const Element&, int k, const Loop&, double play, const Surface&,
-///                    ElasticEnergy&) const;                  // that element k could give back
-///
-/// and these verbs, the same for each kind:
-///
-///     resize(places)      adapts to a rebuilt mesh; memory is not valid until endChange(), recall()
-///     evaluate()          stores forces and stiffness of a run, and adds its energy
-///     addCurvature()      adds the quadratic form d · H⁺ d of a run at the last evaluation
-///     addBlocks()         adds the blocks of H⁺ of some packs at their nodes
-///     remember(), recall() record forces before a change of the mesh, and give them to new elements
+///   area(), deformation()  of one element
+///   deformations()         of a pack, by the kernels
+///   touches()              tells whether a node of a pack has its flag set
+///   addEnergy()            adds the energy that one element could give back
+/// and the verbs that call kernels or know the mesh:
+///   resize()               adapts to a rebuilt mesh; new elements have no memory until recall()
+///   evaluate()             stores forces and stiffness of a run, and adds its energy
+///   addCurvature()         adds the quadratic form d · H⁺ d of a run at the last evaluation
+///   addBlocks()            adds the blocks of H⁺ of packs begin..end at their nodes
+///   remember(), recall()   record forces before a mesh change, and give them to new elements
 template <class Kind, class Element, class Pack>
 class ElementEnergy {
  public:

@@ -1,5 +1,5 @@
-/// Shear of the patches: E = A ψ(γ) with the shear angle γ (shear.h), and their twist (twist.h), which
-/// counts as bending.
+/// Shear of the patches: E = A ψ(γ) with the shear angle γ (shear.h), and their twist (twist.h),
+/// which counts as bending.
 #pragma once
 
 #include "energy/element_energy.h"

@@ -12,8 +12,8 @@ class SurfaceNormals {
   /// Reserves memory for the finest mesh. @param of_patches patches need normals too
   SurfaceNormals(const ActiveMesh& mesh, bool of_patches);
 
-  /// Sets the normals at some positions. A node's normal is the mean of those of its cells, weighted
-  /// by area.
+  /// Sets the normals for some positions. A node's normal is the mean of those of its cells,
+  /// weighted by area.
   void update(const ActiveMesh& mesh, const Field& positions);
 
   Vec3 node(int node) const { return nodes_[node]; }

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "contact/contact_law.h"
+#include "contact/friction_law.h"
 #include "support/derivatives.h"
 #include "support/scalar_elements.h"
 #include "support/tolerance.h"

@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "contact/contact_law.h"
+#include "contact/friction_law.h"
 #include "contact/sample_packs.h"
 #include "contact/shape.h"
 #include "energy/internal_energy.h"
