@@ -27,10 +27,8 @@ void BendEnergy::resize(const PackedRange& places) {
 
 void BendEnergy::evaluate(const PackRun& run, const Surface& at, const MutableArrays& slots,
                           ElasticEnergy& sum) {
-  if (run.begin >= run.end) return;
-  sum.bend +=
-      kernels().evaluateTriples(packs_.data(), run.begin, run.end, tables_[run.direction].view(),
-                                memory_.packs(), at.x.arrays(), at.normals.nodes(), slots, kPack * run.begin);
+  sum.bend += kernels().evaluateTriples(packs_.data(), run.begin, run.end, tables_[run.direction].view(),
+                                        memory_.packs(), at.x.arrays(), at.normals.nodes(), slots, run.slot);
 }
 
 void BendEnergy::addCurvature(const PackRun& run, const Field& d, const SurfaceNormals& normals,

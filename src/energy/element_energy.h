@@ -25,6 +25,7 @@ struct ElasticEnergy {
 struct PackRun {
   int begin, end;
   int direction;  ///< index of the law
+  int slot;       ///< first slot of its forces
 };
 
 /// Energy of all elements of one kind: their laws, packs and memory. An element has an area A [m²]

@@ -35,64 +35,52 @@ void InternalEnergy::appendAwake(const std::vector<char>& awake, Runs& runs) con
   shear_.appendAwake(awake, gather_.firstPatch(), runs);
 }
 
-InternalEnergy::Parts InternalEnergy::split(int begin, int end) const {
-  const auto cut = [begin, end](int kind, int first, int last, int direction) {
-    return PackRun{(std::clamp(begin, first, last) - kind) / kPack,
-                   (std::clamp(end, first, last) - kind) / kPack, direction};
+/// Calls visit(energy, run) for the parts of places begin..end that belong to edges and triples of
+/// both directions and to patches.
+template <class Self, class Visit>
+void InternalEnergy::forRuns(Self& self, int begin, int end, const Visit& visit) {
+  const auto cut = [&](auto& energy, int kind, int first, int last, int direction) {
+    first = std::max(begin, first);
+    last = std::min(end, last);
+    if (first < last) visit(energy, PackRun{(first - kind) / kPack, (last - kind) / kPack, direction, first});
   };
-  const auto both = [&cut](int kind, const PackedRange& range) {
-    const int weft = kind + range.warpEnd(), last = kind + range.size();
-    return std::array<PackRun, 2>{cut(kind, kind, weft, kWarp), cut(kind, weft, last, kWeft)};
-  };
-  const int patches = gather_.firstPatch();
-  return {both(0, gather_.edges()), both(gather_.firstTriple(), gather_.triples()),
-          cut(patches, patches, size(), kWarp)};
-}
-
-/// Slots of one kind of elements. @param first its first slot
-MutableArrays InternalEnergy::slotsFrom(int first) {
-  const MutableArrays all = slots_.arrays();
-  return {all.x + first, all.y + first, all.z + first};
+  const NodeGather& gather = self.gather_;
+  const int weft_edges = gather.edges().warpEnd(), triples = gather.firstTriple(),
+            weft_triples = triples + gather.triples().warpEnd(), patches = gather.firstPatch();
+  cut(self.stretch_, 0, 0, weft_edges, kWarp);
+  cut(self.bend_, triples, triples, weft_triples, kWarp);
+  cut(self.stretch_, 0, weft_edges, triples, kWeft);
+  cut(self.bend_, triples, weft_triples, patches, kWeft);
+  cut(self.shear_, patches, patches, self.size(), kWarp);
 }
 
 InternalEnergy::Energy InternalEnergy::evaluate(int begin, int end, const Field& x) {
-  const Parts parts = split(begin, end);
-  Energy energy;
-  for (const int direction : {kWarp, kWeft}) {
-    stretch_.evaluate(parts.edges[direction], at(x), slotsFrom(0), energy);
-    bend_.evaluate(parts.triples[direction], at(x), slotsFrom(gather_.firstTriple()), energy);
-  }
-  shear_.evaluate(parts.patches, at(x), slotsFrom(gather_.firstPatch()), energy);
-  return energy;
+  Energy sum;
+  forRuns(*this, begin, end,
+          [&](auto& energy, const PackRun& run) { energy.evaluate(run, at(x), slots_.arrays(), sum); });
+  return sum;
 }
 
 double InternalEnergy::curvature(int begin, int end, const Field& d) const {
-  const Parts parts = split(begin, end);
   double sum = 0.0;
-  for (const int direction : {kWarp, kWeft}) {
-    stretch_.addCurvature(parts.edges[direction], d, sum);
-    bend_.addCurvature(parts.triples[direction], d, normals_, sum);
-  }
-  shear_.addCurvature(parts.patches, d, normals_, sum);
+  forRuns(*this, begin, end,
+          [&](const auto& energy, const PackRun& run) { energy.addCurvature(run, d, normals_, sum); });
   return sum;
 }
 
 void InternalEnergy::addBlocks(int part, int parts, BlockField& blocks) const {
-  const auto border = [parts](int packs, int k) {
-    return static_cast<int>(static_cast<long>(packs) * k / parts);
+  const auto share = [&](const auto& energy) {
+    const long packs = energy.packs();
+    energy.addBlocks(static_cast<int>(packs * part / parts), static_cast<int>(packs * (part + 1) / parts),
+                     normals_, blocks);
   };
-  stretch_.addBlocks(border(stretch_.packs(), part), border(stretch_.packs(), part + 1), blocks);
-  bend_.addBlocks(border(bend_.packs(), part), border(bend_.packs(), part + 1), normals_, blocks);
-  shear_.addBlocks(border(shear_.packs(), part), border(shear_.packs(), part + 1), normals_, blocks);
+  share(stretch_);
+  share(bend_);
+  share(shear_);
 }
 
 void InternalEnergy::commit(int begin, int end, const Field& x) {
-  const Parts parts = split(begin, end);
-  for (const int direction : {kWarp, kWeft}) {
-    stretch_.commit(parts.edges[direction], at(x));
-    bend_.commit(parts.triples[direction], at(x));
-  }
-  shear_.commit(parts.patches, at(x));
+  forRuns(*this, begin, end, [&](auto& energy, const PackRun& run) { energy.commit(run, at(x)); });
 }
 
 void InternalEnergy::beginChange(const Field& x) {

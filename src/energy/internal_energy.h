@@ -1,7 +1,6 @@
 /// Internal energy of the cloth: stretch, bending, shear and twist of all elements.
 #pragma once
 
-#include <array>
 #include <utility>
 #include <vector>
 
@@ -120,16 +119,11 @@ class InternalEnergy {
   double bendingDensity(int triple, const Field& x) const { return bend_.density(triple, at(x)); }
 
  private:
-  /// Parts of a range that belong to edges and triples of both directions and to patches.
-  struct Parts {
-    std::array<PackRun, 2> edges, triples;
-    PackRun patches;
-  };
-  Parts split(int begin, int end) const;
+  template <class Self, class Visit>
+  static void forRuns(Self& self, int begin, int end, const Visit& visit);
 
   Surface at(const Field& x) const { return {x, normals_}; }
   Surface before() const { return {change_.positions(), before_normals_}; }
-  MutableArrays slotsFrom(int first);
 
   const ActiveMesh& mesh_;
   StretchEnergy stretch_;

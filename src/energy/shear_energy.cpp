@@ -16,15 +16,14 @@ void ShearEnergy::resize(const PackedRange& places) {
 
 void ShearEnergy::evaluate(const PackRun& run, const Surface& at, const MutableArrays& slots,
                            ElasticEnergy& sum) {
-  if (run.begin >= run.end) return;
-  const int first = kPack * run.begin, side = places_.size();
+  const int side = places_.size();
   if (!isZero()) {
     sum.shear += kernels().evaluateShears(packs_.data(), run.begin, run.end, tables_.front().view(),
-                                          memory_.packs(), at.x.arrays(), slots, first, side);
+                                          memory_.packs(), at.x.arrays(), slots, run.slot, side);
   }
   if (twist_ > 0.0) {
     sum.bend += kernels().evaluateTwists(packs_.data(), run.begin, run.end, twist_, at.x.arrays(),
-                                         at.normals.patches(), slots, first + 2 * side);
+                                         at.normals.patches(), slots, run.slot + 2 * side);
   }
 }
 

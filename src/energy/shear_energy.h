@@ -9,7 +9,7 @@
 
 namespace haptic_cloth {
 
-/// Slots of its forces: rising sides of the patches, their falling sides, their twists.
+/// Its slots are those of the rising sides of the patches, their falling sides and their twists.
 class ShearEnergy : public ElementEnergy<ShearEnergy, Patch, PatchPack> {
  public:
   /// @param twist_rigidity [N·m]; zero if there is no such term

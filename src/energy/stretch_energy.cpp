@@ -28,16 +28,17 @@ void StretchEnergy::resize(const PackedRange& places) {
 
 void StretchEnergy::evaluate(const PackRun& run, const Surface& at, const MutableArrays& slots,
                              ElasticEnergy& sum) {
-  if (run.begin >= run.end) return;
   sum.stretch += kernels().evaluateEdges(packs_.data(), run.begin, run.end, tables_[run.direction].view(),
-                                         memory_.packs(), at.x.arrays(), slots, kPack * run.begin);
+                                         memory_.packs(), at.x.arrays(), slots, run.slot);
 }
 
-void StretchEnergy::addCurvature(const PackRun& run, const Field& d, double& sum) const {
+void StretchEnergy::addCurvature(const PackRun& run, const Field& d, const SurfaceNormals& /*normals*/,
+                                 double& sum) const {
   sum += kernels().edgeCurvature(packs_.data(), run.begin, run.end, d.arrays());
 }
 
-void StretchEnergy::addBlocks(int begin, int end, BlockField& blocks) const {
+void StretchEnergy::addBlocks(int begin, int end, const SurfaceNormals& /*normals*/,
+                              BlockField& blocks) const {
   kernels().addEdgeBlocks(packs_.data(), begin, end, blocks.arrays());
 }
 
