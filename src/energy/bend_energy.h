@@ -10,6 +10,7 @@
 
 namespace haptic_cloth {
 
+/// Verbs: see ElementEnergy.
 class BendEnergy : public ElementEnergy<BendEnergy, Triple, TriplePack> {
  public:
   BendEnergy(const std::array<Loop, 2>& laws, const ActiveMesh& mesh);

@@ -9,7 +9,8 @@
 
 namespace haptic_cloth {
 
-/// Its slots are those of the rising sides of the patches, their falling sides and their twists.
+/// Verbs: see ElementEnergy. The slots are those of the rising sides of the patches, their falling
+/// sides and their twists.
 class ShearEnergy : public ElementEnergy<ShearEnergy, Patch, PatchPack> {
  public:
   /// @param twist_rigidity [N·m]; zero if there is no such term

@@ -10,6 +10,7 @@
 
 namespace haptic_cloth {
 
+/// Verbs: see ElementEnergy.
 class StretchEnergy : public ElementEnergy<StretchEnergy, Edge, EdgePack> {
  public:
   StretchEnergy(const std::array<Loop, 2>& laws, const ActiveMesh& mesh);
