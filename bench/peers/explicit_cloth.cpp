@@ -68,7 +68,7 @@ class ExplicitCloth : public Peer {
       advance(now, device_velocity);
     }
     force_ /= parts_;
-    internal_.commit(0, internal_.elements(), x_);
+    internal_.commit(0, internal_.size(), x_);
     check();
   }
 

@@ -1,6 +1,7 @@
-/// Pressure between cloth and solid, and smoothed Coulomb friction: pure functions.
+/// Pressure between cloth and solid: pure functions.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 namespace haptic_cloth {
@@ -37,26 +38,24 @@ class ContactLaw {
             kPressure * (pressure + past * slope), kPressure / range_ * slope};
   }
 
+  /// Offset of the gap for a sample that begins the step inside a solid. In an obstacle it was put
+  /// there; it counts as pressed, and less so the deeper it is. With the largest pressure a cloth
+  /// that begins in the middle of a ball would be blown up like a balloon and thrown out. A probe
+  /// came from outside, so its samples are inside only under load and must not yield step by step.
+  double raise(double gap, bool probe) const {
+    constexpr double kGentle = 0.2;  // smallest u that counts: p0/20, 500 Pa
+    if (probe) return std::max(0.0, -range_ - gap);
+    if (!(gap < 0.0)) return 0.0;
+    const double firm = range_ - firmGap();
+    const double pressed = std::max(std::min(1.0, range_ / -gap) * firm, kGentle * range_);
+    return range_ - pressed - gap;
+  }
+
   static constexpr double kPressure = 1e4;  ///< about the pressure of a finger tip at 1 N
   static constexpr double kSwitch = 0.98;   ///< u from which the pressure is linear
 
  private:
   double range_;
 };
-
-/// Coulomb friction for a slip y in one step, smoothed below y = ε [Li et al. 2020, IPC]: potential
-/// f0 with f0' = 2y/ε - y²/ε² for y < ε, else 1.
-struct SmoothSlip {
-  double potential;  ///< f0 [m]
-  double ratio;      ///< f0'/y [1/m], finite at y = 0
-  double slope;      ///< (f0'/y)'/y [1/m³], set to 0 at y = 0
-};
-
-inline SmoothSlip smoothSlip(double y, double epsilon) {
-  if (y >= epsilon) return {y - epsilon / 3.0, 1.0 / y, -1.0 / (y * y * y)};
-  const double t = y / epsilon;
-  return {epsilon * t * t * (1.0 - t / 3.0), (2.0 - t) / epsilon,
-          y > 0.0 ? -1.0 / (epsilon * epsilon * y) : 0.0};
-}
 
 }  // namespace haptic_cloth

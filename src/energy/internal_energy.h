@@ -4,9 +4,11 @@
 #include <utility>
 #include <vector>
 
+#include "energy/bend_energy.h"
 #include "energy/history.h"
-#include "energy/law_table.h"
-#include "energy/packs.h"
+#include "energy/shear_energy.h"
+#include "energy/stretch_energy.h"
+#include "energy/surface_normals.h"
 #include "haptic_cloth/fabric.h"
 #include "mesh/active_mesh.h"
 #include "mesh/block.h"
@@ -22,9 +24,7 @@ namespace haptic_cloth {
 /// bits.
 class InternalEnergy {
  public:
-  struct Energy {
-    double stretch = 0.0, bend = 0.0, shear = 0.0;  ///< [J]
-  };
+  using Energy = ElasticEnergy;
 
   InternalEnergy(const Fabric& fabric, const ActiveMesh& mesh);
 
@@ -34,7 +34,7 @@ class InternalEnergy {
 
   /// Tells whether a law has hysteresis; otherwise commit() has no effect, and a mesh change needs
   /// neither remember() nor recall().
-  bool hasMemory() const { return hasMemory(stretch_) || hasMemory(bend_) || shear_.hasMemory(); }
+  bool hasMemory() const { return stretch_.hasMemory() || bend_.hasMemory() || shear_.hasMemory(); }
 
   /// Commits the end of an accepted step to the memory of elements begin..end of 0..size().
   void commit(int begin, int end, const Field& x);
@@ -60,10 +60,10 @@ class InternalEnergy {
   Energy stored(const Field& x) const;
 
   /// Sets the surface normals, which are held until the next call.
-  void setNormals(const Field& positions);
+  void setNormals(const Field& positions) { normals_.update(mesh_, positions); }
 
   /// Number of elements; laws that are zero everywhere have none.
-  int elements() const { return edge_count_ + triple_count_ + patch_count_; }
+  int elements() const { return stretch_.elements() + bend_.elements() + shear_.elements(); }
 
   /// Number of padded places: length of the range that evaluate() and curvature() divide in
   /// multiples of kPack.
@@ -73,10 +73,10 @@ class InternalEnergy {
 
   /// Kind of an element, and its index within its kind.
   std::pair<Kind, int> kind(int element) const {
-    if (element < edge_count_) return {Kind::Edge, element};
-    element -= edge_count_;
-    if (element < triple_count_) return {Kind::Triple, element};
-    return {Kind::Patch, element - triple_count_};
+    if (element < stretch_.elements()) return {Kind::Edge, element};
+    element -= stretch_.elements();
+    if (element < bend_.elements()) return {Kind::Triple, element};
+    return {Kind::Patch, element - bend_.elements()};
   }
 
   /// Properties of one element: strain [-], curvature [1/m] or shear angle [rad] at x, its law
@@ -87,9 +87,9 @@ class InternalEnergy {
 
   /// Surface normals of the step at a node and, with a twist term, of a patch. twist() [N·m] is
   /// zero if there is no such term.
-  Vec3 normal(int node) const { return node_normals_[node]; }
-  Vec3 patchNormal(int patch) const { return patch_normals_[patch]; }
-  double twist() const { return twist_rigidity_; }
+  Vec3 normal(int node) const { return normals_.node(node); }
+  Vec3 patchNormal(int patch) const { return normals_.patch(patch); }
+  double twist() const { return shear_.twist(); }
 
   /// Adds the packs that act on an awake node to `runs`.
   void appendAwake(const std::vector<char>& awake, Runs& runs) const;
@@ -111,91 +111,29 @@ class InternalEnergy {
 
   /// Values for display at positions `x`: largest |ε| of the edges, and values of one element.
   double maxStrain(const Field& x) const;
-  double tension(int edge, const Field& x) const;           ///< [N/m]
-  double curvature(int triple, const Field& x) const;       ///< curvature of one triple [1/m]
-  double bendingDensity(int triple, const Field& x) const;  ///< ψ_b of one triple [J/m²]
+  double tension(int edge, const Field& x) const {  ///< [N/m]
+    return stretch_.law(edge, stretch_.deformation(edge, at(x))).force;
+  }
+  /// Curvature of one triple [1/m], and its ψ [J/m²].
+  double curvature(int triple, const Field& x) const { return bend_.deformation(triple, at(x)); }
+  double bendingDensity(int triple, const Field& x) const { return bend_.density(triple, at(x)); }
 
  private:
-  /// Memory of the elements of one kind, by their place in the packs; empty if their law has none.
-  class Steps {
-   public:
-    void reserve(int places) { packs_.reserve(places / kPack + 2); }
-    void resize(int places) { packs_.resize(places / kPack); }
-    Loop::Step get(int place) const {
-      return packs_.empty() ? Loop::Step{} : packs_[place / kPack].get(place % kPack);
-    }
-    void set(int place, const Loop::Step& step) { packs_[place / kPack].set(place % kPack, step); }
-    StepPack& pack(int pack) { return packs_[pack]; }
-    const StepPack* packs() const { return packs_.empty() ? nullptr : packs_.data(); }
-    void serialize(Archive& archive);
+  template <class Self, class Visit>
+  static void forRuns(Self& self, int begin, int end, const Visit& visit);
 
-   private:
-    std::vector<StepPack> packs_;
-  };
-
-  /// State before a change of the mesh that MeshChange does not record.
-  struct Before {
-    PackedRange edge_places, triple_places;
-    Steps edges, triples, patches;
-    Field normals, patch_normals;
-  };
-
-  /// Parts of begin..end that belong to edges and triples of both directions and to patches, in
-  /// packs.
-  struct Parts {
-    std::array<std::pair<int, int>, 2> edges, triples;
-    std::pair<int, int> patches;
-  };
-  Parts split(int begin, int end) const;
-
-  void packEdges();
-  void packTriples();
-  void packPatches();
-  void forgetAll();
-  Loop::Step edgeStep(int edge) const { return edge_steps_.get(gather_.edges().place(edge)); }
-  Loop::Step tripleStep(int triple) const { return triple_steps_.get(gather_.triples().place(triple)); }
-  Loop::Step patchStep(int patch) const { return patch_steps_.get(patch); }
-  double strain(int edge, const Field& x) const;
-  void recallEdges(const Field& x, ForceHistory& history);
-  double shearAngle(int patch, const Field& x) const;
-  static bool hasMemory(const std::array<Loop, 2>& laws) {
-    return laws[kWarp].hasMemory() || laws[kWeft].hasMemory();
-  }
-
-  /// Axis of twist of a patch; zero if there is no such term.
-  Vec3 twistAxis(const Field& patch_normals, int patch) const {
-    return twist_rigidity_ > 0.0 ? patch_normals[patch] : Vec3(Vec3::Zero());
-  }
-
-  /// Energy that one element could give back.
-  double stored(const Edge& edge, double play, const Field& x) const;
-  double stored(const Triple& triple, double play, const Vec3& normal, const Field& x) const;
-  Energy stored(const Patch& patch, double play, const Vec3& normal, const Field& x) const;
-
-  /// Calls edge(e), triple(t), patch(k) for elements begin..end.
-  template <class OnEdge, class OnTriple, class OnPatch>
-  void forEach(int begin, int end, OnEdge edge, OnTriple triple, OnPatch patch) const;
+  Surface at(const Field& x) const { return {x, normals_}; }
+  Surface before() const { return {change_.positions(), before_normals_}; }
 
   const ActiveMesh& mesh_;
-  std::array<Loop, 2> stretch_, bend_;
-  Loop shear_;
-  std::array<LawTable, 2> stretch_tables_, bend_tables_;
-  LawTable shear_table_;
-  double twist_rigidity_;  ///< [N·m]
-  /// shears_: patches have an effect, possibly twist alone.
-  bool bends_, shears_;
+  StretchEnergy stretch_;
+  BendEnergy bend_;
+  ShearEnergy shear_;
+  SurfaceNormals normals_;
+  SurfaceNormals before_normals_;  ///< normals before a change of the mesh
+  MeshChange change_;              ///< last change of the mesh
   NodeGather gather_;
-  int edge_count_ = 0, triple_count_ = 0, patch_count_ = 0;
-  Field node_normals_;
-  Field patch_normals_;  ///< unit vectors only with a twist term
-  Field slots_;          ///< see NodeGather; [N], for triples [N·m²]
-  std::vector<EdgePack> edge_packs_;
-  std::vector<TriplePack> triple_packs_;
-  std::vector<PatchPack> patch_packs_;
-  std::vector<double> edge_loads_;                 ///< scratch of recallEdges() [N]
-  Steps edge_steps_, triple_steps_, patch_steps_;  ///< empty if no law has memory
-  MeshChange change_;                              ///< last change of the mesh
-  Before before_;
+  Field slots_;  ///< see NodeGather; [N], for triples [N·m²]
 };
 
 }  // namespace haptic_cloth

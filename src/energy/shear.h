@@ -7,44 +7,17 @@
 #include <cmath>
 #include <utility>
 
-#include "haptic_cloth/curve.h"
 #include "haptic_cloth/types.h"
 
 namespace haptic_cloth {
 
 constexpr double kLeastCosine = 1e-3;  // bounds the slope of a cell that is folded flat
 
-struct ShearResult {
-  double energy;     ///< [J]
-  double force;      ///< A S(γ): dE/dγ [N·m]
-  double stiffness;  ///< A S'(γ) [N·m]
-  /// dγ/dx of corner 11 (corner 00: the negative) and of corner 10 (corner 01: the negative) [1/m].
-  Vec3 rising, falling;
-};
-
 /// Shear angle γ [rad]. @param x corners 00, 10, 01, 11
 inline double shearAngle(const std::array<Vec3, 4>& x) {
   const Vec3 u = x[3] - x[0] + x[1] - x[2], v = x[3] - x[0] - x[1] + x[2];
   const double scale = u.norm() * v.norm();
   return scale > 0.0 ? std::asin(std::clamp(u.dot(v) / scale, -1.0, 1.0)) : 0.0;
-}
-
-/// @param x corners 00, 10, 01, 11
-/// @param area [m²]
-/// @param shear law: angle [rad] → Curve::Point of force [N/m]
-template <class Law>
-inline ShearResult evaluateShear(const std::array<Vec3, 4>& x, double area, const Law& shear) {
-  const Vec3 rising = x[3] - x[0], falling = x[1] - x[2];
-  const Vec3 u = rising + falling, v = rising - falling;  // twice the mean sides
-  const double nu = u.norm(), nv = v.norm();
-  const double scale = nu * nv;
-  if (!(scale > 0.0)) return {0.0, 0.0, 0.0, Vec3::Zero(), Vec3::Zero()};
-  const Vec3 uu = u / nu, vv = v / nv;
-  const double sine = std::clamp(uu.dot(vv), -1.0, 1.0);
-  const double cosine = std::max(std::sqrt(1.0 - sine * sine), kLeastCosine);
-  const Curve::Point law = shear(std::asin(sine));
-  const Vec3 du = (vv - sine * uu) / (nu * cosine), dv = (uu - sine * vv) / (nv * cosine);
-  return {area * law.potential, area * law.force, area * law.slope, du + dv, du - dv};
 }
 
 /// Derivative of the angle by the corners.
@@ -55,9 +28,15 @@ struct ShearSlope {
 
 /// @param x corners 00, 10, 01, 11
 inline ShearSlope shearSlope(const std::array<Vec3, 4>& x) {
-  const auto none = [](double) { return Curve::Point{0.0, 0.0, 0.0}; };
-  const ShearResult result = evaluateShear(x, 1.0, none);
-  return {result.rising, result.falling};
+  const Vec3 rising = x[3] - x[0], falling = x[1] - x[2];
+  const Vec3 u = rising + falling, v = rising - falling;  // twice the mean sides
+  const double nu = u.norm(), nv = v.norm();
+  if (!(nu * nv > 0.0)) return {Vec3::Zero(), Vec3::Zero()};
+  const Vec3 uu = u / nu, vv = v / nv;
+  const double sine = std::clamp(uu.dot(vv), -1.0, 1.0);
+  const double cosine = std::max(std::sqrt(1.0 - sine * sine), kLeastCosine);
+  const Vec3 du = (vv - sine * uu) / (nu * cosine), dv = (uu - sine * vv) / (nv * cosine);
+  return {du + dv, du - dv};
 }
 
 /// Change of the slope at corners x for a motion d, to first order.

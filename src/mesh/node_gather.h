@@ -15,6 +15,8 @@ namespace haptic_cloth {
 struct PackedRange {
   int warp = 0, weft = 0;  ///< number of elements
 
+  int count() const { return warp + weft; }
+  int direction(int element) const { return element < warp ? kWarp : kWeft; }
   int warpEnd() const { return padded(warp); }
   int size() const { return padded(warp) + padded(weft); }
   /// Padded position of an element. @param element index in the list of the mesh, which has warp

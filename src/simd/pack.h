@@ -31,6 +31,12 @@ struct PackIndices {
     rows = 0;
     for (int l = 0; l + 1 < kPack; ++l) rows |= (index[l + 1] == index[l] + 1 ? 1u : 0u) << l;
   }
+  bool anyOf(const char* flags) const {
+    for (const int i : index) {
+      if (flags[i]) return true;
+    }
+    return false;
+  }
   bool inRow() const { return rows == (1u << (kPack - 1)) - 1; }
 };
 

@@ -8,10 +8,9 @@
 #include <cmath>
 
 #include "contact/contact_law.h"
-#include "energy/edge.h"
-#include "energy/shear.h"
-#include "energy/triple.h"
+#include "contact/friction_law.h"
 #include "support/derivatives.h"
+#include "support/scalar_elements.h"
 #include "support/tolerance.h"
 
 namespace haptic_cloth {

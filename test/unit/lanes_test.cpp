@@ -12,16 +12,17 @@
 #include <string>
 #include <vector>
 
+#include "contact/contact_law.h"
+#include "contact/friction_law.h"
 #include "contact/sample_packs.h"
 #include "contact/shape.h"
-#include "energy/edge.h"
 #include "energy/internal_energy.h"
 #include "energy/law_table.h"
 #include "energy/shear.h"
-#include "energy/triple.h"
 #include "energy/twist.h"
 #include "simd/kernels.h"
 #include "support/derivatives.h"
+#include "support/scalar_elements.h"
 #include "support/scenes.h"
 #include "support/tolerance.h"
 

@@ -1,0 +1,21 @@
+/// Smoothed Coulomb friction: pure functions.
+#pragma once
+
+namespace haptic_cloth {
+
+/// Coulomb friction for a slip y in one step, smoothed below y = ε [Li et al. 2020, IPC]: potential
+/// f0 with f0' = 2y/ε - y²/ε² for y < ε, else 1.
+struct SmoothSlip {
+  double potential;  ///< f0 [m]
+  double ratio;      ///< f0'/y [1/m], finite at y = 0
+  double slope;      ///< (f0'/y)'/y [1/m³], set to 0 at y = 0
+};
+
+inline SmoothSlip smoothSlip(double y, double epsilon) {
+  if (y >= epsilon) return {y - epsilon / 3.0, 1.0 / y, -1.0 / (y * y * y)};
+  const double t = y / epsilon;
+  return {epsilon * t * t * (1.0 - t / 3.0), (2.0 - t) / epsilon,
+          y > 0.0 ? -1.0 / (epsilon * epsilon * y) : 0.0};
+}
+
+}  // namespace haptic_cloth

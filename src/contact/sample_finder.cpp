@@ -1,0 +1,285 @@
+#include "contact/sample_finder.h"
+
+#include <cmath>
+
+#include "contact/solid_lanes.h"
+#include "simd/kernels.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr int kChunk = 512;      // growth of the arrays of points [points]
+constexpr double kCut = 0.5;     // depth in ranges that a sharp edge may cut into a cell
+constexpr double kStart = 3e-8;  // time that the start of a sample takes, about [s]
+/// Smallest number of samples across half the width of a probe.
+constexpr double kProbeSpacing = 3.0;
+
+/// Line of points of a cell at one v along weft. It is straight, since cells are bilinear.
+struct Row {
+  Row(const Patch& patch, double v, const Field& x)
+      : from((1 - v) * x[patch.nodes[0]] + v * x[patch.nodes[2]]),
+        way((1 - v) * x[patch.nodes[1]] + v * x[patch.nodes[3]] - from) {}
+  Vec3 at(double u) const { return from + u * way; }
+  Vec3 from, way;
+};
+
+/// Range first..last of `count` points, evenly spread over a row, that lie within `reach` of a
+/// point.
+struct Window {
+  Window(int count, const Row& row, const Vec3& point, double reach) {
+    const Vec3 &from = row.from, &way = row.way;
+    const double length = std::max(way.norm(), 1e-300), middle = (point - from).dot(way) / (length * length);
+    const double aside = (point - from - middle * way).squaredNorm();
+    const double half = std::sqrt(std::max(reach * reach - aside, 0.0)) / length;
+    first = static_cast<int>(std::floor(count * std::clamp(middle - half, 0.0, 1.0)));
+    last = aside > reach * reach ? first
+                                 : static_cast<int>(std::ceil(count * std::clamp(middle + half, 0.0, 1.0)));
+  }
+  int first, last;
+};
+
+/// @param u, v coordinates along warp and weft, 0..1
+SurfacePoint surfacePoint(const Patch& patch, double u, double v, double area) {
+  return {patch.nodes, {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v}, area};
+}
+
+}  // namespace
+
+SampleFinder::SampleFinder(const Grid& grid, const SolidSet& solids, const ContactLaw& law, Team& team)
+    : grid_(grid), solids_(solids), law_(law), team_(team) {
+  const int samples = capacity();
+  started_.reserve(samples);
+  near_.reserve(samples);
+  for (auto* list : {&node_area_, &still_}) list->reserve(grid.particles());
+  patch_margins_.reserve(padded(grid.cells()));
+  at_nodes_.gaps.reserve(padded(grid.particles()));
+  at_nodes_.normals.reserve(grid.particles());
+  margins_.reserve(samples);
+  points_.reserve(samples);
+  places_.reserve(samples + kChunk);
+  for (Distances* distances : {&now_, &then_}) {
+    distances->gaps.reserve(padded(samples));
+    distances->normals.reserve(samples);
+  }
+}
+
+int SampleFinder::capacity() const {
+  const int particles = grid_.particles(), solids = solids_.size();
+  const double spacing = std::max(grid_.dx, grid_.dy);
+  bool fine = chord(2.0) <= kCut * law_.range();
+  for (int k = solids_.obstacles(); k < solids; ++k) {
+    fine = fine && spacing <= solids_[k].halfWidth() / kProbeSpacing;
+  }
+  const int places = fine ? (particles + particles / 2) * solids : 4 * particles * (solids + 1);
+  return places + 2 * kPack * solids;
+}
+
+void SampleFinder::find(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
+                        const std::vector<Reach>& touching, SampleList& samples) {
+  samples.clear();
+  for (int solid = 0; solid < solids_.obstacles(); ++solid) {
+    measure(solid, law_.range(), mesh, nodes, reach);
+    addCells(mesh, nodes);
+    addGroup(solid, samples);
+    addNodes(mesh, nodes, reach);
+    addGroup(solid, samples);
+  }
+  for (const Reach& probe : touching) {
+    addProbePoints(mesh, nodes, reach, probe);
+    addGroup(solids_.indexOf(probe.probe), samples);
+  }
+}
+
+bool SampleFinder::isClear(const ActiveMesh& mesh, const Field& nodes, int probe) {
+  still_.assign(mesh.nodes(), 0.0);
+  addProbePoints(mesh, nodes, still_, {probe, 0.0});
+  sift(solids_.indexOf(probe));
+  return near_.empty();
+}
+
+/// Adds points of the cells on which an obstacle does not press evenly. The other cells leave their
+/// area to their nodes.
+void SampleFinder::addCells(const ActiveMesh& mesh, const Field& nodes) {
+  node_area_.assign(mesh.nodes(), 0.0);
+  for (int k = 0; k < static_cast<int>(mesh.patches.size()); ++k) {
+    const double near = patch_margins_[k];
+    if (near < 0.0) continue;
+    const Patch& patch = mesh.patches[k];
+    const int parts = partsOf(patch);
+    const double corner_area = 0.25 * patch.area / (parts * parts);
+    for (const int corner : patch.nodes) node_area_[corner] += corner_area;
+    if (parts > 1) addCell(patch, parts, nodes, near);
+  }
+}
+
+/// Adds the nodes with the area that addCells() left to them.
+void SampleFinder::addNodes(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach) {
+  for (int n = 0; n < mesh.nodes(); ++n) {
+    const double near = law_.range() + reach[n];
+    if (node_area_[n] == 0.0 || at_nodes_.gaps[n] > near) continue;
+    addPoint(SurfacePoint::atNode(n, node_area_[n]), nodes[n], near);
+  }
+}
+
+/// Adds a cell at (parts + 1) × (parts + 1) points without its corners; each stands for the area
+/// around it within the cell.
+void SampleFinder::addCell(const Patch& patch, int parts, const Field& nodes, double margin) {
+  for (int j = 0; j <= parts; ++j) {
+    const double v = static_cast<double>(j) / parts;
+    const Row row(patch, v, nodes);
+    for (int i = 0; i <= parts; ++i) {
+      if (i % parts == 0 && j % parts == 0) continue;
+      const double u = static_cast<double>(i) / parts;
+      const double share = (i % parts == 0 ? 0.5 : 1.0) * (j % parts == 0 ? 0.5 : 1.0);
+      addPoint(surfacePoint(patch, u, v, share * patch.area / (parts * parts)), row.at(u), margin);
+    }
+  }
+}
+
+/// Number of parts of a cell's side to be sampled. It is 1 if the obstacle presses evenly: one
+/// normal at the corners, and gaps whose difference hardly changes the pressure. Otherwise it is
+/// the number of finest cells, but no part is smaller than a share of the range. It is larger if a
+/// sharp edge would cut deeper into these parts than that share.
+int SampleFinder::partsOf(const Patch& patch) const {
+  constexpr double kSameNormal = 1e-3, kShareOfRange = 0.1, kMostParts = 4.0;
+  // Largest differences over all pairs; with one corner as reference, mirrored cells would differ.
+  double gaps = 0.0, turn = 0.0;
+  for (int c = 1; c < 4; ++c) {
+    for (int d = 0; d < c; ++d) {
+      const int a = patch.nodes[c], b = patch.nodes[d];
+      gaps = std::max(gaps, std::abs(at_nodes_.gaps[a] - at_nodes_.gaps[b]));
+      turn = std::max(turn, (at_nodes_.normals[a] - at_nodes_.normals[b]).squaredNorm());
+    }
+  }
+  turn = std::sqrt(turn);
+  const bool uneven = gaps > kShareOfRange * law_.range() || turn > kSameNormal;
+  const int span = patch.cell.span();
+  const double smallest = kCut * law_.range(), side = span * std::max(grid_.dx, grid_.dy);
+  const int finest = uneven ? std::min<int>(span, std::ceil(side / smallest)) : 1;
+  return finest * static_cast<int>(std::clamp(std::ceil(chord(turn) / smallest), 1.0, kMostParts));
+}
+
+/// Adds points of the cells near a probe, in rows and columns that are dense enough for it.
+void SampleFinder::addProbePoints(const ActiveMesh& mesh, const Field& nodes,
+                                  const std::vector<double>& reach, const Reach& touching) {
+  const int index = solids_.indexOf(touching.probe);
+  const Solid& solid = solids_[index];
+  const double spacing = solid.halfWidth() / kProbeSpacing;
+  measure(index, law_.range() + touching.distance, mesh, nodes, reach);
+  for (int k = 0; k < static_cast<int>(mesh.patches.size()); ++k) {
+    const double near = patch_margins_[k], from_centre = solid.extent() + near;
+    if (near < 0.0) continue;
+    const Patch& patch = mesh.patches[k];
+    const auto count = [&](double length) {
+      return std::max(1, static_cast<int>(std::ceil(length / spacing)));
+    };
+    const int columns = count(patch.cell.span() * grid_.dx), rows = count(patch.cell.span() * grid_.dy);
+    const double area = patch.area / (static_cast<double>(columns) * rows);
+    for (int j = 0; j < rows; ++j) {
+      const double v = (j + 0.5) / rows;
+      const Row row(patch, v, nodes);
+      const Window window(columns, row, solid.position(), from_centre);
+      for (int i = window.first; i < window.last; ++i) {
+        const double u = (i + 0.5) / columns;
+        addPoint(surfacePoint(patch, u, v, area), row.at(u), near);
+      }
+    }
+  }
+}
+
+/// Measures the distance of the nodes from a solid, and which patches may come within `range` of it
+/// [m].
+void SampleFinder::measure(int solid, double range, const ActiveMesh& mesh, const Field& nodes,
+                           const std::vector<double>& reach) {
+  measureDistances(solids_[solid], nodes.size(), nodes, at_nodes_);
+  const int patches = kPack * static_cast<int>(mesh.patch_corners.size());
+  patch_margins_.resize(patches);
+  const auto margins = [&](int begin, int end) {
+    kernels().patchMargins(mesh.patch_corners.data() + begin / kPack, (end - begin) / kPack, range,
+                           nodes.arrays(), reach.data(), at_nodes_.gaps.data(), at_nodes_.normals.arrays(),
+                           patch_margins_.data() + begin);
+  };
+  team_.forRange(patches, margins);
+}
+
+void SampleFinder::measureDistances(const Solid& solid, int count, const Field& points,
+                                    Distances& distances) {
+  distances.gaps.resize(padded(count));
+  distances.normals.resize(count);
+  const SolidLanes lanes = solid.lanes();
+  const auto measure = [&](int begin, int end) {
+    const ConstArrays at = points.arrays();
+    const MutableArrays to = distances.normals.arrays();
+    kernels().solidDistances(lanes, end - begin, {at.x + begin, at.y + begin, at.z + begin},
+                             distances.gaps.data() + begin, {to.x + begin, to.y + begin, to.z + begin});
+  };
+  team_.forRange(count, measure);
+}
+
+/// Adds a candidate for a sample. @param margin largest gap at which it counts [m]
+void SampleFinder::addPoint(const SurfacePoint& point, const Vec3& place, double margin) {
+  const int index = static_cast<int>(points_.size());
+  if (index >= places_.size()) places_.resize(index + kChunk);
+  places_.set(index, place);
+  margins_.push_back(margin);
+  points_.push_back(point);
+}
+
+/// Selects the candidates that are near a solid at the start of the step, and starts them.
+void SampleFinder::sift(int solid) {
+  const bool still = solids_.isStill(solid);
+  const int count = static_cast<int>(points_.size());
+  measureDistances(solids_[solid], count, places_, now_);
+  if (!still) measureDistances(solids_.before(solid), count, places_, then_);
+  near_.clear();
+  for (int k = 0; k < count; ++k) {
+    if (!(now_.gaps[k] > margins_[k])) near_.push_back(k);
+  }
+  const int samples = static_cast<int>(near_.size());
+  if (static_cast<int>(started_.size()) < samples) started_.resize(samples);
+  const auto start = [&](int begin, int end) {
+    for (int s = begin; s < end; ++s) started_[s] = started(near_[s], solid, still);
+  };
+  team_.forRange(samples, start, kStart);
+  margins_.clear();
+  points_.clear();
+}
+
+/// Adds the candidates that are near a solid. Touching samples come first, so that packs of the
+/// others can be skipped.
+void SampleFinder::addGroup(int solid, SampleList& samples) {
+  sift(solid);
+  samples.beginGroup(solid);
+  for (const bool apart : {false, true}) {
+    for (std::size_t s = 0; s < near_.size(); ++s) {
+      if ((started_[s].clearance > 0.0) == apart) samples.add(started_[s]);
+    }
+  }
+  samples.endGroup();
+}
+
+/// Starts a sample. If a moving solid touches it only at the end of the step, it has no friction
+/// yet.
+ContactSample SampleFinder::started(int point, int index, bool still) const {
+  const Solid &solid = solids_[index], &before = solids_.before(index);
+  const Vec3 place = places_[point];
+  const Distance then = still ? now_[point] : then_[point];
+  ContactSample sample{points_[point], index};
+  sample.raised = law_.raise(then.value, solids_.isProbe(index));
+  // Ejected cloth has no friction, which would hold it inside.
+  const double friction = !solids_.isProbe(index) && sample.raised > 0.0 ? 0.0 : solid.friction();
+  sample.friction_force = friction * sample.area * law_(then.value + sample.raised).pressure;
+  Vec3 carried = place;
+  sample.start_normal = then.normal;
+  if (!still) {
+    const Eigen::Matrix3d turn = solid.rotation() * before.rotation().transpose();
+    carried = solid.position() + turn * (place - before.position());
+    sample.start_normal = turn * then.normal;
+  }
+  sample.start = carried - solids_.origin(index);
+  sample.carry = carried - place;
+  sample.clearance = now_.gaps[point] - law_.range() - sample.carry.norm();
+  return sample;
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,88 @@
+/// Search for contact samples at the start of a step.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "contact/contact_law.h"
+#include "contact/sample_list.h"
+#include "contact/solid_set.h"
+#include "mesh/active_mesh.h"
+#include "mesh/field.h"
+#include "parallel/parallel_for.h"
+
+namespace haptic_cloth {
+
+/// Finds samples. Obstacles are sampled at the nodes, and at every point of the finest grid in
+/// coarse cells on which they do not press evenly, so that these rest like fine ones. At sharp
+/// edges the samples are denser. Probes are sampled at points at most a third of their radius apart.
+/// Model: decision 0010.
+class SampleFinder {
+ public:
+  /// Reach of a probe in the next step.
+  struct Reach {
+    int probe;
+    double distance;  ///< largest expected motion of its proxy [m]
+  };
+
+  SampleFinder(const Grid& grid, const SolidSet& solids, const ContactLaw& law, Team& team);
+
+  /// Number of samples to reserve memory for. If a finest cell has at most one sample of a solid,
+  /// cells two finest cells wide under an uneven solid need most: five samples and one node in four
+  /// finest cells. Otherwise the number comes from experience with scenes; a step that needs more
+  /// allocates.
+  int capacity() const;
+
+  /// Finds the samples that may touch within a step, and freezes their friction. The parameters are
+  /// those of ContactSet::collect().
+  void find(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
+            const std::vector<Reach>& touching, SampleList& samples);
+
+  /// Tells whether the probe does not touch the cloth. @pre SolidSet::startProbe()
+  bool isClear(const ActiveMesh& mesh, const Field& nodes, int probe);
+
+ private:
+  /// Distances of points from a solid [m], and its normals there.
+  struct Distances {
+    std::vector<double> gaps;
+    Field normals;
+    Distance operator[](int k) const { return {gaps[k], normals[k]}; }
+  };
+
+  void addCells(const ActiveMesh& mesh, const Field& nodes);
+  void addNodes(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach);
+  void addProbePoints(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
+                      const Reach& touching);
+  void addCell(const Patch& patch, int parts, const Field& nodes, double margin);
+  int partsOf(const Patch& patch) const;
+  /// Largest distance of a finest cell's chord from an arc that turns by `turn` [rad]: length ·
+  /// turn / 8 [m].
+  double chord(double turn) const { return turn * std::max(grid_.dx, grid_.dy) / 8.0; }
+  void measure(int solid, double range, const ActiveMesh& mesh, const Field& nodes,
+               const std::vector<double>& reach);
+  void measureDistances(const Solid& solid, int count, const Field& points, Distances& distances);
+  void addPoint(const SurfacePoint& point, const Vec3& place, double margin);
+  void sift(int solid);
+  void addGroup(int solid, SampleList& samples);
+  ContactSample started(int point, int solid, bool still) const;
+
+  Grid grid_;
+  const SolidSet& solids_;
+  ContactLaw law_;
+  Team& team_;
+  // About the cloth and one solid, written by measure():
+  Distances at_nodes_;
+  std::vector<double> patch_margins_;  ///< gap below which points of a patch count, or -1 [m]
+  std::vector<double> node_area_;      ///< area that the nodes stand for as samples [m²]
+  std::vector<double> still_;          ///< a reach of zero [m]
+  // Candidates for samples of one group:
+  std::vector<SurfacePoint> points_;
+  std::vector<double> margins_;  ///< largest gap at which each counts [m]
+  Field places_;                 ///< their positions [m]
+  Distances now_, then_;         ///< to the solid at the end and at the start of the step
+  std::vector<int> near_;        ///< candidates that become samples
+  std::vector<ContactSample> started_;
+};
+
+}  // namespace haptic_cloth

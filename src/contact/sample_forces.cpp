@@ -1,0 +1,139 @@
+#include "contact/sample_forces.h"
+
+#include "contact/friction_law.h"
+#include "simd/kernels.h"
+
+namespace haptic_cloth {
+
+SampleForces::SampleForces(const SolidSet& solids, const SampleList& samples, const ContactLaw& law,
+                           double slip)
+    : solids_(solids), samples_(samples), law_(law), slip_(slip) {}
+
+void SampleForces::reserve(int samples) {
+  packs_.reserve(samples / kPack + 1);
+  for (Field* field : {&gradient_, &change_}) field->reserve(samples);
+}
+
+void SampleForces::rebuild() {
+  packs_.assign(samples_.size() / kPack, SamplePack{});
+  for (int k = 0; k < samples_.size(); ++k) {
+    const ContactSample& sample = samples_[k];
+    SamplePack& pack = packs_[k / kPack];
+    const int l = k % kPack;
+    pack.at_nodes = (l == 0 || pack.at_nodes) && sample.weights[0] == 1.0;
+    for (int c = 0; c < 4; ++c) {
+      pack.nodes[c].index[l] = sample.nodes[c];
+      pack.weights[c][l] = sample.weights[c];
+    }
+    for (int c = 0; c < 3; ++c) {
+      pack.start[c][l] = sample.start[c];
+      pack.start_normal[c][l] = sample.start_normal[c];
+    }
+    pack.area[l] = sample.area;
+    pack.raised[l] = sample.raised;
+    pack.friction[l] = sample.friction_force;
+    pack.clearance[l] = sample.area > 0.0 ? sample.clearance : 1e150;
+  }
+  for (SamplePack& pack : packs_) {
+    for (PackIndices& nodes : pack.nodes) nodes.finish();
+  }
+  // Each evaluation writes all entries.
+  for (Field* field : {&gradient_, &change_}) field->resize(samples_.size());
+}
+
+SampleContext SampleForces::context(int solid) const {
+  const Vec3 from = solids_.origin(solid);
+  return {
+      solids_[solid].lanes(), {from.x(), from.y(), from.z()}, !solids_.isProbe(solid), law_.range(), slip_};
+}
+
+/// Calls visit(solid, first pack, last pack) for each group's part of samples begin..end.
+template <class Visit>
+void SampleForces::forGroups(int begin, int end, const Visit& visit) const {
+  for (const SampleList::Group& group : samples_.groups()) {
+    const int first = std::max(group.begin, begin / kPack), last = std::min(group.end, end / kPack);
+    if (first < last) visit(group.solid, first, last);
+  }
+}
+
+ContactEnergy SampleForces::evaluate(int begin, int end, const Field& nodes) {
+  ContactEnergy energy;
+  forGroups(begin, end, [&](int solid, int first, int last) {
+    const ContactEnergy part = kernels().evaluateSamples(packs_.data(), first, last, context(solid),
+                                                         nodes.arrays(), gradient_.arrays(), kPack * first);
+    energy.contact += part.contact;
+    energy.friction += part.friction;
+  });
+  return energy;
+}
+
+double SampleForces::curvature(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
+                               bool whole_way) const {
+  double sum = 0.0;
+  forGroups(begin, end, [&](int solid, int first, int last) {
+    const Vec3 moved = solids_.motion(solid, d_proxies);
+    sum += kernels().sampleCurvature(packs_.data(), first, last, d.arrays(), moved.data(),
+                                     whole_way && solids_.isProbe(solid));
+  });
+  return sum;
+}
+
+double SampleForces::maxStep(const Field& d, const std::vector<Vec3>& d_proxies) const {
+  // The distance is convex, so its tangent bounds it along the step.
+  constexpr double kShareOfGap = 0.9;
+  double step = 1e300;
+  forGroups(0, samples_.size(), [&](int solid, int first, int last) {
+    if (!solids_.isProbe(solid)) return;
+    const Vec3 moved = solids_.motion(solid, d_proxies);
+    step = std::min(step,
+                    kernels().largestStep(packs_.data(), first, last, kShareOfGap, d.arrays(), moved.data()));
+  });
+  return step;
+}
+
+void SampleForces::linearise(int begin, int end, const Field& nodes, const Field& d,
+                             const std::vector<Vec3>& d_proxies) {
+  // The change of the normal is a central difference: solids have flat faces, round edges and
+  // corners. The difference is taken over a length far below any radius.
+  constexpr double kNudge = 1e-7;  // [m]
+  for (int k = begin; k < end; ++k) {
+    const ContactSample& sample = samples_[k];
+    const SamplePack& pack = this->pack(k);
+    const int l = k % kPack;
+    change_.set(k, Vec3::Zero());
+    if (pack.normal_stiffness[l] == 0.0 && pack.tangent_stiffness[l] == 0.0) continue;
+    const Vec3 position = sample.of(nodes);
+    const Vec3 moved = sample.of(d) - solids_.motion(sample.solid, d_proxies);
+    const Solid& solid = solids_[sample.solid];
+    change_.set(k, pack.normal_stiffness[l] * normal(k).dot(moved) * normal(k));
+    const double length = moved.norm();
+    if (!(length > 0.0)) continue;
+    const Vec3 nudge = kNudge / length * moved;
+    change_.add(k, -pack.pressing[l] * length / (2.0 * kNudge) *
+                       (solid.distance(position + nudge).normal - solid.distance(position - nudge).normal));
+    if (sample.friction_force > 0.0) {
+      const auto along = [&](const Vec3& v) {
+        return Vec3(v - sample.start_normal.dot(v) * sample.start_normal);
+      };
+      const Vec3 slip = along(position - solids_.origin(sample.solid) - sample.start),
+                 slipping = along(moved);
+      const double fading = sample.friction_force * smoothSlip(slip.norm(), slip_).slope;
+      change_.add(k, pack.tangent_stiffness[l] * slipping + fading * slip.dot(slipping) * slip);
+    }
+  }
+}
+
+Vec3 SampleForces::normal(int sample) const {
+  const SamplePack& pack = this->pack(sample);
+  const int l = sample % kPack;
+  return {pack.normal[0][l], pack.normal[1][l], pack.normal[2][l]};
+}
+
+Block SampleForces::block(int sample) const {
+  const double across = pack(sample).normal_stiffness[sample % kPack],
+               along = pack(sample).tangent_stiffness[sample % kPack];
+  if (across == 0.0 && along == 0.0) return Block::Zero();
+  return across * square(normal(sample)) + along * (isotropic(1.0) - square(samples_[sample].start_normal));
+}
+
+}  // namespace haptic_cloth

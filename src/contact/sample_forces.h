@@ -1,0 +1,69 @@
+/// Energy, forces and stiffness of contact samples: pressure and friction.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "contact/contact_law.h"
+#include "contact/sample_list.h"
+#include "contact/sample_packs.h"
+#include "contact/solid_set.h"
+#include "mesh/block.h"
+#include "mesh/field.h"
+
+namespace haptic_cloth {
+
+/// Evaluates samples in packs (sample_packs.h) and keeps the results of the last evaluation. Ranges
+/// begin..end of samples are multiples of kPack.
+class SampleForces {
+ public:
+  /// @param slip slip in a step below which friction is smoothed [m]
+  SampleForces(const SolidSet& solids, const SampleList& samples, const ContactLaw& law, double slip);
+
+  void reserve(int samples);
+
+  /// Adapts to new samples.
+  void rebuild();
+
+  /// Evaluates samples begin..end, and stores their forces and stiffness. @return their energy
+  ContactEnergy evaluate(int begin, int end, const Field& nodes);
+
+  /// Quadratic form d · H⁺ d of samples begin..end at the last evaluation.
+  /// @param d_proxies directions of all probes
+  /// @param whole_way friction of probes as over the whole of d instead of its beginning
+  double curvature(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
+                   bool whole_way) const;
+
+  /// Largest factor of d from the last evaluated point at which no probe sample uses up more than
+  /// 0.9 of its gap.
+  double maxStep(const Field& d, const std::vector<Vec3>& d_proxies) const;
+
+  /// Stores how the gradient of each sample changes along d at `nodes`, the last evaluated point.
+  /// The change includes the curvature of the solids.
+  void linearise(int begin, int end, const Field& nodes, const Field& d, const std::vector<Vec3>& d_proxies);
+
+  /// Energy gradient by the samples' positions, and its change along a direction [N].
+  const Field& gradient() const { return gradient_; }
+  const Field& change() const { return change_; }
+
+  /// Results for one sample: its gap [m], and its block of H⁺ [N/m].
+  double gap(int sample) const { return pack(sample).gap[sample % kPack]; }
+  Block block(int sample) const;
+  bool touches(int sample) const { return pack(sample).normal_stiffness[sample % kPack] > 0.0; }
+
+ private:
+  const SamplePack& pack(int sample) const { return packs_[sample / kPack]; }
+  Vec3 normal(int sample) const;
+  SampleContext context(int solid) const;
+  template <class Visit>
+  void forGroups(int begin, int end, const Visit& visit) const;
+
+  const SolidSet& solids_;
+  const SampleList& samples_;
+  ContactLaw law_;
+  double slip_;  ///< [m]
+  std::vector<SamplePack> packs_;
+  Field gradient_, change_;
+};
+
+}  // namespace haptic_cloth

@@ -1,0 +1,77 @@
+#include "contact/solid_set.h"
+
+#include <algorithm>
+#include <string>
+
+namespace haptic_cloth {
+
+SolidSet::SolidSet(const std::vector<Obstacle>& obstacles, const std::vector<ProbeOptions>& probes)
+    : obstacles_(static_cast<int>(obstacles.size())), solids_(obstacles.begin(), obstacles.end()) {
+  for (const Obstacle& obstacle : obstacles) targets_.push_back(obstacle.pose);
+  for (const ProbeOptions& probe : probes) solids_.emplace_back(probe);
+  before_ = solids_;
+}
+
+bool SolidSet::isStill(int solid) const {
+  const Solid &now = solids_[solid], &then = before_[solid];
+  return now.position() == then.position() && now.rotation() == then.rotation();
+}
+
+/// Limits the motion of obstacles: none may pass through the cloth within a step. An obstacle that
+/// is sent farther lags behind.
+void SolidSet::advance() {
+  constexpr double kShareOfWidth = 0.25;
+  for (int k = 0; k < obstacles_; ++k) {
+    Solid& solid = solids_[k];
+    before_[k] = solid;
+    const Pose& target = targets_[k];
+    const Quat turned(solid.rotation());
+    const double way = (target.position - solid.position()).norm() +
+                       solid.extent() * turned.angularDistance(target.orientation);
+    if (!(way > 0.0)) continue;
+    const double share = std::min(1.0, kShareOfWidth * solid.halfWidth() / way);
+    if (share < 1.0) {
+      solid.place(solid.position() + share * (target.position - solid.position()));
+      solid.turn(turned.slerp(share, target.orientation));
+    } else {
+      solid.place(target.position);
+      solid.turn(target.orientation);
+    }
+  }
+}
+
+bool SolidSet::obstaclesMove() const {
+  for (int k = 0; k < obstacles_; ++k) {
+    const Eigen::Matrix3d target = targets_[k].orientation.toRotationMatrix();
+    const auto moves = [&](const Solid& solid) {
+      return solid.position() != targets_[k].position || solid.rotation() != target;
+    };
+    if (moves(solids_[k]) || moves(before_[k])) return true;
+  }
+  return false;
+}
+
+double SolidSet::pathLength(int obstacle) const {
+  if (isStill(obstacle)) return 0.0;
+  const Solid &now = solids_[obstacle], &then = before_[obstacle];
+  const double turned = Quat(now.rotation()).angularDistance(Quat(then.rotation()));
+  return (now.position() - then.position()).norm() + now.extent() * turned;
+}
+
+void SolidSet::startProbe(int probe, const Vec3& proxy, const Quat& before, const Quat& after) {
+  Solid &now = solids_[indexOf(probe)], &then = before_[indexOf(probe)];
+  for (Solid* solid : {&now, &then}) solid->place(proxy);
+  now.turn(after);
+  then.turn(before);
+}
+
+void SolidSet::serialize(Archive& archive) {
+  for (int k = 0; k < obstacles_; ++k) {
+    archive("now[" + std::to_string(k) + "]", solids_[k]);
+    archive("before[" + std::to_string(k) + "]", before_[k]);
+  }
+  archive.each("target_positions", targets_, &Pose::position);
+  archive.each("target_orientations", targets_, &Pose::orientation);
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,58 @@
+/// Solids of a scene, and how they move from step to step.
+#pragma once
+
+#include <vector>
+
+#include "contact/shape.h"
+
+namespace haptic_cloth {
+
+/// Obstacles first, then probes, each at the start and at the end of the current step.
+class SolidSet {
+ public:
+  SolidSet(const std::vector<Obstacle>& obstacles, const std::vector<ProbeOptions>& probes);
+
+  int size() const { return static_cast<int>(solids_.size()); }
+  int obstacles() const { return obstacles_; }
+  int indexOf(int probe) const { return obstacles_ + probe; }
+  bool isProbe(int solid) const { return solid >= obstacles_; }
+
+  /// A solid at the end and at the start of the step.
+  const Solid& operator[](int solid) const { return solids_[solid]; }
+  const Solid& before(int solid) const { return before_[solid]; }
+
+  /// Tells whether a solid neither moves nor turns in the step.
+  bool isStill(int solid) const;
+
+  /// Origin of the samples' positions: the proxy of a probe, for an obstacle that of the world [m].
+  Vec3 origin(int solid) const { return isProbe(solid) ? solids_[solid].position() : Vec3::Zero(); }
+
+  /// Part of a direction that moves a solid. @param d_proxies directions of all probes
+  Vec3 motion(int solid, const std::vector<Vec3>& d_proxies) const {
+    return isProbe(solid) ? d_proxies[solid - obstacles_] : Vec3::Zero();
+  }
+
+  /// Moves the obstacles one step towards their targets.
+  void advance();
+  void moveObstacle(int obstacle, const Pose& pose) { targets_[obstacle] = pose; }
+  /// Tells whether an obstacle has not arrived or just moved.
+  bool obstaclesMove() const;
+  double pathLength(int obstacle) const;  ///< longest path of its points in the step [m]
+
+  /// Places a probe at the start of a step: its proxy [m], and its orientation at start and end.
+  void startProbe(int probe, const Vec3& proxy, const Quat& before, const Quat& after);
+
+  /// Moves the proxy of a probe for the next evaluation [m].
+  void placeProbe(int probe, const Vec3& proxy) { solids_[indexOf(probe)].place(proxy); }
+
+  /// Saves or loads poses and targets of the obstacles; probes are placed in each step.
+  void serialize(Archive& archive);
+
+ private:
+  int obstacles_;              ///< number of obstacles; the other solids are probes
+  std::vector<Solid> solids_;  ///< at the end of the current step
+  std::vector<Solid> before_;  ///< at its start
+  std::vector<Pose> targets_;  ///< poses of the obstacles
+};
+
+}  // namespace haptic_cloth

@@ -1,0 +1,83 @@
+#include "energy/bend_energy.h"
+
+#include "simd/kernels.h"
+
+namespace haptic_cloth {
+
+BendEnergy::BendEnergy(const std::array<Loop, 2>& laws, const ActiveMesh& mesh)
+    : ElementEnergy(mesh, mesh.triples, {laws.begin(), laws.end()}) {}
+
+void BendEnergy::resize(const PackedRange& places) {
+  startPacks(places);
+  for (int t = 0; t < elements(); ++t) {
+    const Triple& triple = list_[t];
+    const int place = places_.place(t), l = place % kPack;
+    TriplePack& pack = packs_[place / kPack];
+    pack.l.index[l] = triple.l;
+    pack.c.index[l] = triple.c;
+    pack.r.index[l] = triple.r;
+    pack.left[l] = triple.left;
+    pack.right[l] = triple.right;
+    pack.area[l] = triple.area;
+  }
+  for (TriplePack& pack : packs_) {
+    for (PackIndices* nodes : {&pack.l, &pack.c, &pack.r}) nodes->finish();
+  }
+}
+
+void BendEnergy::evaluate(const PackRun& run, const Surface& at, const MutableArrays& slots,
+                          ElasticEnergy& sum) {
+  sum.bend += kernels().evaluateTriples(packs_.data(), run.begin, run.end, tables_[run.direction].view(),
+                                        memory_.packs(), at.x.arrays(), at.normals.nodes(), slots, run.slot);
+}
+
+void BendEnergy::addCurvature(const PackRun& run, const Field& d, const SurfaceNormals& normals,
+                              double& sum) const {
+  sum += kernels().tripleCurvature(packs_.data(), run.begin, run.end, d.arrays(), normals.nodes());
+}
+
+void BendEnergy::addBlocks(int begin, int end, const SurfaceNormals& normals, BlockField& blocks) const {
+  kernels().addTripleBlocks(packs_.data(), begin, end, normals.nodes(), blocks.arrays());
+}
+
+void BendEnergy::remember(const Surface& at, ForceHistory& history) const {
+  history.clearBending();
+  for (int t = 0; memory_.packs() && t < elements(); ++t) {
+    const Triple& triple = list_[t];
+    const int particle = mesh_.particle[triple.c];
+    const double bent = deformation(t, at);
+    history.moment(particle, triple.direction) = loop(t).force(step(t).play, bent);
+    history.curvature(particle, triple.direction) = bent;
+  }
+  // A hanging node has no triple, but a merge beside it may need its moment.
+  for (const Ghost& ghost : mesh_.ghosts) {
+    const int node = mesh_.particle[ghost.node], a = mesh_.particle[ghost.a], b = mesh_.particle[ghost.b];
+    for (const int d : {kWarp, kWeft}) {
+      history.moment(node, d) = 0.5 * (history.moment(a, d) + history.moment(b, d));
+      history.curvature(node, d) = 0.5 * (history.curvature(a, d) + history.curvature(b, d));
+    }
+  }
+}
+
+void BendEnergy::recall(const Followed<Triple>& change, ForceHistory& history) {
+  for (int t = 0; memory_.packs() && t < elements(); ++t) {
+    if (!change.isNew(t)) continue;
+    const int particle = mesh_.particle[list_[t].c], direction = list_[t].direction;
+    setPlay(t, loop(t).playFor(history.moment(particle, direction), history.curvature(particle, direction)));
+  }
+}
+
+void BendEnergy::deformations(int pack, const Surface& at, double* values) const {
+  kernels().tripleCurvatures(packs_.data(), pack, pack + 1, at.x.arrays(), at.normals.nodes(), values);
+}
+
+bool BendEnergy::touches(const TriplePack& pack, const char* flags) {
+  return pack.l.anyOf(flags) || pack.c.anyOf(flags) || pack.r.anyOf(flags);
+}
+
+void BendEnergy::addEnergy(const Triple& triple, int /*k*/, const Loop& law, double play, const Surface& at,
+                           ElasticEnergy& sum) const {
+  sum.bend += triple.area * law.stored(play, curvature(triple, at));
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,44 @@
+/// Bending of the triples: E = A ψ(κ), κ = n · (left (x_l - x_c) + right (x_r - x_c)), with the
+/// surface normal n at the centre.
+#pragma once
+
+#include <array>
+
+#include "energy/element_energy.h"
+#include "energy/history.h"
+#include "mesh/block.h"
+
+namespace haptic_cloth {
+
+/// Verbs: see ElementEnergy.
+class BendEnergy : public ElementEnergy<BendEnergy, Triple, TriplePack> {
+ public:
+  BendEnergy(const std::array<Loop, 2>& laws, const ActiveMesh& mesh);
+
+  void resize(const PackedRange& places);
+  void evaluate(const PackRun& run, const Surface& at, const MutableArrays& slots, ElasticEnergy& sum);
+  void addCurvature(const PackRun& run, const Field& d, const SurfaceNormals& normals, double& sum) const;
+  void addBlocks(int begin, int end, const SurfaceNormals& normals, BlockField& blocks) const;
+  void remember(const Surface& at, ForceHistory& history) const;
+  void recall(const Followed<Triple>& change, ForceHistory& history);
+
+  double area(int triple) const { return list_[triple].area; }
+  double deformation(int triple, const Surface& at) const { return curvature(list_[triple], at); }
+  void deformations(int pack, const Surface& at, double* values) const;
+  static bool touches(const TriplePack& pack, const char* flags);
+  void addEnergy(const Triple& triple, int k, const Loop& law, double play, const Surface& at,
+                 ElasticEnergy& sum) const;
+
+  /// ψ of one triple [J/m²].
+  double density(int triple, const Surface& at) const {
+    return loop(triple).stored(step(triple).play, deformation(triple, at));
+  }
+
+ private:
+  static double curvature(const Triple& t, const Surface& at) {
+    const Field& x = at.x;
+    return at.normals.node(t.c).dot(t.left * (x[t.l] - x[t.c]) + t.right * (x[t.r] - x[t.c]));
+  }
+};
+
+}  // namespace haptic_cloth

@@ -1,0 +1,39 @@
+/// Surface normals, held over a step so that bending and twist have a potential.
+#pragma once
+
+#include "mesh/active_mesh.h"
+#include "mesh/field.h"
+#include "state/archive.h"
+
+namespace haptic_cloth {
+
+class SurfaceNormals {
+ public:
+  /// Reserves memory for the finest mesh. @param of_patches patches need normals too
+  SurfaceNormals(const ActiveMesh& mesh, bool of_patches);
+
+  /// Sets the normals for some positions. A node's normal is the mean of those of its cells,
+  /// weighted by area.
+  void update(const ActiveMesh& mesh, const Field& positions);
+
+  Vec3 node(int node) const { return nodes_[node]; }
+  Vec3 patch(int patch) const { return patches_[patch]; }
+
+  ConstArrays nodes() const { return nodes_.arrays(); }
+  ConstArrays patches() const { return patches_.arrays(); }
+
+  void serialize(Archive& archive);
+
+ private:
+  bool of_patches_;
+  Field nodes_;
+  Field patches_;  ///< unit vectors only if patches need normals
+};
+
+/// Place and shape of the cloth, as the elements see it.
+struct Surface {
+  const Field& x;  ///< positions of the nodes [m]
+  const SurfaceNormals& normals;
+};
+
+}  // namespace haptic_cloth
