@@ -6,6 +6,9 @@ namespace haptic_cloth {
 /// Unknowns of a step: positions alone, or positions and forces together as in [M04] (docs/model.md).
 enum class Cost { Condensed, Joint };
 
+/// Time integration: backward Euler, or the backward difference formula of second order (BDF2).
+enum class Integrator { Euler, Bdf2 };
+
 /// Scaling of the minimizer's directions. `None` still divides by the mass.
 enum class Preconditioner { None, Jacobi, Multilevel };
 
@@ -31,6 +34,7 @@ struct MinimizerOptions {
 /// Options of time integration.
 struct SolverOptions {
   double time_step = 1e-3;  ///< [s]
+  Integrator integrator = Integrator::Bdf2;
   Cost cost = Cost::Condensed;
   MinimizerOptions minimizer;
   /// Particles slower than this for 50 steps fall asleep [m/s]; 0: none do. They keep their

@@ -131,6 +131,15 @@ void ContactSet::markLetOut(std::vector<char>& nodes) const {
   }
 }
 
+void ContactSet::markTouched(std::vector<char>& nodes) const {
+  for (int k = 0; k < size(); ++k) {
+    if (!forces_.touches(k)) continue;
+    for (int c = 0; c < 4; ++c) {
+      if (samples_[k].weights[c] > 0.0) nodes[samples_[k].nodes[c]] = 1;
+    }
+  }
+}
+
 void ContactSet::touchedNodes(int probe, std::vector<int>& nodes) const {
   forSamples(probe, [&](int k) {
     if (forces_.touches(k)) nodes.insert(nodes.end(), samples_[k].nodes.begin(), samples_[k].nodes.end());

@@ -84,6 +84,9 @@ class ContactSet {
   /// Sets the flags of the nodes that calm() stops to 1.
   void markLetOut(std::vector<char>& nodes) const;
 
+  /// Sets the flags of the nodes of samples that carried force at the last evaluation to 1.
+  void markTouched(std::vector<char>& nodes) const;
+
   /// Adds the packs that act on an awake node, and all packs of probes, to `runs`, counted from
   /// `first`.
   void appendAwake(const std::vector<char>& awake, int first, Runs& runs) const;

@@ -84,6 +84,13 @@ class ActiveMesh {
     }
   }
 
+  /// Marks the masters of marked hanging nodes. @param flags one for each node
+  void markMasters(std::vector<char>& flags) const {
+    for (auto g = ghosts.rbegin(); g != ghosts.rend(); ++g) {
+      if (flags[g->node] != 0) flags[g->a] = flags[g->b] = 1;
+    }
+  }
+
   /// Transpose of interpolateGhosts(): adds share times each hanging node's entry to both masters.
   template <class Values>
   void handOverGhosts(Values& values, double share = 0.5) const {

@@ -1,6 +1,7 @@
 #include "mesh/transfer.h"
 
 #include <algorithm>
+#include <array>
 
 namespace haptic_cloth {
 
@@ -22,15 +23,31 @@ void transferAfterSplit(const Grid& grid, const std::vector<Cell>& cells, Partic
   for (const Cell& cell : cells) {
     const auto c = cell.corners(grid);
     const int middle = (c[0] + c[3]) / 2;
-    for (auto* values : {&state.position, &state.velocity}) {
+    for (auto* values : {&state.position, &state.velocity, &state.moved, &state.gained}) {
       auto& x = *values;
+      if (x.empty()) continue;
       for (const auto& [a, b] : {std::pair(c[0], c[1]), {c[2], c[3]}, {c[0], c[2]}, {c[1], c[3]}}) {
         x[(a + b) / 2] = 0.5 * (x[a] + x[b]);
       }
       x[middle] = 0.25 * (x[c[0]] + x[c[1]] + x[c[2]] + x[c[3]]);
     }
+    if (state.jumped.empty()) continue;
+    auto& jumped = state.jumped;
+    for (const auto& [a, b] : {std::pair(c[0], c[1]), {c[2], c[3]}, {c[0], c[2]}, {c[1], c[3]}}) {
+      jumped[(a + b) / 2] = jumped[a] | jumped[b];
+    }
+    jumped[middle] = jumped[c[0]] | jumped[c[1]] | jumped[c[2]] | jumped[c[3]];
   }
 }
+
+namespace {
+
+/// Velocities and the changes of the last step: what moves on with the mass.
+std::array<std::vector<Vec3>*, 3> motionsOf(ParticleState& state) {
+  return {&state.velocity, &state.moved, &state.gained};
+}
+
+}  // namespace
 
 MergeTransfer::MergeTransfer(const Grid& grid) {
   active_.reserve(grid.particles());
@@ -38,10 +55,9 @@ MergeTransfer::MergeTransfer(const Grid& grid) {
   changed_.reserve(grid.particles());
 }
 
-void MergeTransfer::capture(const ActiveMesh& mesh, const ParticleState& state) {
+void MergeTransfer::capture(const ActiveMesh& mesh) {
   active_.assign(mesh.particle.begin(), mesh.particle.begin() + mesh.active());
-  before_.resize(mesh.active());
-  for (int n = 0; n < mesh.active(); ++n) before_[n] = mesh.mass[n] * state.velocity[mesh.particle[n]];
+  masses_.assign(mesh.mass.begin(), mesh.mass.begin() + mesh.active());
 }
 
 void MergeTransfer::give(int node, const Vec3& momentum) {
@@ -50,11 +66,24 @@ void MergeTransfer::give(int node, const Vec3& momentum) {
 }
 
 void MergeTransfer::apply(const LeafMesh& leaves, const ActiveMesh& mesh, ParticleState& state) {
+  for (std::vector<Vec3>* values : motionsOf(state)) {
+    if (!values->empty()) apply(leaves, mesh, *values);
+  }
+  for (const Ghost& g : mesh.ghosts) {
+    const int p = mesh.particle[g.node], a = mesh.particle[g.a], b = mesh.particle[g.b];
+    state.position[p] = 0.5 * (state.position[a] + state.position[b]);
+    if (!state.jumped.empty()) state.jumped[p] = state.jumped[a] | state.jumped[b];
+  }
+}
+
+void MergeTransfer::apply(const LeafMesh& leaves, const ActiveMesh& mesh, std::vector<Vec3>& values) {
   const Grid& grid = mesh.grid;
   momentum_.assign(mesh.nodes(), Vec3::Zero());
   changed_.assign(mesh.nodes(), 0);
   const int count = static_cast<int>(active_.size());
+  before_.resize(count);
   for (int k = 0; k < count; ++k) {
+    before_[k] = masses_[k] * values[active_[k]];
     const int n = mesh.node[active_[k]];
     if (n >= 0) momentum_[n] = before_[k];
   }
@@ -77,12 +106,11 @@ void MergeTransfer::apply(const LeafMesh& leaves, const ActiveMesh& mesh, Partic
     give(g->b, half);
   }
   for (int n = 0; n < mesh.free; ++n) {
-    if (changed_[n]) state.velocity[mesh.particle[n]] = momentum_[n] / mesh.mass[n];
+    if (changed_[n]) values[mesh.particle[n]] = momentum_[n] / mesh.mass[n];
   }
   for (const Ghost& g : mesh.ghosts) {
     const int p = mesh.particle[g.node], a = mesh.particle[g.a], b = mesh.particle[g.b];
-    state.position[p] = 0.5 * (state.position[a] + state.position[b]);
-    state.velocity[p] = 0.5 * (state.velocity[a] + state.velocity[b]);
+    values[p] = 0.5 * (values[a] + values[b]);
   }
 }
 

@@ -14,10 +14,18 @@ namespace haptic_cloth {
 struct ParticleState {
   std::vector<Vec3> position;  ///< [m]
   std::vector<Vec3> velocity;  ///< [m/s]
+  /// For BDF2, else empty: changes of position [m] and velocity [m/s] in the last step, and whether
+  /// the velocity jumped in it.
+  std::vector<Vec3> moved, gained;
+  std::vector<char> jumped;
 
   void serialize(Archive& archive) {
     archive("position", position);
     archive("velocity", velocity);
+    if (jumped.empty()) return;
+    archive("moved", moved);
+    archive("gained", gained);
+    archive.within("jumped", jumped, 0, 1);
   }
 };
 
@@ -29,21 +37,24 @@ void interpolateCell(const Grid& grid, const Cell& cell, std::vector<Vec3>& valu
 /// @param cells in the order of the splits, see LeafMesh::split()
 void transferAfterSplit(const Grid& grid, const std::vector<Cell>& cells, ParticleState& state);
 
-/// Hands over the momentum of particles that were removed or now hang, after a merge.
+/// Hands over the momentum of particles that were removed or now hang, after a merge. What BDF2 keeps
+/// of the last step moves on with the mass like velocity.
 class MergeTransfer {
  public:
   explicit MergeTransfer(const Grid& grid);
 
-  /// Records the momentum. Called before the merge. @param mesh still with the masses before
-  void capture(const ActiveMesh& mesh, const ParticleState& state);
+  /// Records the masses. Called before the merge.
+  void capture(const ActiveMesh& mesh);
 
   /// Call after `mesh` was rebuilt on `leaves`.
   void apply(const LeafMesh& leaves, const ActiveMesh& mesh, ParticleState& state);
 
  private:
   void give(int node, const Vec3& momentum);
+  void apply(const LeafMesh& leaves, const ActiveMesh& mesh, std::vector<Vec3>& values);
 
   std::vector<int> active_;     ///< particles that were active before
+  std::vector<double> masses_;  ///< and their masses before [kg]
   std::vector<Vec3> before_;    ///< their momentum [kg·m/s]
   std::vector<Vec3> momentum_;  ///< momentum of each node after [kg·m/s]
   std::vector<char> changed_;   ///< nodes that received momentum

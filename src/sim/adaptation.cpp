@@ -137,7 +137,7 @@ bool Adaptation::hasParent(const Cell& cell) const {
 /// keep the mesh balanced: no merging parent has a neighbour finer than its children, so neighbours
 /// still differ by at most one level.
 void Adaptation::mergeCells(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state) {
-  merge_transfer_.capture(mesh, state);
+  merge_transfer_.capture(mesh);
   for (const Cell& parent : merged_) {
     leaves.merge(parent);
     born_[grid_.cell(parent.i, parent.j)] = step;

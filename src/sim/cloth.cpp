@@ -18,6 +18,10 @@ ParticleState flatState(const Scene& scene, const Grid& grid) {
   ParticleState state;
   state.position.resize(grid.particles());
   state.velocity.assign(grid.particles(), Vec3::Zero());
+  if (scene.solver.integrator == Integrator::Bdf2) {
+    for (auto* list : {&state.moved, &state.gained}) list->assign(grid.particles(), Vec3::Zero());
+    state.jumped.assign(grid.particles(), 1);
+  }
   for (int p = 0; p < grid.particles(); ++p) {
     const Vec3 local((grid.column(p) - 0.5 * (grid.columns - 1)) * grid.dx,
                      (grid.row(p) - 0.5 * (grid.rows - 1)) * grid.dy, 0.0);
@@ -34,6 +38,7 @@ Cloth::Cloth(const Scene& scene)
       leaves_(grid_, scene.cloth.pins, Adaptation::startLevel(scene.adapt)),
       mesh_(leaves_, scene.cloth.fabric.areal_density),
       state_(flatState(scene, grid_)),
+      integrator_(scene.solver.integrator, scene.solver.time_step, scene.air_damping, grid_),
       internal_(scene.cloth.fabric, mesh_) {
   if (internal_.hasMemory()) history_.emplace(grid_);
   nodes_.reserve(grid_.particles());
@@ -54,6 +59,7 @@ void Cloth::gatherNodes() {
   }
   mesh_.interpolateGhosts(nodes_);
   mesh_.interpolateGhosts(velocities_);
+  integrator_.gather(mesh_, state_);
 }
 
 /// Updates everything that depends on the mesh, after a change.
@@ -78,9 +84,9 @@ double Cloth::changeMesh(Adaptation& adaptation, long step) {
   return motionEnergy().total() - before + internal_.madeByChange(nodes_);
 }
 
-void Cloth::move(const ClothObjective& solved) {
+void Cloth::move(const ClothObjective& solved, const std::vector<char>& jumped) {
   const Field& after = solved.nodes();
-  solved.integrator().updateVelocities(nodes_, after, velocities_);
+  integrator_.finish(mesh_, nodes_, after, jumped, velocities_);
   weight_.resize(mesh_.nodes());
   for (int n = 0; n < mesh_.active(); ++n) {
     weight_[n] = -solved.motionGradient(n, after[n]).dot(internal_.normal(n)) / mesh_.mass[n];
@@ -89,21 +95,21 @@ void Cloth::move(const ClothObjective& solved) {
   nodes_ = after;
 }
 
-void Cloth::scaleVelocities(double factor) {
-  for (int n = 0; n < mesh_.nodes(); ++n) velocities_.set(n, factor * velocities_[n]);
-}
+void Cloth::scaleVelocities(double factor) { integrator_.slow(factor, velocities_); }
 
 void Cloth::commit(Team& team) {
   for (int n = 0; n < mesh_.nodes(); ++n) {
     state_.position[mesh_.particle[n]] = nodes_[n];
     state_.velocity[mesh_.particle[n]] = velocities_[n];
   }
+  integrator_.scatter(mesh_, state_);
   if (!history_) return;
   team.forRange(internal_.size(), [this](int begin, int end) { internal_.commit(begin, end, nodes_); });
 }
 
 void Cloth::stop() {
-  velocities_.fill(0.0);
+  integrator_.stop(velocities_);
+  integrator_.scatter(mesh_, state_);
   weight_.assign(mesh_.nodes(), 0.0);
   for (int n = 0; n < mesh_.nodes(); ++n) state_.velocity[mesh_.particle[n]] = Vec3::Zero();
 }

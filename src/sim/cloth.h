@@ -13,6 +13,7 @@
 #include "mesh/transfer.h"
 #include "parallel/parallel_for.h"
 #include "sim/adaptation.h"
+#include "sim/time_integrator.h"
 #include "state/archive.h"
 
 namespace haptic_cloth {
@@ -33,6 +34,9 @@ class Cloth {
   const Field& nodes() const { return nodes_; }            ///< positions [m]
   const Field& velocities() const { return velocities_; }  ///< [m/s]
 
+  const TimeIntegrator& integrator() const { return integrator_; }
+  void setAirDamping(double air_damping) { integrator_.setAirDamping(air_damping); }
+
   /// Gravity minus acceleration of the nodes in the last step, along the surface normal [m/s²].
   const std::vector<double>& weight() const { return weight_; }
 
@@ -51,7 +55,8 @@ class Cloth {
   double changeMesh(Adaptation& adaptation, long step);
 
   /// Takes positions, velocities and weight from a solved step.
-  void move(const ClothObjective& solved);
+  /// @param jumped flags of the nodes whose velocity may have jumped in it
+  void move(const ClothObjective& solved, const std::vector<char>& jumped);
 
   /// Stops cloth that obstacles eject: it is not thrown.
   void stopEjected(const ContactSet& contacts) { contacts.calm(velocities_); }
@@ -89,6 +94,7 @@ class Cloth {
   ActiveMesh mesh_;
   ParticleState state_;
   Field nodes_, velocities_;  ///< state_ by node
+  TimeIntegrator integrator_;
   std::vector<double> weight_;
   InternalEnergy internal_;
   std::optional<ForceHistory> history_;  ///< set for a fabric with hysteresis; scratch of changeMesh()

@@ -17,16 +17,16 @@ double referenceAcceleration(const Vec3& gravity) {
   return gravity.norm() > 0.0 ? gravity.norm() : kStandardGravity;
 }
 
-ClothObjective::ClothObjective(const Scene& scene, const ActiveMesh& mesh, InternalEnergy& internal,
-                               ContactSet& contacts, Team& team)
+ClothObjective::ClothObjective(const Scene& scene, const ActiveMesh& mesh, const TimeIntegrator& integrator,
+                               InternalEnergy& internal, ContactSet& contacts, Team& team)
     : mesh_(mesh),
+      integrator_(integrator),
       internal_(internal),
       contacts_(contacts),
       team_(team),
       gravity_(scene.gravity),
       preconditioner_(scene.solver.minimizer.preconditioner),
       h_(scene.solver.time_step),
-      integrator_(h_, scene.air_damping),
       probes_(scene.probes.size()),
       awake_(mesh, internal, contacts) {
   for (const ProbeOptions& probe : scene.probes) {
@@ -62,7 +62,10 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
   start_ = positions;
   for (auto* list : {&gradient_, &diagonal_}) list->resize(mesh_.nodes());
   motion_.clear(mesh_.nodes());  // zero for pinned nodes
-  integrator_.placeInertially(positions, velocities, inertial_);
+  inertial_.resize(mesh_.nodes());
+  for (int n = 0; n < mesh_.nodes(); ++n) {
+    inertial_.set(n, positions[n] + integrator_.inertialMotion(n, velocities[n]));
+  }
   nodes_ = positions;
   for (std::size_t k = 0; k < probes_.size(); ++k) proxies_[k] = probes_[k].proxy;
   for (Proxies* list : {&proxy_motions_, &hold_forces_, &hold_torques_})
@@ -70,7 +73,7 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
   mass_.assign(padded(mesh_.nodes()), 0.0);
   moving_mass_ = mass_;
   std::copy(mesh_.mass.begin(), mesh_.mass.end(), mass_.begin());
-  std::copy_n(mesh_.mass.begin(), mesh_.free, moving_mass_.begin());
+  for (int n = 0; n < mesh_.free; ++n) moving_mass_[n] = mesh_.mass[n] * (inertia(n) / inertia());
 
   double total_mass = 0.0;
   for (int n = 0; n < mesh_.free; ++n) total_mass += mesh_.mass[n];
@@ -173,13 +176,9 @@ double ClothObjective::evaluateProbes(Vector& gradient) {
   return value;
 }
 
-void ClothObjective::forcesAtRest(const Field& velocities, Field& forces) const {
+void ClothObjective::forcesAtRest(Field& forces) const {
   forces = gradient_;
-  for (int c = 0; c < 3; ++c) {
-    const auto& v = velocities.coordinate(c);
-    auto& force = forces.coordinate(c);
-    for (int n = 0; n < mesh_.free; ++n) force[n] += moving_mass_[n] / h_ * v[n];
-  }
+  for (int n = 0; n < mesh_.free; ++n) forces.add(n, moving_mass_[n] * inertia() * inertialMotion(n));
 }
 
 void ClothObjective::carryHeld(const Proxies& proxies, bool offsets, Field& nodes) const {
@@ -297,12 +296,12 @@ void ClothObjective::fitPreconditioner() {
     if (preconditioner_ == Preconditioner::Jacobi) diagonal += contacts_.proxyDiagonal(k);
     for (const HeldNode& held : held_) {
       if (held.probe == k)
-        diagonal += (diagonal_[held.node].array() + mesh_.mass[held.node] * inertia()).matrix();
+        diagonal += (diagonal_[held.node].array() + mesh_.mass[held.node] * inertia(held.node)).matrix();
     }
     inverse_diagonal_.segment<3>(proxyAt(probes_[k])) = diagonal.cwiseInverse();
   });
   for (int n = 0; n < mesh_.free; ++n) {
-    diagonal_.set(n, (diagonal_[n].array() + mesh_.mass[n] * inertia()).inverse());
+    diagonal_.set(n, (diagonal_[n].array() + mesh_.mass[n] * inertia(n)).inverse());
   }
   for (int n = 0; n < mesh_.free; ++n) {
     if (!awake_.contains(n)) diagonal_.set(n, Vec3::Zero());

@@ -35,14 +35,13 @@ double referenceAcceleration(const Vec3& gravity);
 /// Its gradient is the negative of Newton's residual [N].
 class ClothObjective : public Objective {
  public:
-  ClothObjective(const Scene& scene, const ActiveMesh& mesh, InternalEnergy& internal, ContactSet& contacts,
-                 Team& team);
+  ClothObjective(const Scene& scene, const ActiveMesh& mesh, const TimeIntegrator& integrator,
+                 InternalEnergy& internal, ContactSet& contacts, Team& team);
 
   /// Upper bound of size().
   int capacity() const { return 3 * (mesh_.grid.particles() + static_cast<int>(probes_.size())); }
 
   /// Changes take effect with the next begin().
-  void setAirDamping(double air_damping) { integrator_.setAirDamping(air_damping); }
   void setCoupling(int probe, double stiffness, double damping) { couplings_[probe] = {stiffness, damping}; }
 
   /// Starts a step from positions and velocities of the nodes, hanging ones included. All nodes are
@@ -62,7 +61,7 @@ class ClothObjective : public Objective {
   void measureSleepers() { awake_.measureSleepers(gradient_, residual_weight_); }
 
   /// Negative forces on the nodes at the last evaluated point, as if the nodes had no velocity [N].
-  void forcesAtRest(const Field& velocities, Field& forces) const;
+  void forcesAtRest(Field& forces) const;
 
   /// Gradient of all nodes at the last evaluated point [N].
   const Field& gradient() const { return gradient_; }
@@ -113,11 +112,14 @@ class ClothObjective : public Objective {
   /// inertia() times the node's mass; inertia() is in [1/s²].
   Vec3 motionGradient(int node, const Vec3& x) const {
     Vec3 gradient = -mesh_.mass[node] * gravity_;
-    if (node < mesh_.free) gradient += mesh_.mass[node] * inertia() * (x - inertial_[node]);
+    if (node < mesh_.free) gradient += moving_mass_[node] * inertia() * (x - inertial_[node]);
     return gradient;
   }
   double inertia() const { return integrator_.inertia(); }
-  const TimeIntegrator& integrator() const { return integrator_; }
+  double inertia(int node) const { return integrator_.inertia(node); }
+
+  /// Motion of a node in this step if no force acts on it [m].
+  Vec3 inertialMotion(int node) const { return inertial_[node] - start_[node]; }
 
   /// Gradient of the coupling's energy by a proxy [N], and its stiffness [N/m].
   Vec3 couplingGradient(int probe, const Vec3& proxy) const;
@@ -129,6 +131,8 @@ class ClothObjective : public Objective {
   void serialize(Archive& archive);
 
   Preconditioner preconditioner() const { return preconditioner_; }
+
+  double timeStep() const { return h_; }
 
   /// Unit of residuals, |gravity| [m/s²].
   double accelerationUnit() const { return std::sqrt(reference_acceleration_); }
@@ -180,13 +184,13 @@ class ClothObjective : public Objective {
   Motion motion() const;
 
   const ActiveMesh& mesh_;
+  const TimeIntegrator& integrator_;
   InternalEnergy& internal_;
   ContactSet& contacts_;
   Team& team_;
   Vec3 gravity_;
   Preconditioner preconditioner_;
-  double h_;  ///< time step [s]
-  TimeIntegrator integrator_;
+  double h_;                             ///< time step [s]
   std::vector<Coupling> couplings_;      ///< one for each probe of the scene
   double reference_acceleration_ = 1.0;  ///< |gravity|² [m²/s⁴]
   /// Mass of the free nodes times |gravity|², the unit of squared residuals [kg m²/s⁴].

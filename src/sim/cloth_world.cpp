@@ -35,7 +35,7 @@ ClothWorld::ClothWorld(const Scene& scene)
       idle_(probes_.count()) {
   fine_.reserve(probes_.count());
   touches_.reserve(probes_.count());
-  ejected_.reserve(cloth_.grid().particles());
+  for (auto* flags : {&ejected_, &jumped_}) flags->reserve(cloth_.grid().particles());
 }
 
 StepReport ClothWorld::step() {
@@ -138,9 +138,10 @@ bool ClothWorld::solidsMove() const {
 void ClothWorld::accept(StepReport& report) {
   const ClothObjective& solved = solver_.objective();
   const double kinetic_before = cloth_.kineticEnergy(), gravity_work = cloth_.gravityWork(solved.nodes());
-  cloth_.move(solved);
   // Ejected cloth is stopped after each step, but does not count as resting.
   markEjected();
+  markJumped();
+  cloth_.move(solved, jumped_);
   sleep_.update(cloth_.mesh(), cloth_.velocities(), solved.awake().flags(), ejected_);
   cloth_.stopEjected(contacts_);
   report.velocity_scale = energy_.guard(kinetic_before, gravity_work, solved, cloth_);
@@ -151,14 +152,22 @@ void ClothWorld::accept(StepReport& report) {
   report.max_penetration = contacts_.deepest();
 }
 
-/// Marks the nodes that obstacles eject, with the masters of hanging ones.
+/// Marks the nodes whose velocity may have jumped: ejected, touched or asleep.
+void ClothWorld::markJumped() {
+  const ActiveMesh& mesh = cloth_.mesh();
+  jumped_ = ejected_;
+  contacts_.markTouched(jumped_);
+  const std::vector<char>& awake = solver_.objective().awake().flags();
+  for (int n = 0; n < mesh.nodes(); ++n) jumped_[n] |= awake[n] == 0;
+  mesh.markMasters(jumped_);
+}
+
+/// Marks the nodes that obstacles eject.
 void ClothWorld::markEjected() {
   const ActiveMesh& mesh = cloth_.mesh();
   ejected_.assign(mesh.nodes(), 0);
   contacts_.markLetOut(ejected_);
-  for (auto g = mesh.ghosts.rbegin(); g != mesh.ghosts.rend(); ++g) {
-    if (ejected_[g->node] != 0) ejected_[g->a] = ejected_[g->b] = 1;
-  }
+  mesh.markMasters(ejected_);
 }
 
 /// Returns to the start of the step, at rest: the last state known to be good.
@@ -207,7 +216,8 @@ void ClothWorld::setOptions(const SolverOptions& solver, const AdaptOptions& ada
   scene_.solver = solver;
   scene_.adapt = adapt;
   scene_.air_damping = air_damping;
-  solver_.setOptions(solver.minimizer, air_damping);
+  cloth_.setAirDamping(air_damping);
+  solver_.setOptions(solver.minimizer);
   setAdaptOptions(adapt);
 }
 

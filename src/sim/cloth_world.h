@@ -76,6 +76,7 @@ class ClothWorld {
   bool solidsMove() const;
   void accept(StepReport& report);
   void markEjected();
+  void markJumped();
   void restore();
   StepReport skipStep();
 
@@ -95,7 +96,7 @@ class ClothWorld {
   Vec3 support_force_ = Vec3::Zero();
   FineRegions fine_;                          ///< scratch of planMesh()
   std::vector<LoadEstimate::Touch> touches_;  ///< scratch of loadView()
-  std::vector<char> ejected_;                 ///< scratch of accept(): one flag for each node
+  std::vector<char> ejected_, jumped_;        ///< scratch of accept(): one flag for each node
 };
 
 }  // namespace haptic_cloth

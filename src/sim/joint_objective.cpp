@@ -27,7 +27,7 @@ void JointObjective::forPresent(const Visit& visit) const {
 }
 
 void JointObjective::begin(const Vector& start, const Vector& positions, Vector& unknowns) {
-  const double h = step_.integrator().timeStep();
+  const double h = step_.timeStep();
   nodes_ = step_.nodes();  // for nodes that do not move
   motion_.clear(mesh_.nodes());
   for (auto* list : {&residual_, &gradient_, &diagonal_, &stiffness_}) list->clear(mesh_.nodes());
@@ -35,7 +35,7 @@ void JointObjective::begin(const Vector& start, const Vector& positions, Vector&
   for (int n = 0; n < mesh_.free; ++n) weight_[n] = h * h / mesh_.mass[n];
   forPresent([this](int k, int) { proxy_weight_[k] = step_.couplingStiffness(k); });
   for (const HeldNode& held : step_.held()) {
-    proxy_weight_[held.probe] += mesh_.mass[held.node] * step_.inertia();
+    proxy_weight_[held.probe] += mesh_.mass[held.node] * step_.inertia(held.node);
     weight_[held.node] = 0.0;
   }
   forPresent([this](int k, int) { proxy_weight_[k] = 1.0 / proxy_weight_[k]; });
@@ -117,7 +117,7 @@ void JointObjective::takeHeld(Field& forces) {
 /// slots.
 void JointObjective::gatherGradient(Vector& gradient) {
   team_.forRange(mesh_.nodes(), [&](int begin, int end) {
-    for (int n = begin; n < end; ++n) gradient_.set(n, mesh_.mass[n] * step_.inertia() * residual_[n]);
+    for (int n = begin; n < end; ++n) gradient_.set(n, mesh_.mass[n] * step_.inertia(n) * residual_[n]);
     elements_.gather(begin, end, gradient_);
     contacts_.addChange(begin, end, gradient_);
   });
@@ -147,7 +147,7 @@ double JointObjective::changeOfForces(const double* d_forces) {
     contacts_.linearise(begin, end, nodes_, motion_, proxy_motions_);
   });
   team_.forRange(mesh_.nodes(), [&](int begin, int end) {
-    for (int n = begin; n < end; ++n) gradient_.set(n, mesh_.mass[n] * step_.inertia() * motion_[n]);
+    for (int n = begin; n < end; ++n) gradient_.set(n, mesh_.mass[n] * step_.inertia(n) * motion_[n]);
     elements_.gather(begin, end, gradient_);
     contacts_.addChange(begin, end, gradient_);
   });
@@ -180,7 +180,7 @@ void JointObjective::fitPreconditioner() {
   mesh_.handOverGhosts(diagonal_, 0.25);
   mesh_.handOverGhosts(stiffness_, 0.25);
   for (int n = 0; n < mesh_.free; ++n) {
-    stiffness_.set(n, stiffness_[n].array() + mesh_.mass[n] * step_.inertia());
+    stiffness_.set(n, stiffness_[n].array() + mesh_.mass[n] * step_.inertia(n));
     diagonal_.set(n, diagonal_[n] + weight_[n] * stiffness_[n].cwiseAbs2());
   }
   forPresent([this](int k, int at) {

@@ -62,7 +62,7 @@ void Probes::accept(const ClothObjective& solved, const ContactSet& contacts, co
     if (!steps_[k].present) continue;
     ProbeReport& report = reports_[k];
     report.proxy = solved.proxy(k);
-    report.velocity = (report.proxy - steps_[k].proxy) / solved.integrator().timeStep();
+    report.velocity = (report.proxy - steps_[k].proxy) / solved.timeStep();
     report.force = solved.holdForce(k) - contacts.proxyGradient(k);
     report.torque = solved.holdTorque(k) + contacts.proxyTorque(k, nodes);
     report.grasps = grasps.holds(k);

@@ -89,6 +89,7 @@ void serializeWorld(Archive& archive, const Scene& scene) {
 
 void serializeSolver(Archive& archive, const SolverOptions& solver) {
   archive.same("solver.time_step", solver.time_step);
+  archive.same("solver.integrator", nameOf(integratorNames(), solver.integrator));
   archive.same("solver.cost", nameOf(costNames(), solver.cost));
   archive.same("solver.preconditioner", nameOf(preconditionerNames(), solver.minimizer.preconditioner));
   archive.same("solver.tolerance", solver.minimizer.tolerance);

@@ -161,9 +161,10 @@ void readProbes(const YamlMap& root, const ClothOptions& cloth, std::vector<Prob
 }
 
 void readSolver(const YamlValue& value, SolverOptions& solver) {
-  const YamlMap map(value, {"time_step", "cost", "preconditioner", "tolerance", "max_iterations",
-                            "time_budget", "sleep_speed", "threads"});
+  const YamlMap map(value, {"time_step", "integrator", "cost", "preconditioner", "tolerance",
+                            "max_iterations", "time_budget", "sleep_speed", "threads"});
   map.read("time_step", solver.time_step);
+  map.readChoice("integrator", solver.integrator, integratorNames());
   map.readChoice("cost", solver.cost, costNames());
   map.readChoice("preconditioner", solver.minimizer.preconditioner, preconditionerNames());
   map.read("tolerance", solver.minimizer.tolerance);

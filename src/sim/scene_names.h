@@ -19,6 +19,10 @@ inline std::vector<std::string> sceneKeys() {
 
 inline Names<Cost> costNames() { return {{"condensed", Cost::Condensed}, {"joint", Cost::Joint}}; }
 
+inline Names<Integrator> integratorNames() {
+  return {{"bdf2", Integrator::Bdf2}, {"euler", Integrator::Euler}};
+}
+
 inline Names<Preconditioner> preconditionerNames() {
   return {{"multilevel", Preconditioner::Multilevel},
           {"jacobi", Preconditioner::Jacobi},

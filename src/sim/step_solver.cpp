@@ -30,7 +30,7 @@ StepSolver::StepSolver(const Scene& scene, Cloth& cloth, ContactSet& contacts, P
       probes_(probes),
       sleep_(sleep),
       team_(team),
-      objective_(scene, cloth.mesh(), cloth.internal(), contacts, team),
+      objective_(scene, cloth.mesh(), cloth.integrator(), cloth.internal(), contacts, team),
       minimizer_(scene.solver.minimizer),
       reach_(scene, cloth, probes) {
   forces_.reserve(cloth.grid().particles());
@@ -47,11 +47,6 @@ StepSolver::StepSolver(const Scene& scene, Cloth& cloth, ContactSet& contacts, P
   findContacts();  // cloth that starts in contact has contact energy
   objective_.begin(cloth.nodes(), cloth.velocities(), probes.steps());
   evaluateStart();
-}
-
-void StepSolver::setOptions(const MinimizerOptions& options, double air_damping) {
-  minimizer_.setOptions(options);
-  objective_.setAirDamping(air_damping);
 }
 
 MinimizerReport StepSolver::solve(const std::vector<HeldNode>& held) {
@@ -124,7 +119,7 @@ MinimizerReport StepSolver::minimizeCondensed() {
 bool StepSolver::wakeDisturbed() {
   if (objective_.awake().all()) return false;
   const double tolerance = scene_.solver.minimizer.tolerance * objective_.accelerationUnit();
-  objective_.forcesAtRest(cloth_.velocities(), forces_);
+  objective_.forcesAtRest(forces_);
   sleep_.updateCandidates(cloth_.mesh(), forces_, objective_.gradient(), tolerance,
                           objective_.awake().flags());
   const bool more = objective_.awake().wake(sleep_);
@@ -203,12 +198,14 @@ double StepSolver::chooseInitialGuess() {
 /// Minimum of Φ's quadratic model in the plane of the two directions; along their sum if they are
 /// parallel.
 std::array<double, 2> StepSolver::stepsAlongDirections() {
-  const double h = scene_.solver.time_step, share = objective_.integrator().inertialTime();
+  const double h = scene_.solver.time_step;
   const int size = objective_.size(), free = cloth_.mesh().free;
+  for (int n = 0; n < free; ++n) {
+    const Vec3 inertial = objective_.inertialMotion(n);
+    for (int c = 0; c < 3; ++c) directions_[0][c * free + n] = inertial[c];
+  }
   for (int c = 0; c < 3; ++c) {
-    directions_[0].segment(c * free, free) =
-        share * Eigen::Map<const Vector>(cloth_.velocities().coordinate(c).data(), free);
-    directions_[1].segment(c * free, free).setConstant(share * h * scene_.gravity[c]);
+    directions_[1].segment(c * free, free).setConstant(cloth_.integrator().fall() * scene_.gravity[c]);
   }
   for (Vector& direction : directions_) objective_.awake().clearSleepers(direction);
   for (int k = 0; k < probes_.count(); ++k) {

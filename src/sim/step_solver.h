@@ -28,7 +28,7 @@ class StepSolver {
              Team& team);
 
   /// Changes take effect with the next step.
-  void setOptions(const MinimizerOptions& options, double air_damping);
+  void setOptions(const MinimizerOptions& options) { minimizer_.setOptions(options); }
   void setCoupling(int probe, double stiffness, double damping) {
     objective_.setCoupling(probe, stiffness, damping);
   }

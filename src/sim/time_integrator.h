@@ -1,52 +1,84 @@
-/// Time integration of the nodes.
+/// Time integration: where inertia alone carries the nodes in a step, how they resist being moved from
+/// there, and their velocities at the end.
 #pragma once
 
+#include <vector>
+
+#include "haptic_cloth/options.h"
+#include "mesh/active_mesh.h"
 #include "mesh/field.h"
+#include "mesh/transfer.h"
 
 namespace haptic_cloth {
 
-/// Backward Euler with air damping c, which acts on the velocity at the end of a step h:
+/// Backward difference formula of one step from x⁰, v⁰, with δ and γ the changes of x and v in the
+/// step before:
 ///
-///     m (1 + c h)/h² (x - x̂) = force,   x̂ = x⁰ + h v⁰/(1 + c h),   v = (x - x⁰)/h
+///     x̂ = x⁰ + φ δ,   v̂ = v⁰ + φ γ,   x = x̂ + b v,   v = v̂ + b (F/m − c v)
 ///
-/// The proxies of probes have no mass and do not use it.
+/// First order (backward Euler): φ = 0, b = h. Second order (BDF2): φ = 1/3, b = 2h/3.
+struct BackwardDifference {
+  double share;   ///< φ [-]
+  double span;    ///< b [s]
+  double damped;  ///< 1 + c b [-]
+
+  BackwardDifference(int order, double time_step, double air_damping);
+
+  Vec3 inertialMotion(const Vec3& velocity, const Vec3& moved, const Vec3& gained) const {
+    return share * moved + span / damped * (velocity + share * gained);
+  }
+  double inertia() const { return damped / (span * span); }  ///< [1/s²]
+};
+
+/// Integrator of all nodes. BDF2 falls back to backward Euler for nodes whose velocity has jumped: its
+/// formula takes a jump for smooth motion and would throw the node back.
 class TimeIntegrator {
  public:
-  TimeIntegrator(double time_step, double air_damping) : h_(time_step), air_damping_(air_damping) {}
+  TimeIntegrator(Integrator kind, double time_step, double air_damping, const Grid& grid);
 
-  void setAirDamping(double air_damping) { air_damping_ = air_damping; }
+  void setAirDamping(double air_damping);
 
-  double timeStep() const { return h_; }
+  /// Reads what the nodes keep from the step before. Call after each change of the mesh.
+  void gather(const ActiveMesh& mesh, const ParticleState& state);
+  void scatter(const ActiveMesh& mesh, ParticleState& state) const;
 
-  /// Force per mass and distance from the inertial position [1/s²].
-  double inertia() const { return (1.0 + air_damping_ * h_) / (h_ * h_); }
-
-  /// Displacement of a step by inertia alone, over the velocity at its start [s].
-  double inertialTime() const { return h_ / (1.0 + air_damping_ * h_); }
-
-  /// Writes the positions x̂ that inertia alone leads to, for all nodes.
-  void placeInertially(const Field& positions, const Field& velocities, Field& inertial) const {
-    const double share = inertialTime();
-    inertial.resize(positions.size());
-    for (int c = 0; c < 3; ++c) {
-      const auto &x = positions.coordinate(c), &v = velocities.coordinate(c);
-      auto& ahead = inertial.coordinate(c);
-      for (int n = 0; n < positions.size(); ++n) ahead[n] = x[n] + share * v[n];
-    }
+  /// Motion of a node if no force acts on it in this step [m].
+  Vec3 inertialMotion(int node, const Vec3& velocity) const {
+    if (first_order_only_) return first_.inertialMotion(velocity, Vec3::Zero(), Vec3::Zero());
+    return formula(node).inertialMotion(velocity, moved_[node], gained_[node]);
   }
+  /// Force by which a node resists a displacement from there, over mass and displacement [1/s²].
+  double inertia(int node) const { return formula(node).inertia(); }
+  double inertia() const { return usual().inertia(); }  ///< of nodes without a jump [1/s²]
 
-  /// Writes the velocities at the end of a step from its start and end, for all nodes.
-  void updateVelocities(const Field& before, const Field& after, Field& velocities) const {
-    for (int c = 0; c < 3; ++c) {
-      const auto &end = after.coordinate(c), &start = before.coordinate(c);
-      auto& velocity = velocities.coordinate(c);
-      for (int n = 0; n < after.size(); ++n) velocity[n] = (end[n] - start[n]) / h_;
-    }
-  }
+  /// Displacement that a constant acceleration adds in a step, over that acceleration [s²].
+  double fall() const { return usual().span / usual().damped * usual().span; }
+
+  /// Ends a step: sets the velocities from the positions at its start and end.
+  /// @param jumped flags of the nodes whose velocity may have jumped: they get their mean velocity
+  void finish(const ActiveMesh& mesh, const Field& start, const Field& end, const std::vector<char>& jumped,
+              Field& velocities);
+
+  /// Forgets the step before: all nodes rest.
+  void stop(Field& velocities);
+
+  /// Multiplies velocities and what is kept of the step. @param factor within 0 to 1
+  void slow(double factor, Field& velocities);
 
  private:
-  double h_;            ///< [s]
-  double air_damping_;  ///< c [1/s]
+  void setMeanVelocities(const Field& start, const Field& end, Field& velocities) const;
+  void setVelocity(int node, const Vec3& moved, bool jumped, Field& velocities);
+  void followMasters(const ActiveMesh& mesh, Field& velocities);
+  const BackwardDifference& usual() const { return first_order_only_ ? first_ : second_; }
+  const BackwardDifference& formula(int node) const {
+    return first_order_only_ || jumped_[node] != 0 ? first_ : second_;
+  }
+
+  bool first_order_only_;
+  double time_step_;
+  BackwardDifference first_, second_;
+  Field moved_, gained_;      ///< δ and γ of the nodes [m], [m/s]
+  std::vector<char> jumped_;  ///< one flag for each node
 };
 
 }  // namespace haptic_cloth

@@ -1,7 +1,8 @@
 /// Small swings of strips that hang from their top.
 /// Criteria: the frequency of a chain, ω √(L/g) = j₀ₙ/2 (Bernoulli; Lamb); that of a clamped strip
 /// with bending stiffness, computed by shooting; a linear oscillation under backward Euler: the
-/// pole z = 1/(1 - iωh), so a phase of atan(ωh) and an energy factor of 1/(1 + ω²h²) per step.
+/// pole z = 1/(1 - iωh), so a phase of atan(ωh) and an energy factor of 1/(1 + ω²h²) per step; and
+/// under BDF2, see dynamic_solutions.h.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,7 +27,7 @@ constexpr double kTilt = 0.02;               // [rad]; makes the period longer b
 double angular(const HangingMode& mode) { return mode.frequency * std::sqrt(kGravity / kLength); }
 
 /// Straight strip slightly off the vertical, pinned at its first `clamp` + 1 columns.
-Scene tiltedStrip(double rigidity, int clamp, Strategy strategy, double time_step) {
+Scene tiltedStrip(double rigidity, int clamp, Strategy strategy, double time_step, Integrator integrator) {
   LinearFabric linear;
   linear.rigidity = rigidity;
   linear.stiffness = 2000.0;  // stretches by w L / 2 E < 1e-4
@@ -39,6 +40,7 @@ Scene tiltedStrip(double rigidity, int clamp, Strategy strategy, double time_ste
   pin(scene, 0, clamp, 0, 4);
   setStrategy(scene, strategy, 2);
   scene.solver.time_step = time_step;
+  scene.solver.integrator = integrator;
   scene.solver.minimizer.tolerance = 1e-6;
   scene.solver.minimizer.max_iterations = 5000;
   return scene;
@@ -82,9 +84,10 @@ class Swing {
 
 /// Swings for some periods and analyses the time after the first two, when higher modes have
 /// decayed.
-Oscillation swing(const HangingMode& mode, double rigidity, int clamp, Strategy strategy, double omega_h) {
+Oscillation swing(const HangingMode& mode, double rigidity, int clamp, Strategy strategy, double omega_h,
+                  Integrator integrator = Integrator::Euler) {
   const double period = 2.0 * EIGEN_PI / backwardEulerPhase(omega_h);
-  Swing strip(tiltedStrip(rigidity, clamp, strategy, omega_h / angular(mode)), clamp, mode.shape);
+  Swing strip(tiltedStrip(rigidity, clamp, strategy, omega_h / angular(mode), integrator), clamp, mode.shape);
   const std::vector<double> x = strip.run(static_cast<int>(4.0 * period));
   return fitOscillation(x, static_cast<int>(2.0 * period), static_cast<int>(0.2 * period));
 }
@@ -143,6 +146,27 @@ INSTANTIATE_TEST_SUITE_P(Steps, BackwardEuler,
                                   "_" + name(std::get<1>(info.param));
                          });
 
+class Bdf2 : public testing::TestWithParam<std::tuple<double, Strategy>> {};
+
+TEST_P(Bdf2, DampsAsItsPoleSays) {
+  const auto [omega_h, strategy] = GetParam();
+  const HangingMode mode = hangingChainMode(1, kCells);
+  const Oscillation found = swing(mode, 0.0, 0, strategy, omega_h, Integrator::Bdf2);
+  const double exact = bdf2Energy(bdf2Frequency(found.phase));
+  record({"swing of a hanging chain, BDF2", "energy kept in a period [-]", name(strategy), omega_h,
+          found.energy, exact, 1.0});
+  EXPECT_NEAR(found.energy, exact, tolerance(2e-3));  // as for backward Euler
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, Bdf2,
+                         testing::Combine(testing::Values(0.01, 0.05, 0.1),
+                                          testing::Values(Strategy::Finest, Strategy::Amrc,
+                                                          Strategy::Coarsest)),
+                         [](const auto& info) {
+                           return "h" + std::to_string(static_cast<int>(100 * std::get<0>(info.param))) +
+                                  "_" + name(std::get<1>(info.param));
+                         });
+
 TEST(HangingModes, MatchTable) {
   // Values computed by shooting at higher order; those of the chain are half the zeros of J₀.
   const double chain[] = {1.202413, 2.760039, 4.326864}, strip[] = {1.286874, 3.650917, 7.898033},
@@ -155,6 +179,10 @@ TEST(HangingModes, MatchTable) {
   EXPECT_NEAR(backwardEulerEnergy(0.01), .939102, tolerance(6e-7));
   EXPECT_NEAR(backwardEulerEnergy(0.05), .730498, tolerance(6e-7));
   EXPECT_NEAR(backwardEulerEnergy(0.10), .534044, tolerance(6e-7));
+  EXPECT_NEAR(bdf2Energy(0.01), .999997, tolerance(6e-7));
+  EXPECT_NEAR(bdf2Energy(0.05), .999609, tolerance(6e-7));
+  EXPECT_NEAR(bdf2Energy(0.10), .996930, tolerance(6e-7));
+  EXPECT_NEAR(bdf2Energy(0.50), .771658, tolerance(6e-7));
 }
 
 }  // namespace

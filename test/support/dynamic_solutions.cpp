@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <complex>
 #include <utility>
 
 namespace haptic_cloth {
@@ -96,6 +97,25 @@ double backwardEulerPhase(double omega_h) { return std::atan(omega_h); }
 
 double backwardEulerEnergy(double omega_h) {
   return std::pow(1.0 + omega_h * omega_h, -2.0 * kPi / backwardEulerPhase(omega_h));
+}
+
+namespace {
+
+std::complex<double> bdf2Pole(double omega_h) {
+  const std::complex<double> i(0.0, 1.0);
+  return (2.0 + std::sqrt(1.0 + 2.0 * i * omega_h)) / (3.0 - 2.0 * i * omega_h);
+}
+
+}  // namespace
+
+double bdf2Phase(double omega_h) { return std::arg(bdf2Pole(omega_h)); }
+
+double bdf2Frequency(double phase) {
+  return root(0.0, 1.0, [phase](double omega_h) { return bdf2Phase(omega_h) - phase; });
+}
+
+double bdf2Energy(double omega_h) {
+  return std::pow(std::abs(bdf2Pole(omega_h)), 4.0 * kPi / bdf2Phase(omega_h));
 }
 
 DroopedTip droopedStrip(double length, double weight, const std::function<double(double)>& curvature) {

@@ -28,6 +28,13 @@ double backwardEulerPhase(double omega_h);  ///< phase per step, atan(ω h) [rad
 /// Energy kept over one period of 2π / phase steps [-].
 double backwardEulerEnergy(double omega_h);
 
+/// Linear oscillation under BDF2: (3/2 - i ω h) z² - 2 z + 1/2 = 0, the root that tends to 1 (Hairer,
+/// Nørsett, Wanner: Solving ODEs I, III.1).
+double bdf2Phase(double omega_h);    ///< phase per step [rad]
+double bdf2Frequency(double phase);  ///< ω h of a phase per step, below 1
+/// Energy kept over one period of 2π / phase steps [-].
+double bdf2Energy(double omega_h);
+
 /// Tip of a strip clamped horizontally at one end under its own weight, for any monotonic bending
 /// law.
 struct DroopedTip {

@@ -90,4 +90,15 @@ double backwardEulerFall(double gravity, double time_step, int steps) {
   return 0.5 * gravity * time_step * time_step * steps * (steps + 1.0);
 }
 
+double bdf2Fall(double gravity, double time_step, int steps) {
+  const double unit = gravity * time_step * time_step;
+  double before = 0.0, now = unit;
+  for (int n = 2; n <= steps; ++n) {
+    const double next = (4.0 * now - before + 2.0 * unit * n) / 3.0;
+    before = now;
+    now = next;
+  }
+  return now;
+}
+
 }  // namespace haptic_cloth

@@ -40,4 +40,7 @@ double hangingExtension(double weight, double length, const std::function<double
 /// Fall of a rigid body under backward Euler from rest, without air: x_n = g h² n (n+1) / 2.
 double backwardEulerFall(double gravity, double time_step, int steps);
 
+/// Same by BDF2 after a first step by backward Euler: x_n = (4 x_{n-1} - x_{n-2} + 2h g h n)/3 [m].
+double bdf2Fall(double gravity, double time_step, int steps);
+
 }  // namespace haptic_cloth

@@ -1,0 +1,174 @@
+/// Time integrator on one cell.
+/// Criteria: BDF2 is exact for constant acceleration, and both formulas solve m dv/dt = F - m c v in
+/// their own terms (Hairer, Nørsett, Wanner: Solving ODEs I, III.1), to rounding.
+#include "sim/time_integrator.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "support/tolerance.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kStep = 1e-3;       // [s]
+constexpr double kRounding = 1e-12;  // of values near 1
+
+/// Four free particles that all move alike, along x.
+class Sheet {
+ public:
+  Sheet(Integrator kind, double air_damping) : integrator_(kind, kStep, air_damping, kGrid) {
+    state_.position.assign(kGrid.particles(), Vec3::Zero());
+    state_.velocity.assign(kGrid.particles(), Vec3::Zero());
+    if (kind == Integrator::Bdf2) {
+      for (auto* list : {&state_.moved, &state_.gained}) list->assign(kGrid.particles(), Vec3::Zero());
+      state_.jumped.assign(kGrid.particles(), 1);
+    }
+    for (Field* field : {&positions_, &velocities_}) field->clear(mesh_.nodes());
+    integrator_.gather(mesh_, state_);
+  }
+
+  /// Puts the sheet where it is after `step` steps of x(t), v(t), with what it keeps of the last one.
+  template <class Position, class Velocity>
+  void place(const Position& x, const Velocity& v, int step) {
+    const double now = step * kStep, before = (step - 1) * kStep;
+    for (int p = 0; p < kGrid.particles(); ++p) {
+      state_.moved[p] = (x(now) - x(before)) * Vec3::UnitX();
+      state_.gained[p] = (v(now) - v(before)) * Vec3::UnitX();
+      state_.jumped[p] = 0;
+    }
+    integrator_.gather(mesh_, state_);
+    for (int n = 0; n < mesh_.nodes(); ++n) {
+      positions_.set(n, x(now) * Vec3::UnitX());
+      velocities_.set(n, v(now) * Vec3::UnitX());
+    }
+  }
+
+  /// Makes a step in which a force over mass acts [m/s²].
+  void step(double acceleration, bool jumps = false) {
+    Field end = positions_;
+    for (int n = 0; n < mesh_.nodes(); ++n) {
+      end.add(n, integrator_.inertialMotion(n, velocities_[n]) +
+                     acceleration / integrator_.inertia(n) * Vec3::UnitX());
+    }
+    integrator_.finish(mesh_, positions_, end, std::vector<char>(4, jumps ? 1 : 0), velocities_);
+    positions_ = end;
+  }
+
+  /// Moves all nodes by a distance in one step, whatever inertia says [m].
+  void drag(double distance, bool jumps) {
+    Field end = positions_;
+    for (int n = 0; n < mesh_.nodes(); ++n) end.add(n, distance * Vec3::UnitX());
+    integrator_.finish(mesh_, positions_, end, std::vector<char>(4, jumps ? 1 : 0), velocities_);
+    positions_ = end;
+  }
+
+  double position() const { return positions_[3].x(); }
+  double velocity() const { return velocities_[3].x(); }
+  TimeIntegrator& integrator() { return integrator_; }
+  Field& velocities() { return velocities_; }
+
+ private:
+  inline static const Grid kGrid{2, 2, 0, 0.01, 0.01};
+  LeafMesh leaves_{kGrid, {}, 0};
+  ActiveMesh mesh_{leaves_, 0.1};
+  ParticleState state_;
+  TimeIntegrator integrator_;
+  Field positions_, velocities_;
+};
+
+TEST(TimeIntegrator, Bdf2IsExactForConstantAcceleration) {
+  constexpr double kAcceleration = 3.0;
+  const auto x = [](double t) { return 0.2 * t + 0.5 * kAcceleration * t * t; };
+  const auto v = [](double t) { return 0.2 + kAcceleration * t; };
+  Sheet sheet(Integrator::Bdf2, 0.0);
+  sheet.place(x, v, 1);
+  for (int k = 2; k <= 20; ++k) {
+    sheet.step(kAcceleration);
+    EXPECT_NEAR(sheet.position(), x(k * kStep), tolerance(kRounding));
+    EXPECT_NEAR(sheet.velocity(), v(k * kStep), tolerance(kRounding));
+  }
+}
+
+TEST(TimeIntegrator, SolvesItsFormulaWithAir) {
+  constexpr double kAir = 40.0, kForce = 5.0;
+  Sheet euler(Integrator::Euler, kAir), bdf2(Integrator::Bdf2, kAir);
+  double before = 0.0;
+  for (int k = 0; k < 10; ++k) {
+    const double now = euler.velocity();
+    euler.step(kForce);
+    EXPECT_NEAR((euler.velocity() - now) / kStep, kForce - kAir * euler.velocity(), tolerance(1e-9));
+  }
+  bdf2.step(kForce);  // the first step is one of backward Euler
+  EXPECT_NEAR(bdf2.velocity(), kForce * kStep / (1.0 + kAir * kStep), tolerance(kRounding));
+  for (int k = 0; k < 10; ++k) {
+    const double now = bdf2.velocity();
+    bdf2.step(kForce);
+    const double derivative = (1.5 * bdf2.velocity() - 2.0 * now + 0.5 * before) / kStep;
+    EXPECT_NEAR(derivative, kForce - kAir * bdf2.velocity(), tolerance(1e-9));
+    before = now;
+  }
+}
+
+TEST(TimeIntegrator, AJumpLeavesTheMeanVelocity) {
+  // Cloth that moves by u h in a step and is stopped in the next would be thrown back with u/2 by the
+  // formula of BDF2.
+  constexpr double kSpeed = 1.0;
+  const auto x = [](double t) { return kSpeed * t; };
+  const auto v = [](double) { return kSpeed; };
+  Sheet smooth(Integrator::Bdf2, 0.0), stopped(Integrator::Bdf2, 0.0);
+  for (Sheet* sheet : {&smooth, &stopped}) sheet->place(x, v, 5);
+  smooth.drag(0.0, false);
+  EXPECT_NEAR(smooth.velocity(), -0.5 * kSpeed, tolerance(kRounding));
+  stopped.drag(0.0, true);
+  EXPECT_EQ(stopped.velocity(), 0.0);
+  // The next step is one of backward Euler, the one after that of BDF2 again.
+  stopped.step(2.0);
+  EXPECT_NEAR(stopped.velocity(), 2.0 * kStep, tolerance(kRounding));
+  EXPECT_NEAR(stopped.position(), x(5 * kStep) + 2.0 * kStep * kStep, tolerance(kRounding));
+  stopped.step(2.0);
+  EXPECT_NEAR(stopped.velocity(), 4.0 * kStep, tolerance(kRounding));
+}
+
+TEST(TimeIntegrator, SlowingScalesWhatIsKept) {
+  const auto x = [](double t) { return t * t; };
+  const auto v = [](double t) { return 2.0 * t; };
+  const auto half_x = [&](double t) { return 0.5 * x(t); };
+  const auto half_v = [&](double t) { return 0.5 * v(t); };
+  Sheet slowed(Integrator::Bdf2, 0.0), slow(Integrator::Bdf2, 0.0);
+  slowed.place(x, v, 3);
+  slow.place(half_x, half_v, 3);
+  const double ahead = slowed.position() - slow.position();
+  slowed.integrator().slow(0.5, slowed.velocities());
+  slowed.step(1.0);
+  slow.step(1.0);
+  EXPECT_NEAR(slowed.velocity(), slow.velocity(), tolerance(kRounding));
+  EXPECT_NEAR(slowed.position() - slow.position(), ahead, tolerance(kRounding));
+}
+
+TEST(TimeIntegrator, ClothThatIsNearlyStoppedStartsAgain) {
+  const auto x = [](double t) { return t; };
+  const auto v = [](double) { return 1.0; };
+  Sheet sheet(Integrator::Bdf2, 0.0);
+  sheet.place(x, v, 3);
+  sheet.integrator().slow(0.0, sheet.velocities());
+  sheet.step(2.0);  // by backward Euler; BDF2 would take two thirds of it for the end of a slow start
+  EXPECT_NEAR(sheet.velocity(), 2.0 * kStep, tolerance(kRounding));
+}
+
+TEST(TimeIntegrator, StoppedClothStays) {
+  const auto x = [](double t) { return t; };
+  const auto v = [](double) { return 1.0; };
+  Sheet sheet(Integrator::Bdf2, 0.0);
+  sheet.place(x, v, 3);
+  const double where = sheet.position();
+  sheet.integrator().stop(sheet.velocities());
+  for (int k = 0; k < 3; ++k) sheet.step(0.0);
+  EXPECT_EQ(sheet.position(), where);
+  EXPECT_EQ(sheet.velocity(), 0.0);
+}
+
+}  // namespace
+}  // namespace haptic_cloth
