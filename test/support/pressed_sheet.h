@@ -47,7 +47,8 @@ class ObjectiveTest : public ::testing::Test {
         internal_(scene_.cloth.fabric, mesh_),
         team_(1),
         contacts_(grid_, scene_.obstacles, scene_.probes, {5e-4, 1e-3, 1e-3}, team_),
-        objective_(scene_, mesh_, internal_, contacts_, team_) {
+        integrator_(Integrator::Bdf2, scene_.solver.time_step, scene_.air_damping, grid_),
+        objective_(scene_, mesh_, integrator_, internal_, contacts_, team_) {
     for (Field* field : {&nodes_, &velocities_}) field->clear(mesh_.nodes());
     for (int n = 0; n < mesh_.nodes(); ++n) {
       const int p = mesh_.particle[n];
@@ -60,6 +61,7 @@ class ObjectiveTest : public ::testing::Test {
     }
     mesh_.interpolateGhosts(nodes_);
     mesh_.interpolateGhosts(velocities_);
+    integrator_.gather(mesh_, kept());
     internal_.setNormals(nodes_);
     const ProbeStep probe{true, 0, Vec3(-0.01, 0.01, 0.0078), Vec3(0.1, 0, -0.2), Vec3(-0.01, 0.01, 0.0083)};
     contacts_.startProbe(0, probe.proxy, Quat::Identity(), Quat::Identity());
@@ -67,6 +69,18 @@ class ObjectiveTest : public ::testing::Test {
     objective_.begin(nodes_, velocities_, {probe});
     start_.setZero(objective_.capacity());
     objective_.pack(nodes_, start_);
+  }
+
+  /// What BDF2 keeps of the step before: noise, and every third particle has jumped.
+  ParticleState kept() const {
+    ParticleState state;
+    const Eigen::VectorXd noise = fixedRandom(6 * grid_.particles(), 9);
+    for (int p = 0; p < grid_.particles(); ++p) {
+      state.moved.push_back(1e-4 * noise.segment<3>(6 * p));
+      state.gained.push_back(0.1 * noise.segment<3>(6 * p + 3));
+      state.jumped.push_back(p % 3 == 0 ? 1 : 0);
+    }
+    return state;
   }
 
   static LeafMesh mixed(const Grid& grid, const Scene& scene) {
@@ -86,6 +100,7 @@ class ObjectiveTest : public ::testing::Test {
   InternalEnergy internal_;
   Team team_;
   ContactSet contacts_;
+  TimeIntegrator integrator_;
   ClothObjective objective_;
   Field nodes_, velocities_;
   Vector start_;

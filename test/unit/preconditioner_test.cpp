@@ -114,7 +114,8 @@ TEST(Multilevel, InvertsTheBlockOfASingleFreeNode) {
   Team team(1);
   ContactSet contacts(grid, {}, {}, {5e-4, 1e-3, 1e-3}, team);
   scene.probes.clear();
-  ClothObjective objective(scene, mesh, internal, contacts, team);
+  TimeIntegrator integrator(Integrator::Euler, scene.solver.time_step, scene.air_damping, grid);
+  ClothObjective objective(scene, mesh, integrator, internal, contacts, team);
   Field nodes, velocities;
   for (Field* field : {&nodes, &velocities}) field->clear(mesh.nodes());
   for (int n = 0; n < mesh.nodes(); ++n) {
