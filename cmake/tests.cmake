@@ -25,7 +25,7 @@ endfunction()
 function(haptic_cloth_test_settings name)
   target_include_directories(${name} PRIVATE test)
   target_compile_definitions(${name} PRIVATE HAPTIC_CLOTH_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-  target_link_libraries(${name} haptic_cloth_tools haptic_cloth haptic_cloth_private yaml-cpp Threads::Threads)
+  target_link_libraries(${name} haptic_cloth_tools Threads::Threads)
 endfunction()
 
 # Compiled once for all programs that use it.
