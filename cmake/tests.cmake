@@ -34,7 +34,7 @@ add_library(test_support STATIC EXCLUDE_FROM_ALL ${support_sources})
 haptic_cloth_test_settings(test_support)
 
 foreach(folder unit physics stability fuzz)
-  file(GLOB sources CONFIGURE_DEPENDS test/${folder}/*.cpp)
+  file(GLOB sources CONFIGURE_DEPENDS test/${folder}/*.cpp test/${folder}/*/*.cpp)
   list(REMOVE_ITEM sources "${PROJECT_SOURCE_DIR}/test/fuzz/fuzzer.cpp" "${PROJECT_SOURCE_DIR}/test/fuzz/race.cpp")
   if(sources)
     haptic_cloth_test(${folder}_tests ${sources})
@@ -44,7 +44,8 @@ foreach(folder unit physics stability fuzz)
   endif()
 endforeach()
 if(HAPTIC_CLOTH_SANITIZE STREQUAL "thread")  # of the unit tests those with threads, for scripts/sanitize.sh
-  haptic_cloth_test(exchange_tests test/unit/exchange_test.cpp test/unit/haptics_test.cpp test/support/scenes.cpp)
+  haptic_cloth_test(exchange_tests
+    test/unit/haptics/exchange_test.cpp test/unit/haptics/haptics_test.cpp test/support/scenes.cpp)
 endif()
 target_compile_definitions(unit_tests PRIVATE HAPTIC_CLOTH_SIMULATE="$<TARGET_FILE:simulate>"
   HAPTIC_CLOTH_KES_TEST="$<TARGET_FILE:kes_test>")
