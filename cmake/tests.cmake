@@ -119,6 +119,7 @@ if(TARGET kernel_times)
   add_test(NAME bench_kernels_smoke COMMAND "${PROJECT_SOURCE_DIR}/bench/kernels" --smoke
     --program $<TARGET_FILE:kernel_times> --out "${PROJECT_BINARY_DIR}/bench_kernels")
 endif()
+add_test(NAME bench_pages COMMAND "${PROJECT_SOURCE_DIR}/bench/pages" --check)
 add_test(NAME bench_compare COMMAND "${PROJECT_SOURCE_DIR}/bench/compare_test.py")
 
 # Counts do not depend on the machine's load, but they do on how it is built.
