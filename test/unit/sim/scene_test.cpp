@@ -330,13 +330,6 @@ TEST(SceneOverrides, ReplaceAddAndReachIntoLists) {
   EXPECT_EQ(scene.stop.time, 0.1);
 }
 
-TEST(SceneOverrides, ChangeOnlyTheNamedUseOfAnAnchor) {
-  const Scene scene = parse(std::string(kCloth) + "obstacles: [&ball {shape: sphere, radius: 1}, *ball]\n",
-                            {"obstacles.1.radius=2"});
-  EXPECT_EQ(scene.obstacles[0].radius, 1.0);
-  EXPECT_EQ(scene.obstacles[1].radius, 2.0);
-}
-
 TEST(SceneOverrides, WrongOnesAreNamed) {
   const std::vector<std::pair<std::string, std::string>> cases{
       {"air_damping", "--set: air_damping: must be KEY=VALUE"},
