@@ -11,6 +11,7 @@ import math
 import pathlib
 import sys
 
+import experiments
 import tables
 
 # Keys that identify a row: these, all with a dot (scene keys) and `overrides`.
@@ -82,7 +83,7 @@ def read(path):
     found = {}
     for file in sorted(path.glob("*.json")) if path.is_dir() else [path]:
         try:
-            data = json.loads(file.read_text())
+            data = experiments.load(file)
         except ValueError as error:
             raise InputError("%s: not JSON: %s" % (file, error)) from error
         numbers(data, file.stem if path.is_dir() else "", found)

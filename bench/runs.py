@@ -323,7 +323,7 @@ def wait_policy():
 def add_arguments(parser):
     """Adds the arguments that all scripts have in common."""
     parser.add_argument("--simulate", metavar="PATH", default=SIMULATE, help="the program (default: %(default)s)")
-    parser.add_argument("--out", metavar="DIR", type=pathlib.Path, default=ROOT / "docs/charts",
+    parser.add_argument("--out", metavar="DIR", type=pathlib.Path, default=ROOT / "docs/experiments",
                         help="where tables and data go (default: %(default)s)")
     parser.add_argument("--cache", metavar="DIR", type=pathlib.Path, default=CACHE,
                         help="where runs go and references stay (default: %(default)s)")

@@ -1,6 +1,4 @@
-"""Tables as plain text, markdown and CSV."""
-import csv
-import json
+"""Tables as plain text and markdown."""
 
 
 def cell(value, form):
@@ -17,16 +15,3 @@ def plain(columns, lines):
 def markdown(columns, lines):
     rows = [columns, ["---"] * len(columns)] + lines
     return ["| %s |" % " | ".join(row) for row in rows]
-
-
-def write_csv(path, rows):
-    """Writes rows, which are dictionaries; a missing key leaves its cell empty."""
-    fields = list(dict.fromkeys(key for row in rows for key in row))
-    with open(path, "w", newline="") as stream:
-        writer = csv.DictWriter(stream, fields, restval="", lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-
-
-def write_json(path, data):
-    path.write_text(json.dumps(data, indent=1) + "\n")

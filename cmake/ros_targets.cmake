@@ -15,7 +15,8 @@ add_executable(path_hand src/ros/programs/path_hand_main.cpp)
 add_executable(monitor src/ros/programs/monitor_main.cpp)
 add_executable(device_adapter src/ros/programs/device_adapter_main.cpp)
 
-target_link_libraries(haptic_cloth_ros haptic_cloth haptic_cloth_private ${catkin_LIBRARIES})
+haptic_cloth_headers(haptic_cloth_ros PUBLIC ros)
+target_link_libraries(haptic_cloth_ros haptic_cloth haptic_cloth_haptics ${catkin_LIBRARIES})
 # A thread that waits for a file system outlives an unloaded nodelet; its code must stay.
 set_property(TARGET haptic_cloth_ros APPEND_STRING PROPERTY LINK_FLAGS " -Wl,-z,nodelete")
 foreach(target haptic_cloth_nodelet haptic_cloth_node hand mouse_hand path_hand monitor device_adapter)
@@ -33,7 +34,7 @@ target_link_libraries(latency_probe haptic_cloth_ros nlohmann_json::nlohmann_jso
 add_dependencies(latency_probe ${${PROJECT_NAME}_EXPORTED_TARGETS} ${catkin_EXPORTED_TARGETS})
 
 # The target of find_package(haptic_cloth), for packages that use the devel space.
-export(TARGETS haptic_cloth haptic_cloth_private NAMESPACE haptic_cloth::
+export(TARGETS haptic_cloth NAMESPACE haptic_cloth::
   FILE "${CATKIN_DEVEL_PREFIX}/share/haptic_cloth/cmake/haptic_cloth-targets.cmake")
 
 list(APPEND programs haptic_cloth_node hand mouse_hand path_hand monitor device_adapter latency_probe)

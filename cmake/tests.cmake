@@ -25,7 +25,7 @@ endfunction()
 function(haptic_cloth_test_settings name)
   target_include_directories(${name} PRIVATE test)
   target_compile_definitions(${name} PRIVATE HAPTIC_CLOTH_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-  target_link_libraries(${name} haptic_cloth_tools haptic_cloth haptic_cloth_private yaml-cpp Threads::Threads)
+  target_link_libraries(${name} haptic_cloth_tools Threads::Threads)
 endfunction()
 
 # Compiled once for all programs that use it.
@@ -34,7 +34,7 @@ add_library(test_support STATIC EXCLUDE_FROM_ALL ${support_sources})
 haptic_cloth_test_settings(test_support)
 
 foreach(folder unit physics stability fuzz)
-  file(GLOB sources CONFIGURE_DEPENDS test/${folder}/*.cpp)
+  file(GLOB sources CONFIGURE_DEPENDS test/${folder}/*.cpp test/${folder}/*/*.cpp)
   list(REMOVE_ITEM sources "${PROJECT_SOURCE_DIR}/test/fuzz/fuzzer.cpp" "${PROJECT_SOURCE_DIR}/test/fuzz/race.cpp")
   if(sources)
     haptic_cloth_test(${folder}_tests ${sources})
@@ -44,7 +44,8 @@ foreach(folder unit physics stability fuzz)
   endif()
 endforeach()
 if(HAPTIC_CLOTH_SANITIZE STREQUAL "thread")  # of the unit tests those with threads, for scripts/sanitize.sh
-  haptic_cloth_test(exchange_tests test/unit/exchange_test.cpp test/unit/haptics_test.cpp test/support/scenes.cpp)
+  haptic_cloth_test(exchange_tests
+    test/unit/haptics/exchange_test.cpp test/unit/haptics/haptics_test.cpp test/support/scenes.cpp)
 endif()
 target_compile_definitions(unit_tests PRIVATE HAPTIC_CLOTH_SIMULATE="$<TARGET_FILE:simulate>"
   HAPTIC_CLOTH_KES_TEST="$<TARGET_FILE:kes_test>")
@@ -118,6 +119,7 @@ if(TARGET kernel_times)
   add_test(NAME bench_kernels_smoke COMMAND "${PROJECT_SOURCE_DIR}/bench/kernels" --smoke
     --program $<TARGET_FILE:kernel_times> --out "${PROJECT_BINARY_DIR}/bench_kernels")
 endif()
+add_test(NAME bench_pages COMMAND "${PROJECT_SOURCE_DIR}/bench/pages" --check)
 add_test(NAME bench_compare COMMAND "${PROJECT_SOURCE_DIR}/bench/compare_test.py")
 
 # Counts do not depend on the machine's load, but they do on how it is built.

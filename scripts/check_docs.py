@@ -22,8 +22,8 @@ def documents():
 
 
 def has_any_width(path):
-    """Benchmarks write the pages beside docs/charts/README.md; bench/peers has wide tables."""
-    written = path.parent == ROOT / "docs" / "charts" and path.name != "README.md"
+    """Scripts write the pages beside docs/experiments/README.md; bench/peers has wide tables."""
+    written = path.parent == ROOT / "docs" / "experiments" and path.name != "README.md"
     return written or ROOT / "bench" in path.parents
 
 

@@ -13,13 +13,12 @@ def expected_files(build, rostests):
     """Names of the result files that the tests known to ctest must leave."""
     text = (build / "CTestTestfile.cmake").read_text()
     names = set(re.findall(r"test_results/haptic_cloth/([\w.-]+\.xml)", text))
-    for name in list(names):
-        if not name.startswith("rostest-test_ros_"):
-            continue
-        # The gtest inside a rostest has a result of its own, named by test-name.
-        stem = name[len("rostest-test_ros_"):-len(".xml")]
-        launch = (rostests / (stem + ".test")).read_text()
-        names.update("rosunit-%s.xml" % test for test in re.findall(r'test-name="([^"]+)"', launch))
+    # The gtest inside a rostest has a result of its own, named by test-name.
+    for launch in rostests.rglob("*.test"):
+        stem = "_".join(launch.relative_to(rostests).with_suffix("").parts)
+        if "rostest-test_ros_%s.xml" % stem in names:
+            names.update("rosunit-%s.xml" % test
+                         for test in re.findall(r'test-name="([^"]+)"', launch.read_text()))
     return names
 
 

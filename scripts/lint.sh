@@ -40,7 +40,7 @@ if command -v doxygen >/dev/null; then
 else
   echo "doxygen not found: the comments of the public headers are not checked"
 fi
-for script in scripts/*.py test/ros/*.py; do
+for script in scripts/*.py test/ros/*/*.py; do
   head -n 1 "$script" | grep -qx '#!/usr/bin/python3' || { echo "$script: must start with #!/usr/bin/python3"; exit 1; }
 done
 echo "lint: clean"

@@ -1,10 +1,13 @@
 #!/usr/bin/python3
-"""Runs the physics tests and draws docs/validation.md's table and plots from what they record."""
+"""Runs the physics tests and writes docs/experiments/validation.* and the plots from what they record."""
 import argparse
 import collections
 import csv
 import os
+import pathlib
+import re
 import subprocess
+import sys
 import tempfile
 
 import matplotlib
@@ -14,22 +17,27 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
-BEGIN, END = "<!-- table: scripts/validation.py -->", "<!-- end of table -->"
-COLUMNS = ["case", "quantity", "mesh", "at", "value", "exact", "error %"]
+sys.path.insert(0, os.path.join(ROOT, "bench"))
+import experiments
+import tables
+
 MESHES = ["finest", "amrc", "coarsest"]
 Row = collections.namedtuple("Row", "case quantity mesh at value exact error")
 
 
 def run_tests(program, filters):
-    """Rows that the tests record; a failing test still has recorded its numbers."""
+    """What the program says of the machine, and rows that the tests record, also those that fail."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "record.csv")
         done = subprocess.run([program, "--gtest_filter=" + filters],
-                              env=dict(os.environ, HAPTIC_CLOTH_RECORD=path, GTEST_BRIEF="1"), check=False)
+                              env=dict(os.environ, HAPTIC_CLOTH_RECORD=path, GTEST_BRIEF="1"), check=False,
+                              stdout=subprocess.PIPE, universal_newlines=True)
+        print(done.stdout, end="")
         if done.returncode != 0:
             print("some tests failed: their numbers are in the table too")
+        machine = re.search(r"^processor (.*); kernels for (\w+)$", done.stdout, re.M)
         with open(path, newline="") as file:
-            return [Row(*row[:3], *map(float, row[3:])) for row in csv.reader(file)]
+            return {"processor": machine[1], "simd": machine[2]}, [Row(*row[:3], *map(float, row[3:])) for row in csv.reader(file)]
 
 
 def groups(rows):
@@ -44,30 +52,21 @@ def digits(value):
     return "0" if value == 0 else f"{value:.2g}" if abs(value) < 99.5 else f"{value:.0f}"
 
 
-def table(rows):
+def document(data):
     """Largest |error| of each case and quantity, a column a mesh."""
-    lines = ["| case | quantity | at | " + " | ".join(f"{mesh}, %" for mesh in MESHES) + " |", "| --- " * 6 + "|"]
-    for (case, quantity), members in groups(rows).items():
-        at = sorted({row.at for row in members if row.mesh in MESHES})  # the others are for plots, or for charts/validation.csv alone
+    lines = []
+    for (case, quantity), members in groups([Row(**row) for row in data["rows"]]).items():
+        at = sorted({row.at for row in members if row.mesh in MESHES})  # the others are for plots
         if not at:
             continue
         span = "" if at == [0] else f"{at[0]:g}" if len(at) == 1 else f"{at[0]:g} … {at[-1]:g}"
-        cells = []
-        for mesh in MESHES:
-            errors = [abs(row.error) for row in members if row.mesh == mesh]
-            cells.append(digits(max(errors)) if errors else "")
-        lines.append(f"| {case} | {quantity} | {span} | " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+        errors = [[abs(row.error) for row in members if row.mesh == mesh] for mesh in MESHES]
+        lines.append([case, quantity, span] + [digits(max(found)) if found else "" for found in errors])
+    head = ["case", "quantity", "at"] + [f"{mesh}, %" for mesh in MESHES]
+    return ["[What the rows mean](../validation.md#results).", ""] + tables.markdown(head, lines)
 
 
-def write_table(path, text):
-    with open(path) as file:
-        page = file.read()
-    if page.count(BEGIN) != 1 or page.count(END) != 1:
-        raise SystemExit(f"{path}: needs one line '{BEGIN}' and one '{END}'")
-    head, rest = page.split(BEGIN)
-    with open(path, "w") as file:
-        file.write(head + BEGIN + "\n" + text + "\n" + END + rest.split(END)[1])
+PAGE = experiments.Page("validation", "Errors against references", "scripts/validation.py", document)
 
 
 def save(figure, axes, xlabel, ylabel, name):
@@ -135,12 +134,10 @@ def main():
     parser.add_argument("build", help="build directory with devel/lib/haptic_cloth/physics_tests")
     parser.add_argument("--filter", default="*", help="gtest filter, for a quick look (default: all)")
     arguments = parser.parse_args()
-    rows = run_tests(os.path.join(arguments.build, "devel/lib/haptic_cloth/physics_tests"), arguments.filter)
-    for folder in ("charts", "images"):
-        os.makedirs(os.path.join(ROOT, "docs", folder), exist_ok=True)
-    with open(os.path.join(ROOT, "docs/charts/validation.csv"), "w", newline="") as file:
-        csv.writer(file, lineterminator="\n").writerows([COLUMNS] + sorted(rows))
-    write_table(os.path.join(ROOT, "docs/validation.md"), table(rows))
+    machine, rows = run_tests(os.path.join(arguments.build, "devel/lib/haptic_cloth/physics_tests"), arguments.filter)
+    experiments.write(pathlib.Path(ROOT) / "docs/experiments", PAGE, {
+        **machine, "rows": [row._asdict() for row in sorted(rows)]})
+    os.makedirs(os.path.join(ROOT, "docs/images"), exist_ok=True)
     for plot in (plot_cantilever, plot_convergence, plot_hysteresis):
         plot(rows)
 

@@ -78,7 +78,7 @@ Assignment parseAssignment(const std::string& text) {
 }
 
 /// Copies `node` and replaces the part that assignment.parts[depth...] names. Nodes off that path
-/// are shared, so an anchor used twice changes only where it was named. Appends the path to `key`.
+/// are shared. Appends the path to `key`.
 YAML::Node replaced(const YAML::Node& node, const Assignment& assignment, std::size_t depth,
                     std::string& key) {
   if (depth == assignment.parts.size()) return assignment.value;

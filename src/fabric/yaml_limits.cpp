@@ -4,8 +4,6 @@
 #include <yaml-cpp/yaml.h>
 
 #include <sstream>
-#include <unordered_map>
-#include <vector>
 
 #include "haptic_cloth/error.h"
 
@@ -25,60 +23,37 @@ class Counter : public YAML::EventHandler {
   }
   void OnDocumentEnd() override {}
 
-  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { leaf(mark, anchor); }
-  void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
-                const std::string&) override {
-    leaf(mark, anchor);
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t) override { count(mark); }
+  void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t, const std::string&) override {
+    count(mark);
   }
-  void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
-    const auto size = sizes_.find(anchor);
-    if (size == sizes_.end()) fail(mark, "must not hold an alias of what it stands in");
-    add(mark, size->second);
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
+    fail(mark, "must not hold an alias (*name); write the value again");
   }
 
-  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
                        YAML::EmitterStyle::value) override {
-    open(mark, anchor);
+    open(mark);
   }
-  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
                   YAML::EmitterStyle::value) override {
-    open(mark, anchor);
+    open(mark);
   }
-  void OnSequenceEnd() override { close(); }
-  void OnMapEnd() override { close(); }
+  void OnSequenceEnd() override { --depth_; }
+  void OnMapEnd() override { --depth_; }
 
  private:
-  /// List or mapping that is not complete yet.
-  struct Open {
-    YAML::anchor_t anchor;
-    std::size_t values_before;
-  };
-
-  void add(const YAML::Mark& mark, std::size_t values) {
-    values_ += values;
-    if (values_ > YamlLimits::kValues) {
-      fail(mark, "must hold at most " + std::to_string(YamlLimits::kValues) +
-                     " values, those that aliases stand for counted each time");
+  void count(const YAML::Mark& mark) {
+    if (++values_ > YamlLimits::kValues) {
+      fail(mark, "must hold at most " + std::to_string(YamlLimits::kValues) + " values");
     }
   }
 
-  void leaf(const YAML::Mark& mark, YAML::anchor_t anchor) {
-    add(mark, 1);
-    if (anchor != YAML::NullAnchor) sizes_[anchor] = 1;
-  }
-
-  void open(const YAML::Mark& mark, YAML::anchor_t anchor) {
-    open_.push_back({anchor, values_});
-    if (open_.size() > static_cast<std::size_t>(YamlLimits::kDepth)) {
+  void open(const YAML::Mark& mark) {
+    if (++depth_ > YamlLimits::kDepth) {
       fail(mark, "must not nest lists and mappings deeper than " + std::to_string(YamlLimits::kDepth));
     }
-    add(mark, 1);
-  }
-
-  void close() {
-    const Open ended = open_.back();
-    open_.pop_back();
-    if (ended.anchor != YAML::NullAnchor) sizes_[ended.anchor] = values_ - ended.values_before;
+    count(mark);
   }
 
   [[noreturn]] void fail(const YAML::Mark& mark, const std::string& rule) const {
@@ -90,9 +65,7 @@ class Counter : public YAML::EventHandler {
   bool has_lines_;
   bool begun_ = false;  ///< a document has begun
   std::size_t values_ = 0;
-  std::vector<Open> open_;
-  /// Number of values that an anchor names, once complete.
-  std::unordered_map<YAML::anchor_t, std::size_t> sizes_;
+  int depth_ = 0;
 };
 
 }  // namespace

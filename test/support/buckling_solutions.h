@@ -1,5 +1,5 @@
 /// Buckled equilibria as references: shooting, elliptic integrals and a power series.
-/// test/physics/buckling_test.cpp and lateral_buckling_test.cpp check them against the literature.
+/// The tests of buckling in test/physics/sheet check them against the literature.
 #pragma once
 
 namespace haptic_cloth {

@@ -11,7 +11,6 @@
 #include "ros/haptic/haptic_thread.h"
 #include "ros/haptic/probe_topics.h"
 #include "ros/input/obstacle_topics.h"
-#include "ros/node/master_watch.h"
 #include "ros/node/shared_state.h"
 #include "ros/options/node_options.h"
 
@@ -28,7 +27,6 @@ struct DisplaySources {
   const std::deque<ProbeTopics>& probes;
   const std::deque<ObstacleTopics>& obstacles;
   const HapticThread& haptics;
-  const MasterWatch& master;
 };
 
 class DisplayThread {

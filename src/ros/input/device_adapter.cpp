@@ -23,12 +23,9 @@ constexpr double kFlush = 0.05;       ///< time for the last message to leave th
 AdapterOptions readAdapterOptions(ParameterGroup group) {
   AdapterOptions options;
   ParameterGroup pose = group.group("pose"), force = group.group("force");
-  pose.read("field", options.pose_field);
   pose.read("frame_id", options.pose_frame);
   pose.rejectRest();
   force.read("type", options.force_type);
-  force.read("definition", options.force_definition);
-  force.read("field", options.force_field);
   force.read("timeout", options.timeout, false);
   force.rejectRest();
   group.rejectRest();
@@ -55,51 +52,31 @@ PoseAdapter::PoseAdapter(ros::NodeHandle& node, const AdapterOptions& options)
 }
 
 void PoseAdapter::accept(const topic_tools::ShapeShifter::ConstPtr& message) {
-  if (!learn(*message)) return;
-  bytes_.resize(message->size());
-  ros::serialization::OStream stream(bytes_.data(), message->size());
-  message->write(stream);
-  const std::optional<Vec3> position = reader_->read(bytes_);
-  if (!position) {
-    ROS_WARN_STREAM_THROTTLE(kSayPeriod, "a message of " << message->getDataType() << " holds no position");
+  if (message->getMD5Sum() != md5sum_) {
+    md5sum_ = message->getMD5Sum();
+    reader_ = findPositionReader(md5sum_);
+    if (reader_) {
+      ROS_INFO_STREAM("positions from " << message->getDataType());
+    } else {
+      ROS_ERROR_STREAM(message->getDataType() << ": no known type of position");
+    }
+  }
+  if (!reader_) return;
+  const std::optional<DriverPosition> found = reader_(*message);
+  if (!found) {
+    ROS_WARN_STREAM_THROTTLE(kSayPeriod, "a message of " << message->getDataType() << " is too short");
     return;
   }
-  const MessageHeader header = reader_->header(bytes_);
   geometry_msgs::PoseStamped pose;
-  pose.header.stamp = header.stamp.isZero() ? ros::Time::now() : header.stamp;
-  pose.header.frame_id = options_.pose_frame.empty() ? header.frame_id : options_.pose_frame;
-  pose.pose = toPose(*position);
+  pose.header.stamp = found->header.stamp.isZero() ? ros::Time::now() : found->header.stamp;
+  pose.header.frame_id = options_.pose_frame.empty() ? found->header.frame_id : options_.pose_frame;
+  pose.pose = toPose(found->position);
   pose_.publish(pose);
-}
-
-bool PoseAdapter::learn(const topic_tools::ShapeShifter& message) {
-  if (message.getMD5Sum() == fingerprint_) return reader_.has_value();
-  fingerprint_ = message.getMD5Sum();
-  reader_.reset();
-  try {
-    const MessageLayout layout(message.getDataType(), message.getMessageDefinition());
-    const auto path = options_.pose_field.empty() ? findVector(layout, positionPaths()) : options_.pose_field;
-    if (!path) throw InputError(message.getDataType(), "", "", "holds no position; set ~pose/field");
-    reader_.emplace(layout, *path);
-    ROS_INFO_STREAM("positions from " << message.getDataType() << (path->empty() ? "" : ", " + *path));
-  } catch (const InputError& error) {
-    ROS_ERROR_STREAM(error.what());  // a callback must not end the node
-  }
-  return reader_.has_value();
 }
 
 ForceAdapter::ForceAdapter(ros::NodeHandle& node, const AdapterOptions& options)
     : options_(options), node_(node) {
-  if (!options.force_type.empty()) {
-    const std::optional<ForceType> type = options.force_definition.empty()
-                                              ? findForceType(options.force_type)
-                                              : ForceType{options.force_type, options.force_definition, {}};
-    if (!type) {
-      throw InputError("force/type", options.force_type, "",
-                       "is not known here; give its text in force/definition");
-    }
-    advertise(*type);
-  }
+  if (!options.force_type.empty()) advertise(options.force_type);
   subscriber_ = node_.subscribe<geometry_msgs::WrenchStamped>(
       topics::kReaction, topics::kReactionQueue,
       [this](const geometry_msgs::WrenchStamped::ConstPtr& wrench) { accept(*wrench); }, ros::VoidConstPtr(),
@@ -108,7 +85,7 @@ ForceAdapter::ForceAdapter(ros::NodeHandle& node, const AdapterOptions& options)
 
 void ForceAdapter::look() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (!writer_) learn();
+  if (!type_) learn();
   if (steadyNow() - received_ > options_.timeout) send(Vec3::Zero(), {ros::Time::now(), ""});
 }
 
@@ -144,31 +121,25 @@ void ForceAdapter::learn() {
   const std::optional<std::string> name = typeOnMaster(node_.resolveName(topics::kDeviceForce));
   if (!name || *name == refused_) return;
   try {
-    const std::optional<ForceType> type = options_.force_definition.empty()
-                                              ? findForceType(*name)
-                                              : ForceType{*name, options_.force_definition, {}};
-    if (!type)
-      throw InputError(*name, "", "", "is no known type of force; give its text in ~force/definition");
-    advertise(*type);
+    advertise(*name);
   } catch (const InputError& error) {
     refused_ = *name;
     ROS_ERROR_STREAM(error.what());  // the driver may subscribe again with another type
   }
 }
 
-void ForceAdapter::advertise(const ForceType& type) {
-  const MessageLayout layout(type.datatype, type.definition);
-  const auto path = options_.force_field.empty() ? findVector(layout, forcePaths()) : options_.force_field;
-  if (!path) throw InputError(type.datatype, "", "", "holds no force; set ~force/field");
-  writer_.emplace(layout, *path, type.lengths);
-  message_.morph(layout.fingerprint(), type.datatype, type.definition, "");
+void ForceAdapter::advertise(const std::string& datatype) {
+  const ForceType* type = findForceType(datatype);
+  if (!type) throw InputError("force/type", datatype, "", "must be a type of force that the adapter knows");
+  message_.morph(type->md5sum, datatype, type->definition, "");
   force_ = message_.advertise(node_, topics::kDeviceForce, topics::kReactionQueue);
-  ROS_INFO_STREAM("forces as " << type.datatype << (path->empty() ? "" : ", " + *path));
+  type_ = type;
+  ROS_INFO_STREAM("forces as " << datatype);
 }
 
 void ForceAdapter::send(const Vec3& force, const MessageHeader& header) {
-  if (!writer_) return;
-  std::vector<unsigned char> bytes = writer_->write(force, header);
+  if (!type_) return;
+  std::vector<unsigned char> bytes = type_->write(force, header);
   ros::serialization::IStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
   message_.read(stream);
   force_.publish(message_);

@@ -12,20 +12,16 @@
 #include <string>
 #include <vector>
 
-#include "ros/input/force_types.h"
-#include "ros/input/vector_field.h"
+#include "ros/input/driver_messages.h"
 #include "ros/options/parameter_group.h"
 
 namespace haptic_cloth {
 
 /// Private parameters of the adapter, with their defaults.
 struct AdapterOptions {
-  std::string pose_field;        ///< dotted path of the position; empty: the first that fits
-  std::string pose_frame;        ///< frame_id of the pose; empty: that of the driver's header
-  std::string force_type;        ///< package/Name; empty: the type with which the driver subscribes
-  std::string force_definition;  ///< text of an unknown type, with the types it contains
-  std::string force_field;       ///< dotted path of the force; empty: the first that fits
-  double timeout = 0.05;         ///< zero is sent after this silence of the node [s]
+  std::string pose_frame;  ///< frame_id of the pose; empty: that of the driver's header
+  std::string force_type;  ///< package/Name; empty: the type with which the driver subscribes
+  double timeout = 0.05;   ///< zero is sent after this silence of the node [s]
 };
 
 /// @throws InputError for an unknown key or an invalid value
@@ -34,30 +30,26 @@ AdapterOptions readAdapterOptions(ParameterGroup group);
 /// Type of `topic` according to the master, if the master knows one.
 std::optional<std::string> typeOnMaster(const std::string& topic);
 
-/// device/pose (any type) → probe/pose.
+/// device/pose (a type of driver_messages.h) → probe/pose.
 class PoseAdapter {
  public:
   PoseAdapter(ros::NodeHandle& node, const AdapterOptions& options);
 
  private:
   void accept(const topic_tools::ShapeShifter::ConstPtr& message);
-  /// Finds the position in the message. @return whether it is known
-  bool learn(const topic_tools::ShapeShifter& message);
 
   AdapterOptions options_;
   ros::Publisher pose_;
   ros::Subscriber subscriber_;
-  /// MD5 sum of the type that was examined last; empty before the first message.
-  std::string fingerprint_;
-  std::optional<VectorReader> reader_;
-  std::vector<unsigned char> bytes_;
+  std::string md5sum_;               ///< of the newest message; empty before the first
+  PositionReader reader_ = nullptr;  ///< for messages with that sum
 };
 
-/// probe/reaction → device/force (any type). Sends zero if the node is silent, if a force is not
-/// finite, and at the end, because drivers hold the last force for ever.
+/// probe/reaction → device/force (a type of driver_messages.h). Sends zero if the node is silent, if a force
+/// is not finite, and at the end, because drivers hold the last force for ever.
 class ForceAdapter {
  public:
-  /// @throws InputError for a type that cannot take a force
+  /// @throws InputError for a type that is not known
   ForceAdapter(ros::NodeHandle& node, const AdapterOptions& options);
 
   /// Asks for the driver's type until it is known, and sends zero if no force comes. Call it every
@@ -71,13 +63,14 @@ class ForceAdapter {
   void accept(const geometry_msgs::WrenchStamped& wrench);
   /// Asks the master for the driver's type and advertises it if it is known.
   void learn();
-  void advertise(const ForceType& type);
+  /// @throws InputError for a type that is not known
+  void advertise(const std::string& datatype);
   void send(const Vec3& force, const MessageHeader& header);
 
   AdapterOptions options_;
   ros::NodeHandle node_;
   std::mutex mutex_;  ///< protects all members below
-  std::optional<VectorWriter> writer_;
+  const ForceType* type_ = nullptr;
   topic_tools::ShapeShifter message_;
   ros::Publisher force_;
   double received_ = -1.0;  ///< last finite force, steady clock [s]; < 0: none yet

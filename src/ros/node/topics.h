@@ -40,7 +40,7 @@ constexpr int kStateQueue = 1;
 constexpr char kDiagnostics[] = "/diagnostics";
 constexpr int kDiagnosticsQueue = 10;
 
-// Topics between adapter and driver, of any type.
+// Topics between adapter and driver, of the types in driver_messages.h.
 constexpr char kDevicePose[] = "device/pose";
 constexpr char kDeviceForce[] = "device/force";
 

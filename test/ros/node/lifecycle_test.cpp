@@ -1,0 +1,258 @@
+/// Start and end of the node: bad parameters, signals, rosnode kill, a lost master.
+#include <dynamic_reconfigure/Reconfigure.h>
+#include <gtest/gtest.h>
+#include <haptic_cloth/LoadState.h>
+#include <haptic_cloth/SaveState.h>
+#include <ros/ros.h>
+#include <signal.h>
+#include <std_srvs/Empty.h>
+#include <std_srvs/SetBool.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "ros/node/steady_clock.h"
+#include "ros/support/ros_test_support.h"
+
+namespace haptic_cloth {
+namespace {
+
+const std::string kScene = std::string(HAPTIC_CLOTH_SOURCE_DIR) + "/test/ros/support/scene.yaml";
+
+std::vector<std::string> nodeCommand(const std::vector<std::string>& parameters) {
+  std::vector<std::string> command{programDirectory() + "/haptic_cloth_node", "__name:=cloth"};
+  command.insert(command.end(), parameters.begin(), parameters.end());
+  return command;
+}
+
+/// Command of the node whose output can be read while it runs.
+std::vector<std::string> readableCommand() {
+  std::vector<std::string> command = nodeCommand({"_scene_file:=" + kScene});
+  command.insert(command.begin(), {"stdbuf", "-oL"});
+  return command;
+}
+
+bool waitUntilReady(const Process& process) {
+  return waitFor([&] { return process.output().find("ready") != std::string::npos; });
+}
+
+class LifecycleTest : public testing::Test {
+ protected:
+  LifecycleTest() : spinner_(2) { spinner_.start(); }
+  void TearDown() override { ros::param::del("/cloth"); }
+
+  /// Starts a node whose probe presses on the cloth and feels a force.
+  void startPressed(const std::vector<std::string>& environment = {}) {
+    process_ = std::make_unique<Process>(nodeCommand({"_scene_file:=" + kScene}), environment);
+    reaction_ = std::make_unique<ReactionListener>(node_, "probe/reaction");
+    device_ = std::make_unique<TestDevice>(node_, Vec3(0.0, 0.0, 0.125));
+    // A press starts with the probe clear of the cloth.
+    const DiagnosticsListener diagnostics(node_);
+    ASSERT_TRUE(waitFor([&] { return diagnostics.value("probe", "status") == "free"; }));
+    device_->moveTo(Vec3(0.0, 0.0, 0.100));
+    ASSERT_TRUE(waitFor([this] { return reaction_->force().z() > 0.1; })) << process_->output();
+  }
+
+  void expectZeroAtTheEnd() {
+    EXPECT_EQ(process_->wait(), 0) << process_->output();
+    EXPECT_TRUE(waitFor([this] { return reaction_->force() == Vec3::Zero(); })) << "the force was left on";
+    EXPECT_TRUE(reaction_->finite());
+  }
+
+  void expectRefused(const std::vector<std::string>& parameters, const std::string& word) {
+    Process process(nodeCommand(parameters));
+    EXPECT_EQ(process.wait(), 2) << process.output();
+    EXPECT_NE(process.output().find(word), std::string::npos) << process.output();
+    ros::param::del("/cloth");
+  }
+
+  ros::NodeHandle node_;
+  ros::AsyncSpinner spinner_;
+  std::unique_ptr<Process> process_;
+  std::unique_ptr<ReactionListener> reaction_;
+  std::unique_ptr<TestDevice> device_;
+};
+
+TEST_F(LifecycleTest, SigtermSendsZeroLast) {
+  startPressed();
+  process_->signal(SIGTERM);
+  expectZeroAtTheEnd();
+}
+
+TEST_F(LifecycleTest, SigintSendsZeroLast) {
+  startPressed();
+  process_->signal(SIGINT);
+  expectZeroAtTheEnd();
+}
+
+TEST_F(LifecycleTest, RosnodeKillSendsZeroLast) {
+  startPressed();
+  Process kill({"rosnode", "kill", "/cloth"});
+  EXPECT_EQ(kill.wait(), 0) << kill.output();
+  expectZeroAtTheEnd();
+}
+
+/// Service calls that may not return before the node ends.
+class PendingCalls {
+ public:
+  explicit PendingCalls(Process& node) : node_(node) {}
+  ~PendingCalls() {
+    if (node_.running()) node_.signal(SIGKILL);
+    for (std::thread& call : calls_) call.join();
+  }
+  template <class Service>
+  void start(const std::string& name, const std::string& file) {
+    calls_.emplace_back([name, file] {
+      Service service;
+      service.request.file = file;
+      ros::service::call(name, service);
+    });
+  }
+
+ private:
+  Process& node_;
+  std::vector<std::thread> calls_;
+};
+
+TEST_F(LifecycleTest, AFileSystemThatDoesNotAnswerHoldsUpNobody) {
+  char directory[] = "/tmp/haptic_cloth_test_XXXXXX";
+  ASSERT_NE(mkdtemp(directory), nullptr);
+  const std::filesystem::path here = directory;
+  std::ofstream(here / "slow_disk") << "never read";
+  startPressed({"LD_PRELOAD=" HAPTIC_CLOTH_SLOW_DISK});
+  if (HasFatalFailure()) return;
+  PendingCalls pending(*process_);
+  pending.start<LoadState>("/cloth/load_state", here / "slow_disk");
+  ASSERT_TRUE(waitFor([&] { return std::filesystem::exists(here / "waiting_to_load"); }));
+  pending.start<SaveState>("/cloth/save_state", here / "slow_disk.state");
+  ASSERT_TRUE(waitFor([&] { return std::filesystem::exists(here / "waiting_to_save"); }))
+      << "loading holds up saving";
+  EXPECT_GT(reaction_->force().z(), 0.1) << "the force goes on";
+
+  std_srvs::SetBool pause;
+  pause.request.data = true;
+  ASSERT_TRUE(ros::service::call("/cloth/pause", pause));
+  EXPECT_TRUE(waitFor([this] { return reaction_->force() == Vec3::Zero(); }));
+  pause.request.data = false;
+  ASSERT_TRUE(ros::service::call("/cloth/pause", pause));
+  std_srvs::Empty reset;
+  EXPECT_TRUE(ros::service::call("/cloth/reset", reset));
+  dynamic_reconfigure::Reconfigure options;
+  EXPECT_TRUE(ros::service::call("/cloth/set_parameters", options));
+  process_->signal(SIGTERM);
+  expectZeroAtTheEnd();
+  std::filesystem::remove_all(here);
+}
+
+TEST_F(LifecycleTest, ASceneThatCannotBeReadDoesNotKeepTheNodeFromEnding) {
+  char directory[] = "/tmp/haptic_cloth_test_XXXXXX";
+  ASSERT_NE(mkdtemp(directory), nullptr);
+  const std::filesystem::path here = directory, scene = here / "slow_disk.yaml";
+  std::filesystem::copy_file(kScene, scene);
+  Process process(nodeCommand({"_scene_file:=" + scene.string()}), {"LD_PRELOAD=" HAPTIC_CLOTH_SLOW_DISK});
+  ASSERT_TRUE(waitFor([&] { return std::filesystem::exists(here / "waiting_to_load"); })) << process.output();
+  process.signal(SIGTERM);
+  EXPECT_EQ(process.wait(), 0) << process.output();
+  std::filesystem::remove_all(here);
+}
+
+TEST_F(LifecycleTest, NodesInTwoNamespacesAreToldApart) {
+  const DiagnosticsListener diagnostics(node_);
+  Process left(nodeCommand({"__ns:=left", "_scene_file:=" + kScene}));
+  Process right(nodeCommand({"__ns:=right", "_scene_file:=" + kScene}));
+  for (const char* const name : {"left/cloth: probe", "right/cloth: probe", "left/cloth: solver"})
+    EXPECT_TRUE(waitFor([&] { return diagnostics.heard(name); })) << name;
+  for (Process* node : {&left, &right}) {
+    node->signal(SIGTERM);
+    EXPECT_EQ(node->wait(), 0) << node->output();
+  }
+  ros::param::del("/left");
+  ros::param::del("/right");
+}
+
+TEST_F(LifecycleTest, BadParametersAreNamed) {
+  const std::string scene = "_scene_file:=" + kScene;
+  expectRefused({}, "cloth");
+  expectRefused({scene, "_colour:=red"}, "colour");
+  expectRefused({scene, "_haptics/max_farce:=3.0"}, "haptics/max_farce");
+  expectRefused({scene, "_haptics/max_force:=-1.0"}, "haptics/max_force");
+  expectRefused({scene, "_max_pose_age:=soon"}, "max_pose_age");
+  expectRefused({scene, "_probe/radius:=-0.01"}, "probe.radius");
+  expectRefused({"_scene_file:=/nowhere/scene.yaml"}, "/nowhere/scene.yaml");
+}
+
+TEST_F(LifecycleTest, RespawnDoesNotRepeatBadParameters) {
+  // roslaunch restarts every program that ends, so this one must not end: it reports one error and
+  // waits for a signal.
+  char settings[] = "/tmp/haptic_cloth_test_XXXXXX";
+  const int file = mkstemp(settings);
+  ASSERT_GE(file, 0);
+  const std::string text = "haptics: {max_force: -1.0}\n";
+  ASSERT_EQ(write(file, text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  close(file);
+  Process launch({"roslaunch", "haptic_cloth", "haptic_cloth.launch", "respawn:=true", "scene:=" + kScene,
+                  std::string("settings:=") + settings});
+  const auto errors = [&] {
+    const std::string output = launch.output(), rule = "must be finite and > 0";
+    int count = 0;
+    for (auto at = output.find(rule); at != std::string::npos; at = output.find(rule, at + 1)) ++count;
+    return count;
+  };
+  ASSERT_TRUE(waitFor([&] { return errors() > 0; })) << launch.output();
+  sleepUntil(steadyNow() + 5.0);  // a node that ends is restarted after 0.5 to 1.5 s
+  EXPECT_EQ(errors(), 1) << launch.output();
+  EXPECT_EQ(launch.output().find("restarting"), std::string::npos) << launch.output();
+  EXPECT_TRUE(launch.running()) << launch.output();
+  launch.signal(SIGINT);
+  EXPECT_GE(launch.wait(), 0) << launch.output();
+  unlink(settings);
+  ros::param::del("/haptic_cloth");
+}
+
+TEST_F(LifecycleTest, ALaunchedSceneFindsTheFabricBesideIt) {
+  // rosparam gives the node only the content of the scene; the launch file adds its folder.
+  char directory[] = "/tmp/haptic_cloth_test_XXXXXX";
+  ASSERT_NE(mkdtemp(directory), nullptr);
+  const std::filesystem::path here = directory;
+  std::filesystem::copy_file(std::string(HAPTIC_CLOTH_SOURCE_DIR) + "/config/fabrics/linear.yaml",
+                             here / "mine.yaml");
+  std::ofstream(here / "scene.yaml") << "cloth: {particles: [5, 5], fabric: mine.yaml}\n";
+  Process launch(
+      {"roslaunch", "haptic_cloth", "haptic_cloth.launch", "scene:=" + (here / "scene.yaml").string()});
+  EXPECT_TRUE(waitFor([] { return ros::service::exists("/haptic_cloth/reset", false); })) << launch.output();
+  launch.signal(SIGINT);
+  EXPECT_GE(launch.wait(), 0) << launch.output();
+  std::filesystem::remove_all(here);
+  ros::param::del("/haptic_cloth");
+}
+
+TEST_F(LifecycleTest, WaitsForTheMasterAndCanBeStoppedMeanwhile) {
+  Process process(nodeCommand({}), {"ROS_MASTER_URI=http://localhost:9/"});
+  ASSERT_TRUE(waitFor([&] { return process.output().find("waiting") != std::string::npos; }));
+  process.signal(SIGTERM);
+  EXPECT_EQ(process.wait(), 0);
+}
+
+TEST_F(LifecycleTest, AMasterThatDoesNotAnswerDoesNotKeepTheNodeFromEnding) {
+  OwnMaster master;
+  Process process(readableCommand(), {"ROS_MASTER_URI=" + master.uri()});
+  ASSERT_TRUE(waitUntilReady(process)) << process.output();
+  sleepUntil(steadyNow() + 2.0);  // roscpp asks the master for a parameter while it logs this
+  master.signal(SIGSTOP);
+  process.signal(SIGTERM);
+  EXPECT_EQ(process.wait(), 0) << process.output();
+}
+
+}  // namespace
+}  // namespace haptic_cloth
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "ros_lifecycle_test");
+  return RUN_ALL_TESTS();
+}

@@ -1,0 +1,136 @@
+/// Work that services pass on: to the solver thread, and to threads that wait for files. Criteria:
+/// every caller gets its own answer; waiting can be cancelled; a state has the requested options.
+#include "ros/node/solver_tasks.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <future>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "haptic_cloth/error.h"
+#include "ros/node/file_work.h"
+#include "ros/node/solver_loop.h"
+#include "ros/node/steady_clock.h"
+#include "ros/support/yaml_parameters.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kPatience = 60.0;  ///< never reached [s]
+
+bool never() { return false; }
+
+TEST(FileWork, IsWaitedFor) {
+  std::string text;
+  EXPECT_TRUE(runFileWork([&] { text = "read"; }, never));
+  EXPECT_EQ(text, "read");
+  EXPECT_THROW(runFileWork([] { throw InputError("file", "", "", "bad"); }, never), InputError);
+}
+
+TEST(FileWork, IsLeftBehindWhereItIsCalledOff) {
+  // The work waits for this promise as it would for a file system that does not answer.
+  const auto answer = std::make_shared<std::promise<void>>();
+  std::atomic<bool> begun{false};
+  std::promise<void> ended;
+  const auto work = [answer, &begun, &ended] {
+    begun = true;
+    answer->get_future().wait();
+    ended.set_value_at_thread_exit();
+  };
+  EXPECT_FALSE(runFileWork(work, [&] { return begun.load(); }));
+  answer->set_value();
+  ended.get_future().wait();
+}
+
+class SolverTasksTest : public testing::Test {
+ protected:
+  SolverTasksTest()
+      : options_(parseNodeOptions(sceneParameters(), "test")),
+        shared_(options_.scene),
+        loop_(options_, shared_) {}
+
+  /// Requests a change as a service does.
+  void ask(const LiveValues& values) {
+    const NodeOptions next = changed(*live_.options, values, "test");
+    live_ = nextOptions(live_, next, steadyNow());
+    shared_.live_for_solver.write(live_);
+  }
+
+  NodeOptions options_;
+  SharedState shared_;
+  SolverLoop loop_;
+  LiveOptions live_ = firstOptions(options_);
+};
+
+TEST_F(SolverTasksTest, EveryCallerIsAnswered) {
+  std::thread solver([this] { loop_.run(); });
+  std::vector<std::future<int>> answers;
+  for (int k = 0; k < 20; ++k) {
+    answers.push_back(std::async(std::launch::async, [this, k] {
+      int answer = -1;
+      const auto work = [&](SolverLoop&) {
+        answer = k;
+        if (k == 7) throw InputError("seven", "", "", "is refused");
+      };
+      try {
+        return shared_.tasks.run(work, shared_.stop, kPatience) ? answer : -2;
+      } catch (const InputError&) {
+        return -7;
+      }
+    }));
+  }
+  for (int k = 0; k < 20; ++k) EXPECT_EQ(answers[static_cast<std::size_t>(k)].get(), k == 7 ? -7 : k);
+  shared_.stop = true;
+  solver.join();
+  EXPECT_FALSE(shared_.tasks.run([](SolverLoop&) {}, shared_.stop, kPatience)) << "nobody is there";
+}
+
+TEST_F(SolverTasksTest, AStateHasTheGainsThatWereAskedForAndSoHasLoadingIt) {
+  ask({{"gain_ramp", 1000.0}, {"probe/coupling_stiffness", 900.0}});
+  const std::string saved = loop_.saveState();
+  Scene asked = options_.scene;
+  asked.probes[0].coupling_stiffness = 900.0;
+  EXPECT_NO_THROW(Simulation(asked).loadState(saved, "saved")) << "as a node that starts with them";
+  EXPECT_NO_THROW(loop_.loadState(saved, "saved")) << "while they are still on their way";
+  ask({{"probe/coupling_stiffness", 901.0}});
+  EXPECT_THROW(loop_.loadState(saved, "saved"), InputError);
+}
+
+TEST_F(SolverTasksTest, AStateSavedInAPauseHasTheOptionsOfThePause) {
+  // No step has applied them yet.
+  ask({{"solver/tolerance", 0.2}});
+  Scene asked = options_.scene;
+  asked.solver.minimizer.tolerance = 0.2;
+  EXPECT_NO_THROW(Simulation(asked).loadState(loop_.saveState(), "saved"));
+}
+
+TEST_F(SolverTasksTest, ARampGoesOnAfterAStateWasSaved) {
+  std::thread solver([this] { loop_.run(); });
+  ask({{"gain_ramp", 1000.0}, {"probe/coupling_stiffness", 900.0}});
+  double saved_at = 0.0, time = 0.0, stiffness = 0.0;
+  const auto look = [&](SolverLoop& loop) {
+    time = loop.simulation().time();
+    stiffness = loop.simulation().scene().probes[0].coupling_stiffness;
+  };
+  ASSERT_TRUE(shared_.tasks.run(
+      [&](SolverLoop& loop) {
+        loop.saveState();
+        saved_at = loop.simulation().time();
+      },
+      shared_.stop, kPatience));
+  while (time <= saved_at) {
+    ASSERT_TRUE(shared_.tasks.run(look, shared_.stop, kPatience));
+  }
+  // 400 N/m at the beginning, 0.5 N/m more each second.
+  EXPECT_LT(stiffness, 899.0);
+  EXPECT_GT(stiffness, options_.scene.probes[0].coupling_stiffness);
+  shared_.stop = true;
+  solver.join();
+}
+
+}  // namespace
+}  // namespace haptic_cloth

@@ -1,0 +1,162 @@
+/// The node's private parameters: defaults, scenes, several probes, and messages about bad values.
+#include "ros/options/node_options.h"
+
+#include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
+
+#include <limits>
+#include <string>
+
+#include "ros/support/yaml_parameters.h"
+
+namespace haptic_cloth {
+namespace {
+
+using XmlRpc::XmlRpcValue;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+TEST(NodeOptions, TheShippedSettingsAreTheDefaults) {
+  const NodeOptions plain = parseNodeOptions(sceneParameters(), "test");
+  const YAML::Node shipped = YAML::LoadFile(std::string(HAPTIC_CLOTH_SOURCE_DIR) + "/config/node.yaml");
+  const NodeOptions loaded = parseNodeOptions(withSettings(shipped), "test");
+  EXPECT_EQ(loaded.frame_id, plain.frame_id);
+  EXPECT_EQ(loaded.scene_file, plain.scene_file);
+  EXPECT_EQ(loaded.scene_directory, plain.scene_directory);
+  EXPECT_EQ(loaded.max_pose_age, plain.max_pose_age);
+  EXPECT_EQ(loaded.probe_timeout, plain.probe_timeout);
+  EXPECT_EQ(loaded.velocity_time_constant, plain.velocity_time_constant);
+  EXPECT_EQ(loaded.step_budget, plain.step_budget);
+  EXPECT_EQ(loaded.gain_ramp, plain.gain_ramp);
+  EXPECT_EQ(loaded.markers.rate, plain.markers.rate);
+  EXPECT_EQ(loaded.markers.force_scale, plain.markers.force_scale);
+  EXPECT_EQ(loaded.markers.colouring, plain.markers.colouring);
+  EXPECT_EQ(loaded.markers.full_tension, plain.markers.full_tension);
+  EXPECT_EQ(loaded.markers.full_bending, plain.markers.full_bending);
+  EXPECT_EQ(loaded.state_rate, plain.state_rate);
+  EXPECT_EQ(loaded.device.position_unit, plain.device.position_unit);
+  EXPECT_EQ(loaded.device.position_scale, plain.device.position_scale);
+  EXPECT_EQ(loaded.device.force_scale, plain.device.force_scale);
+  EXPECT_EQ(loaded.device.offset, plain.device.offset);
+  EXPECT_EQ(loaded.device.orientation.coeffs(), plain.device.orientation.coeffs());
+  EXPECT_EQ(loaded.device.force_axes.coeffs(), plain.device.force_axes.coeffs());
+  EXPECT_EQ(loaded.device.use_tf, plain.device.use_tf);
+  EXPECT_EQ(loaded.device.max_stiffness, plain.device.max_stiffness);
+  EXPECT_EQ(loaded.device.max_damping, plain.device.max_damping);
+  EXPECT_EQ(loaded.device.workspace_radius, plain.device.workspace_radius);
+  EXPECT_EQ(loaded.haptics.rate, plain.haptics.rate);
+  EXPECT_EQ(loaded.haptics.max_force, plain.haptics.max_force);
+  EXPECT_EQ(loaded.haptics.max_force_rate, plain.haptics.max_force_rate);
+  EXPECT_EQ(loaded.haptics.max_torque, plain.haptics.max_torque);
+  EXPECT_EQ(loaded.haptics.soft_start, plain.haptics.soft_start);
+  EXPECT_EQ(loaded.haptics.pose_timeout, plain.haptics.pose_timeout);
+  EXPECT_EQ(loaded.haptics.snapshot_timeout, plain.haptics.snapshot_timeout);
+  EXPECT_EQ(loaded.haptics.ramp_time, plain.haptics.ramp_time);
+  EXPECT_EQ(loaded.haptics.passivity.damping, plain.haptics.passivity.damping);
+  EXPECT_EQ(loaded.haptics.passivity.debt, plain.haptics.passivity.debt);
+  EXPECT_EQ(loaded.haptics.passivity.store, plain.haptics.passivity.store);
+  EXPECT_EQ(loaded.haptics.passivity.device_damping, plain.haptics.passivity.device_damping);
+  EXPECT_EQ(loaded.haptics.passivity.loop_delay, plain.haptics.passivity.loop_delay);
+  // Every key of the code stands in the file: 8 outside the groups, device with 11, devices with 0,
+  // haptics with 10 (among them passivity with 5 and admittance, see admittance_options_test.cpp),
+  // markers with 5, state with 1.
+  EXPECT_EQ(shipped.size(), 13u);
+  EXPECT_EQ(shipped["devices"].size(), 0u);
+  EXPECT_EQ(shipped["device"].size(), 11u);
+  EXPECT_EQ(shipped["haptics"].size(), 10u);
+  EXPECT_EQ(shipped["haptics"]["passivity"].size(), 5u);
+  EXPECT_EQ(shipped["markers"].size(), 5u);
+  EXPECT_EQ(shipped["state"].size(), 1u);
+}
+
+TEST(NodeOptions, SceneByParametersOrByFile) {
+  XmlRpcValue parameters = sceneParameters();
+  parameters["haptics"]["max_force"] = 2;
+  const NodeOptions direct = parseNodeOptions(parameters, "test");
+  EXPECT_EQ(direct.scene.cloth.particles[0], 17);
+  EXPECT_EQ(direct.scene.cloth.pins.size(), 4u);
+  EXPECT_EQ(direct.haptics.max_force, 2.0);
+
+  XmlRpcValue file;
+  file["scene_file"] = std::string(HAPTIC_CLOTH_SOURCE_DIR) + "/test/ros/support/scene.yaml";
+  file["probe"]["coupling_stiffness"] = 250.0;
+  const NodeOptions loaded = parseNodeOptions(file, "test");
+  EXPECT_EQ(loaded.scene.cloth.particles[0], 17);
+  EXPECT_EQ(loaded.scene.probes[0].coupling_stiffness, 250.0);
+  EXPECT_EQ(loaded.probes[0].haptics.coupling_stiffness, 250.0);
+}
+
+TEST(NodeOptions, AFabricBesideTheSceneIsFound) {
+  // The launch files load a scene as parameters, which do not contain its folder; scene_directory
+  // does.
+  XmlRpcValue parameters = sceneParameters();
+  parameters["cloth"]["fabric"] = "denim_a.yaml";
+  EXPECT_NE(messageOf(parameters).find("no such file: denim_a.yaml"), std::string::npos);
+  parameters["scene_directory"] = std::string(HAPTIC_CLOTH_SOURCE_DIR) + "/config/fabrics";
+  EXPECT_EQ(messageOf(parameters), "");
+}
+
+TEST(NodeOptions, EveryProbeHasItsOwnDeviceAndCoupling) {
+  const auto with = [](const std::string& devices) {
+    XmlRpcValue parameters = sceneParameters();
+    parameters["probe"] = toParameter(YAML::Load("{coupling_stiffness: 300, radius: 0.01}"));
+    parameters["probes"] = toParameter(YAML::Load("{thumb: {}, index: {coupling_stiffness: 150}}"));
+    parameters["device"]["position_scale"] = 2.0;
+    parameters["devices"] = toParameter(YAML::Load(devices));
+    return parameters;
+  };
+  const NodeOptions options =
+      parseNodeOptions(with("{thumb: {offset: [0, 0, 1], force_scale: 0.5}}"), "test");
+  ASSERT_EQ(options.probes.size(), 2u);
+  // A map of parameters is sorted by name.
+  const int thumb = options.scene.probes[0].name == "thumb" ? 0 : 1, index = 1 - thumb;
+  EXPECT_EQ(options.scene.probes[index].name, "index");
+  EXPECT_EQ(options.probes[thumb].haptics.coupling_stiffness, 300.0);
+  EXPECT_EQ(options.probes[index].haptics.coupling_stiffness, 150.0);
+  EXPECT_EQ(options.scene.probes[index].radius, 0.01);
+  EXPECT_EQ(options.probes[thumb].device.offset, Vec3(0, 0, 1));
+  EXPECT_EQ(options.probes[thumb].device.force_scale, 0.5);
+  EXPECT_EQ(options.probes[index].device.offset, Vec3(0, 0, 0));
+  EXPECT_EQ(options.probes[index].device.force_scale, 1.0);
+  for (const ProbeSettings& probe : options.probes) EXPECT_EQ(probe.device.position_scale, 2.0);
+  EXPECT_NE(messageOf(with("{little: {}}")).find("devices/little: unknown parameter"), std::string::npos);
+  EXPECT_NE(messageOf(with("{thumb: {ofset: 1}}")).find("devices/thumb/ofset"), std::string::npos);
+}
+
+TEST(NodeOptions, TheBudgetOfAStepIsTheSmallerOne) {
+  XmlRpcValue parameters = sceneParameters();
+  EXPECT_EQ(parseNodeOptions(parameters, "test").scene.solver.minimizer.time_budget, 0.025);
+  parameters["solver"]["time_budget"] = 0.01;
+  EXPECT_EQ(parseNodeOptions(parameters, "test").scene.solver.minimizer.time_budget, 0.01);
+  parameters["solver"]["time_budget"] = 0.5;
+  EXPECT_EQ(parseNodeOptions(parameters, "test").scene.solver.minimizer.time_budget, 0.025);
+  parameters["step_budget"] = 0;
+  EXPECT_EQ(parseNodeOptions(parameters, "test").scene.solver.minimizer.time_budget, 0.5);
+}
+
+TEST(NodeOptions, BadOnesAreNamed) {
+  const auto with = [](const std::string& key, const XmlRpcValue& value) {
+    XmlRpcValue parameters = sceneParameters();
+    parameters[key] = value;
+    return messageOf(parameters);
+  };
+  EXPECT_EQ(messageOf(sceneParameters()), "");
+  EXPECT_NE(with("frame_id", 7).find("frame_id = 7: must be text"), std::string::npos);
+  EXPECT_NE(with("max_pose_age", -1.0).find("max_pose_age = -1: must be finite and >= 0"), std::string::npos);
+  EXPECT_NE(with("max_pose_age", kNaN).find("max_pose_age"), std::string::npos);
+  EXPECT_NE(with("haptics", 3).find("must be a map"), std::string::npos);
+  // The known keys are the node's own parameters and the keys of a scene.
+  const std::string unknown = with("tpyo", 3);
+  EXPECT_NE(unknown.find("tpyo: unknown parameter; known here: "), std::string::npos) << unknown;
+  for (const char* known : {"max_pose_age", "haptics", "cloth", "probes"})
+    EXPECT_NE(unknown.find(known), std::string::npos) << unknown;
+  XmlRpcValue group;
+  group["max_farce"] = 3;
+  EXPECT_NE(with("haptics", group)
+                .find("haptics/max_farce: unknown parameter; known here: admittance, max_force, "),
+            std::string::npos);
+  EXPECT_NE(messageOf(XmlRpcValue()).find("/cloth (parameters)"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace haptic_cloth
