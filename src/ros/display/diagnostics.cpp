@@ -187,12 +187,15 @@ DiagnosticStatus obstacleStatus(const std::string& name, const ObstacleCounters&
   return status;
 }
 
-DiagnosticStatus displayStatus(std::uint64_t marker_frames, std::uint64_t state_frames) {
+DiagnosticStatus displayStatus(std::uint64_t marker_frames, std::uint64_t state_frames, bool master_reachable,
+                               std::uint64_t registrations) {
   DiagnosticStatus status;
   status.name = "display";
-  judge(status, DiagnosticStatus::OK, "running");
+  judge(status, master_reachable ? DiagnosticStatus::OK : DiagnosticStatus::WARN,
+        master_reachable ? "running" : "ROS master lost; connected peers go on");
   add(status, "marker frames", marker_frames);
   add(status, "state frames", state_frames);
+  add(status, "registrations renewed", registrations);
   return status;
 }
 

@@ -106,9 +106,11 @@ void DisplayThread::publishProxies(const DisplayFrame& frame) {
 void DisplayThread::publishDiagnostics(double now) {
   diagnostic_msgs::DiagnosticArray array;
   array.header.stamp = ros::Time::now();
-  array.status = {solverStatus(shared_.solver_stats.read(), shared_.paused, now),
-                  hapticStatus(shared_.haptic_stats.read(), sources_.haptics.scheduling(), now),
-                  displayStatus(marker_frames_, state_frames_), optionsStatus(shared_.live_report.read())};
+  array.status = {
+      solverStatus(shared_.solver_stats.read(), shared_.paused, now),
+      hapticStatus(shared_.haptic_stats.read(), sources_.haptics.scheduling(), now),
+      displayStatus(marker_frames_, state_frames_, sources_.master.reachable(), sources_.master.renewals()),
+      optionsStatus(shared_.live_report.read())};
   for (std::size_t k = 0; k < sources_.probes.size(); ++k) {
     const ProbeTopics& probe = sources_.probes[k];
     SharedProbe& shared = shared_.probes[k];

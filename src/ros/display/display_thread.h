@@ -11,6 +11,7 @@
 #include "ros/haptic/haptic_thread.h"
 #include "ros/haptic/probe_topics.h"
 #include "ros/input/obstacle_topics.h"
+#include "ros/node/master_watch.h"
 #include "ros/node/shared_state.h"
 #include "ros/options/node_options.h"
 
@@ -27,6 +28,7 @@ struct DisplaySources {
   const std::deque<ProbeTopics>& probes;
   const std::deque<ObstacleTopics>& obstacles;
   const HapticThread& haptics;
+  const MasterWatch& master;
 };
 
 class DisplayThread {

@@ -33,6 +33,8 @@ class ProbeTopics {
   const ros::Publisher& reaction() const { return reaction_; }
   const ros::Publisher& command() const { return command_; }  ///< of admittance devices alone
   const ros::Publisher& proxy() const { return proxy_; }
+  /// Full name of its service.
+  std::string service() const { return set_grasp_.getService(); }
 
  private:
   void subscribe(ros::NodeHandle& node, ros::CallbackQueue& poses);

@@ -4,6 +4,7 @@
 #include <haptic_cloth/ClothState.h>
 #include <ros/callback_queue.h>
 #include <ros/spinner.h>
+#include <ros/this_node.h>
 #include <std_srvs/Empty.h>
 #include <std_srvs/SetBool.h>
 #include <tf2_ros/transform_listener.h>
@@ -22,6 +23,7 @@
 #include "ros/haptic/probe_topics.h"
 #include "ros/input/obstacle_topics.h"
 #include "ros/node/file_work.h"
+#include "ros/node/master_watch.h"
 #include "ros/node/real_time.h"
 #include "ros/node/solver_loop.h"
 #include "ros/node/state_services.h"
@@ -81,13 +83,15 @@ class HapticClothServer::Implementation {
         probes_(offerProbes()),
         obstacles_(offerObstacles()),
         haptics_(options_, publishers(), shared_),
-        display_(options_, advertise(node_), {name(), probes_, obstacles_, haptics_}, shared_),
+        master_(services()),
+        display_(options_, advertise(node_), {name(), probes_, obstacles_, haptics_, master_}, shared_),
         pose_spinner_(1, &pose_queue_) {
     warn();
     offerServices();
     start([this] { solver_.run(); });
     start([this] { haptics_.run(); });
     start([this] { display_.run(); });
+    start([this] { master_.run(shared_.stop); });
     prioritiseMessages(pose_queue_);
     pose_spinner_.start();
     for (ServiceThread* thread : serviceThreads()) thread->spinner.start();
@@ -155,6 +159,17 @@ class HapticClothServer::Implementation {
   /// Name without the first slash. A nodelet's name differs from that of its process.
   std::string name() const { return private_node_.getNamespace().substr(1); }
 
+  /// Full names of all services of this node.
+  std::vector<std::string> services() const {
+    std::vector<std::string> names{
+        private_node_.resolveName(topics::kReset),      private_node_.resolveName(topics::kPause),
+        private_node_.resolveName(topics::kSaveState),  private_node_.resolveName(topics::kLoadState),
+        private_node_.resolveName(topics::kSetOptions), ros::this_node::getName() + "/get_loggers",
+        ros::this_node::getName() + "/set_logger_level"};
+    for (const ProbeTopics& probe : probes_) names.push_back(probe.service());
+    return names;
+  }
+
   void offerServices() {
     ros::NodeHandle quick = quick_thread_.handle(private_node_), reset = reset_thread_.handle(private_node_);
     pause_service_ = quick.advertiseService(topics::kPause, &Implementation::pause, this);
@@ -201,6 +216,7 @@ class HapticClothServer::Implementation {
   std::deque<ProbeTopics> probes_;
   std::deque<ObstacleTopics> obstacles_;
   HapticThread haptics_;
+  MasterWatch master_;
   DisplayThread display_;
   ros::ServiceServer reset_service_, pause_service_;
   std::optional<StateServices> state_services_;

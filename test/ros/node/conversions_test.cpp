@@ -270,6 +270,7 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
     felt.status = stopped;
     EXPECT_EQ(probe().level, DiagnosticStatus::WARN);
   }
+  EXPECT_EQ(displayStatus(0, 0, false, 0).level, DiagnosticStatus::WARN);
 }
 
 TEST(Diagnostics, AnObstaclesDroppedPoseIsForgivenWhenPosesAreGoodAgain) {

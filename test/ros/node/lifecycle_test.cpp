@@ -248,6 +248,25 @@ TEST_F(LifecycleTest, AMasterThatDoesNotAnswerDoesNotKeepTheNodeFromEnding) {
   EXPECT_EQ(process.wait(), 0) << process.output();
 }
 
+TEST_F(LifecycleTest, ANewMasterFindsTheNodeAgain) {
+  OwnMaster master;
+  Process process(readableCommand(), {"ROS_MASTER_URI=" + master.uri()});
+  ASSERT_TRUE(waitUntilReady(process)) << process.output();
+  ASSERT_TRUE(master.knowsService("/cloth/reset"));
+  master.kill();
+  EXPECT_TRUE(waitFor([&] { return process.output().find("master lost") != std::string::npos; }));
+  EXPECT_TRUE(process.running());
+  master.start();
+  EXPECT_TRUE(waitFor([&] { return master.knowsService("/cloth/reset"); })) << process.output();
+  EXPECT_TRUE(master.knows("/cloth"));
+
+  // A new subscriber finds the topic and gets the force: rostopic echo ends after one message.
+  Process echo({"rostopic", "echo", "-n1", "/probe/reaction"}, {"ROS_MASTER_URI=" + master.uri()});
+  EXPECT_EQ(echo.wait(), 0) << echo.output();
+  process.signal(SIGTERM);
+  EXPECT_EQ(process.wait(), 0);
+}
+
 }  // namespace
 }  // namespace haptic_cloth
 

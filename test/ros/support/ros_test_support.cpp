@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <xmlrpcpp/XmlRpcClient.h>
 
 #include <algorithm>
 #include <chrono>
@@ -197,5 +198,14 @@ void OwnMaster::kill() {
 }
 
 std::string OwnMaster::uri() const { return "http://localhost:" + std::to_string(port_) + "/"; }
+
+bool OwnMaster::ask(const std::string& method, const std::string& name) const {
+  XmlRpc::XmlRpcClient client("localhost", port_, "/");
+  XmlRpc::XmlRpcValue request, response;
+  request[0] = "/test";
+  request[1] = name;
+  return client.execute(method.c_str(), request, response) && !client.isFault() &&
+         response.getType() == XmlRpc::XmlRpcValue::TypeArray && static_cast<int>(response[0]) == 1;
+}
 
 }  // namespace haptic_cloth

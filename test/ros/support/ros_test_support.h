@@ -119,8 +119,13 @@ class OwnMaster {
   void signal(int number) const { process_->signal(number); }
   /// URI of the master, "http://…".
   std::string uri() const;
+  /// @return whether the master answers and knows a node
+  bool knows(const std::string& node) const { return ask("lookupNode", node); }
+  bool knowsService(const std::string& service) const { return ask("lookupService", service); }
 
  private:
+  bool ask(const std::string& method, const std::string& name) const;
+
   int port_;
   std::unique_ptr<Process> process_;
 };

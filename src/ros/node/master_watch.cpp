@@ -1,0 +1,107 @@
+#include "ros/node/master_watch.h"
+
+#include <ros/connection_manager.h>
+#include <ros/console.h>
+#include <ros/master.h>
+#include <ros/network.h>
+#include <ros/publication.h>
+#include <ros/this_node.h>
+#include <ros/topic_manager.h>
+#include <ros/xmlrpc_manager.h>
+#include <xmlrpcpp/XmlRpcClient.h>
+#include <xmlrpcpp/XmlRpcValue.h>
+
+#include "ros/node/steady_clock.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kPeriod = 1.0;  ///< interval between two checks [s]
+constexpr double kPoll = 0.05;   ///< interval between two checks of the stop flag [s]
+
+/// Calls the master; fails at once if it does not answer. The first argument is always the caller's
+/// name.
+bool call(const std::string& method, const std::vector<std::string>& arguments,
+          XmlRpc::XmlRpcValue& payload) {
+  XmlRpc::XmlRpcValue request, response;
+  request[0] = ros::this_node::getName();
+  for (std::size_t i = 0; i < arguments.size(); ++i) request[static_cast<int>(i) + 1] = arguments[i];
+  return ros::master::execute(method, request, response, payload, false);
+}
+
+/// Passes the publishers of a topic to roscpp, as the master does when they change.
+void connectTo(const std::string& topic, const XmlRpc::XmlRpcValue& publishers) {
+  if (publishers.getType() != XmlRpc::XmlRpcValue::TypeArray || publishers.size() == 0) return;
+  const auto& manager = ros::XMLRPCManager::instance();
+  XmlRpc::XmlRpcClient self(ros::network::getHost().c_str(), manager->getServerPort(), "/");
+  XmlRpc::XmlRpcValue request, response;
+  request[0] = "/master";
+  request[1] = topic;
+  request[2] = publishers;
+  self.execute("publisherUpdate", request, response);
+}
+
+}  // namespace
+
+void MasterWatch::run(const std::atomic<bool>& stop) {
+  double due = steadyNow() + kPeriod;
+  while (!stop) {
+    sleepUntil(steadyNow() + kPoll);
+    if (steadyNow() < due) continue;
+    look();
+    due = steadyNow() + kPeriod;
+  }
+}
+
+void MasterWatch::look() {
+  const bool reachable = ros::master::check();
+  if (reachable != reachable_) {
+    ROS_WARN_STREAM("ROS master " << (reachable ? "found again" : "lost; connected peers go on"));
+  }
+  // A master that was lost may be a new one that knows only a part of this node: what was being
+  // registered. So everything is registered again. A master that already knows it changes nothing.
+  if (reachable && !reachable_) incomplete_ = true;
+  reachable_ = reachable;
+  unknown_ = !reachable || isKnown() ? 0 : unknown_ + 1;
+  // Two checks in a row are needed, because a node that is being renamed or killed is briefly
+  // unknown.
+  if (unknown_ < 2 && !(incomplete_ && reachable)) return;
+  unknown_ = 0;
+  incomplete_ = !registerAnew();
+  if (incomplete_) return;
+  ++renewals_;
+  ROS_WARN("registered with the new ROS master");
+}
+
+bool MasterWatch::isKnown() const {
+  XmlRpc::XmlRpcValue payload;
+  bool known = call("lookupNode", {ros::this_node::getName()}, payload);
+  for (const std::string& service : services_) known = known && call("lookupService", {service}, payload);
+  return known;
+}
+
+bool MasterWatch::registerAnew() const {
+  const std::string uri = ros::XMLRPCManager::instance()->getServerURI();
+  XmlRpc::XmlRpcValue payload;
+  std::vector<std::string> topics;
+  bool complete = true;
+  ros::this_node::getAdvertisedTopics(topics);
+  for (const std::string& topic : topics) {
+    const ros::PublicationPtr publication = ros::TopicManager::instance()->lookupPublication(topic);
+    if (publication) complete &= call("registerPublisher", {topic, publication->getDataType(), uri}, payload);
+  }
+  ros::this_node::getSubscribedTopics(topics);
+  for (const std::string& topic : topics) {
+    const bool taken = call("registerSubscriber", {topic, "*", uri}, payload);
+    if (taken) connectTo(topic, payload);
+    complete &= taken;
+  }
+  const std::string service_uri = "rosrpc://" + ros::network::getHost() + ":" +
+                                  std::to_string(ros::ConnectionManager::instance()->getTCPPort());
+  for (const std::string& service : services_) {
+    complete &= call("registerService", {service, service_uri, uri}, payload);
+  }
+  return complete;
+}
+
+}  // namespace haptic_cloth
