@@ -51,6 +51,7 @@ std::array<std::vector<Vec3>*, 3> motionsOf(ParticleState& state) {
 
 MergeTransfer::MergeTransfer(const Grid& grid) {
   active_.reserve(grid.particles());
+  masses_.reserve(grid.particles());
   for (auto* list : {&before_, &momentum_}) list->reserve(grid.particles());
   changed_.reserve(grid.particles());
 }
