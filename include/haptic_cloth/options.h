@@ -34,7 +34,7 @@ struct MinimizerOptions {
 /// Options of time integration.
 struct SolverOptions {
   double time_step = 1e-3;  ///< [s]
-  Integrator integrator = Integrator::Bdf2;
+  Integrator integrator = Integrator::Euler;
   Cost cost = Cost::Condensed;
   MinimizerOptions minimizer;
   /// Particles slower than this for 50 steps fall asleep [m/s]; 0: none do. They keep their

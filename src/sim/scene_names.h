@@ -20,7 +20,7 @@ inline std::vector<std::string> sceneKeys() {
 inline Names<Cost> costNames() { return {{"condensed", Cost::Condensed}, {"joint", Cost::Joint}}; }
 
 inline Names<Integrator> integratorNames() {
-  return {{"bdf2", Integrator::Bdf2}, {"euler", Integrator::Euler}};
+  return {{"euler", Integrator::Euler}, {"bdf2", Integrator::Bdf2}};
 }
 
 inline Names<Preconditioner> preconditionerNames() {

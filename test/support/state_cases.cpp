@@ -58,6 +58,13 @@ StateCase slidingCapsule() {
           [](const Exercised& did) { return did.touched > 50 && did.refined > 0 && did.coarsened > 0; }};
 }
 
+StateCase secondOrder() {
+  StateCase run = slidingCapsule();
+  run.name = "a sliding capsule, BDF2";
+  run.scene.solver.integrator = Integrator::Bdf2;
+  return run;
+}
+
 StateCase jointCost() {
   Scene scene = capsuleScene(9, Strategy::Refine);
   scene.solver.cost = Cost::Joint;
@@ -187,7 +194,8 @@ void add(Hash& hash, const EnergyReport& energy) {
 }  // namespace
 
 std::vector<StateCase> stateCases() {
-  return {slidingCapsule(), jointCost(), graspedSheet(), movedObstacles(), sleepingSheet(), coarseHammock()};
+  return {slidingCapsule(), secondOrder(),   jointCost(),    graspedSheet(),
+          movedObstacles(), sleepingSheet(), coarseHammock()};
 }
 
 std::uint64_t readings(const Simulation& simulation) {

@@ -20,8 +20,9 @@ std::uint64_t hashAfter(Simulation& simulation, int steps) {
   return simulation.stateHash();
 }
 
-TEST(Determinism, AnyNumberOfThreadsGivesTheSameBits) {
+void expectEqualBits(Integrator integrator) {
   Scene scene = boxDrape(33);
+  scene.solver.integrator = integrator;
   std::uint64_t one = 0;
   for (const int threads : {1, 2, 3, 4}) {
     scene.solver.threads = threads;
@@ -32,6 +33,9 @@ TEST(Determinism, AnyNumberOfThreadsGivesTheSameBits) {
     EXPECT_EQ(hash, one) << threads << " threads, " << instructionSet();
   }
 }
+
+TEST(Determinism, AnyNumberOfThreadsGivesTheSameBits) { expectEqualBits(Integrator::Euler); }
+TEST(Determinism, AnyNumberOfThreadsGivesTheSameBitsWithBdf2) { expectEqualBits(Integrator::Bdf2); }
 
 TEST(Determinism, ResetRepeatsTheRun) {
   Simulation simulation(boxDrape(17));
@@ -44,14 +48,16 @@ TEST(Determinism, ResetRepeatsTheRun) {
   EXPECT_EQ(hashAfter(simulation, 200), first);
 }
 
-class Energy : public testing::TestWithParam<Strategy> {};
+class Energy : public testing::TestWithParam<std::tuple<Strategy, Integrator>> {};
 
 TEST_P(Energy, IsOnlyLost) {
+  const auto [strategy, integrator] = GetParam();
   // A sheet held at two corners falls, swings and comes to rest.
   LinearFabric linear;
   linear.rigidity = 1e-5;
   Scene scene = sheetScene(makeFabric(linear), 17, 17, 0.2, 0.2);
-  setStrategy(scene, GetParam(), 2);
+  setStrategy(scene, strategy, 2);
+  scene.solver.integrator = integrator;
   pin(scene, 0, 0, 0, 0);
   pin(scene, 16, 16, 0, 0);
   scene.air_damping = 0.5;
@@ -70,22 +76,27 @@ TEST_P(Energy, IsOnlyLost) {
   }
   // The balance sums rounded terms.
   EXPECT_LE(worst_drift, tolerance(1e-9 * scale));
-  std::cout << "  " << name(GetParam()) << ": largest gain in a step " << worst_rise / scale << "\n";
+  std::cout << "  " << name(strategy) << ": largest gain in a step " << worst_rise / scale << "\n";
   // Merging four cells into one of 25 mm moves the nodes between them onto straight lines, by up to
   // coarsen_below / 8 of 25 mm. If the whole sheet did so at once, upwards, that would be 4e-3 of
   // the fall; a few cells at a time give less. Splitting a bilinear cell leaves its curvature on
   // its sides, which doubles the bending energy of these cells for a moment. A fixed mesh gains
   // nothing.
-  const bool changes = GetParam() != Strategy::Finest && GetParam() != Strategy::Coarsest;
+  const bool changes = strategy != Strategy::Finest && strategy != Strategy::Coarsest;
   EXPECT_LE(worst_rise, tolerance((changes ? 1e-3 : 1e-5) * scale));
   EXPECT_GT(before, 0.05 * scale);
   EXPECT_LT(before, scale);
 }
 
 INSTANTIATE_TEST_SUITE_P(Strategies, Energy,
-                         testing::Values(Strategy::Finest, Strategy::Coarsest, Strategy::Refine,
-                                         Strategy::Coarsen, Strategy::Amrc),
-                         [](const auto& info) { return name(info.param); });
+                         testing::Combine(testing::Values(Strategy::Finest, Strategy::Coarsest,
+                                                          Strategy::Refine, Strategy::Coarsen,
+                                                          Strategy::Amrc),
+                                          testing::Values(Integrator::Euler, Integrator::Bdf2)),
+                         [](const auto& info) {
+                           const bool second = std::get<1>(info.param) == Integrator::Bdf2;
+                           return name(std::get<0>(info.param)) + (second ? "_bdf2" : "");
+                         });
 
 }  // namespace
 }  // namespace haptic_cloth

@@ -6,6 +6,8 @@
 
 #include <chrono>
 #include <cmath>
+#include <string>
+#include <tuple>
 
 #include "haptic_cloth/simulation.h"
 #include "support/derivatives.h"
@@ -133,13 +135,13 @@ TEST(Simulation, BudgetCountsFromTheStepsStart) {
   EXPECT_EQ(simulation.step().minimizer.iterations, 5);
 }
 
-class Drape : public ::testing::TestWithParam<StartMesh> {};
+class Drape : public ::testing::TestWithParam<std::tuple<StartMesh, Integrator>> {};
 
 TEST_P(Drape, FallsOverABoxWithoutAllocating) {
   // Covers the time from the first touch on: contacts grow from none to all, and hysteresis is
   // handed over at each change of the mesh.
   Scene scene = boxDrape(41);
-  scene.adapt.start = GetParam();
+  std::tie(scene.adapt.start, scene.solver.integrator) = GetParam();
   scene.cloth.fabric = loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/winter_suiting.yaml");
   Simulation simulation(scene);
   for (int k = 0; k < 5; ++k) simulation.step();
@@ -156,9 +158,13 @@ TEST_P(Drape, FallsOverABoxWithoutAllocating) {
   EXPECT_GT(simulation.supportForce().norm(), 0.0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Starts, Drape, testing::Values(StartMesh::Finest, StartMesh::Coarsest),
+INSTANTIATE_TEST_SUITE_P(Starts, Drape,
+                         testing::Combine(testing::Values(StartMesh::Finest, StartMesh::Coarsest),
+                                          testing::Values(Integrator::Euler, Integrator::Bdf2)),
                          [](const auto& info) {
-                           return info.param == StartMesh::Finest ? "finest" : "coarsest";
+                           const bool finest = std::get<0>(info.param) == StartMesh::Finest,
+                                      second = std::get<1>(info.param) == Integrator::Bdf2;
+                           return std::string(finest ? "finest" : "coarsest") + (second ? "_bdf2" : "");
                          });
 
 }  // namespace
