@@ -7,7 +7,7 @@
 #include "haptic_cloth/error.h"
 #include "ros/node/conversions.h"
 #include "ros/options/parameter_group.h"
-#include "sim/scene_names.h"
+#include "sim/scene_options.h"
 
 namespace haptic_cloth {
 namespace {
