@@ -1,8 +1,10 @@
 #include "sim/option.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
+#include "fabric/yaml_reader.h"
 #include "haptic_cloth/error.h"
 #include "state/number_text.h"
 
@@ -142,16 +144,19 @@ std::vector<std::string> keysOf(const Options& options) {
   return keys;
 }
 
-std::string oneOf(const std::vector<std::string>& names) {
-  std::string rule = "must be one of ";
-  for (const std::string& name : names) rule += (&name == &names.front() ? "" : ", ") + name;
-  return rule;
-}
+std::string oneOf(const std::vector<std::string>& names) { return "must be one of " + joined(names); }
 
 void checkOptions(const Options& options, const std::string& prefix, const Locate& locate) {
   for (const Option& option : options) {
     std::visit(Checker{option, prefix + option.key, locate}, option.field);
   }
+}
+
+std::string describe(const Option& option) {
+  std::string text = option.meaning;
+  text.erase(std::remove(text.begin(), text.end(), '`'), text.end());
+  if (const Choice* choice = std::get_if<Choice>(&option.field)) text += ": " + joined(choice->names);
+  return option.unit.empty() ? text : text + " [" + option.unit + ']';
 }
 
 std::string valueText(const Option& option) { return std::visit(ValueText(), option.field); }
@@ -161,9 +166,13 @@ std::string markdownTable(const OptionGroup& group) {
       "| key | default | unit | rule | live | meaning |\n| --- | --- | --- | --- | --- | --- |\n";
   for (const Option& option : group.options) {
     const std::string value = valueText(option);
-    text += "| `" + group.path + option.key + "` | " + (value.empty() ? "" : '`' + value + '`') + " | " +
-            option.unit + " | " + std::visit(RuleText{option.range}, option.field) + " | " +
-            (option.live ? "yes" : "") + " | " + option.meaning + " |\n";
+    for (const std::string& cell :
+         {'`' + group.path + option.key + '`', value.empty() ? "" : '`' + value + '`', option.unit,
+          std::visit(RuleText{option.range}, option.field), std::string(option.live ? "yes" : ""),
+          option.meaning}) {
+      text += (cell.empty() ? "| " : "| " + cell + ' ');
+    }
+    text += "|\n";
   }
   return text;
 }

@@ -137,6 +137,9 @@ using Locate = std::function<std::string(const std::string& key)>;
 /// @throws InputError with locate(key) as file
 void checkOptions(const Options& options, const std::string& prefix, const Locate& locate);
 
+/// Sentence in plain text with choices and unit: "what is minimised: condensed, joint", "… [m]".
+std::string describe(const Option& option);
+
 /// Current value in YAML ("[0, 0, 1]").
 std::string valueText(const Option& option);
 

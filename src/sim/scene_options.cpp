@@ -32,7 +32,8 @@ Options optionsOf(ClothOptions& cloth) {
 Options worldOptions(Scene& scene) {
   return {{"gravity", field(scene.gravity), kPosition, "m/s²", "acceleration of free fall", kFixed, kInState},
           {"air_damping", field(scene.air_damping), kNotNegative, "1/s",
-           "drag of still air: force per mass and speed", Live{0.0, 20.0}, kInState}};
+           "drag of still air: force per mass and speed", Live{0.0, 20.0}, kInState},
+          {"obstacles", OwnReader{"[]", "list"}, {}, "", "solids, see below"}};
 }
 
 Options optionsOf(Obstacle& obstacle) {
@@ -50,10 +51,10 @@ Options optionsOf(Obstacle& obstacle) {
 }
 
 Options couplingOptions(double& stiffness, double& damping) {
-  return {{"coupling_stiffness", field(stiffness), kPositive, "N/m",
-           "spring between device and proxy; reached within `gain_ramp`", Live{10.0, 5000.0}, kInState},
-          {"coupling_damping", field(damping), kNotNegative, "N·s/m",
-           "damper between device and proxy; reached within `gain_ramp`", Live{0.0, 20.0}, kInState}};
+  return {{"coupling_stiffness", field(stiffness), kPositive, "N/m", "spring between device and proxy",
+           Live{10.0, 5000.0}, kInState},
+          {"coupling_damping", field(damping), kNotNegative, "N·s/m", "damper between device and proxy",
+           Live{0.0, 20.0}, kInState}};
 }
 
 Options optionsOf(ProbeOptions& probe) {
@@ -81,25 +82,28 @@ Options optionsOf(ProbeOptions& probe) {
 
 Options optionsOf(SolverOptions& solver) {
   MinimizerOptions& minimizer = solver.minimizer;
-  return {
-      {"time_step", field(solver.time_step), kPositive, "s", "length of a step", kFixed, kInState},
-      {"cost", field(solver.cost, costNames()), {}, "", "what is minimised", kFixed, kInState},
-      {"preconditioner",
-       field(minimizer.preconditioner, preconditionerNames()),
-       {},
-       "",
-       "scaling of the minimizer's directions",
-       kFixed,
-       kInState},
-      {"tolerance", field(minimizer.tolerance), kNotNegative, "\\|gravity\\|",
-       "residual at which a step is solved", Live{0.0, 1.0}, kInState},
-      {"max_iterations", field(minimizer.max_iterations), atLeast(1), "", "limit of one solve", Live{1, 2000},
-       kInState},
-      {"time_budget", field(minimizer.time_budget), kNotNegative, "s",
-       "wall clock of one step; 0: no limit; of this and `step_budget` the smaller counts", Live{0.0, 0.1}},
-      {"sleep_speed", field(solver.sleep_speed), kNotNegative, "m/s",
-       "below it particles fall asleep; 0: never", Live{0.0, 0.01}, kInState},
-      {"threads", field(solver.threads), {0, kMostThreads}, "", "limit; 0: one per core"}};
+  return {{"time_step", field(solver.time_step), kPositive, "s", "length of a step", kFixed, kInState},
+          {"cost", field(solver.cost, costNames()), {}, "", "what is minimised", kFixed, kInState},
+          {"preconditioner",
+           field(minimizer.preconditioner, preconditionerNames()),
+           {},
+           "",
+           "scaling of the minimizer's directions",
+           kFixed,
+           kInState},
+          {"tolerance", field(minimizer.tolerance), kNotNegative, "",
+           "residual at which a step is solved, as a share of gravity", Live{0.0, 1.0}, kInState},
+          {"max_iterations", field(minimizer.max_iterations), atLeast(1), "", "limit of one solve",
+           Live{1, 2000}, kInState},
+          {"time_budget", field(minimizer.time_budget), kNotNegative, "s",
+           "wall clock of one step; 0: no limit", Live{0.0, 0.1}},
+          {"sleep_speed", field(solver.sleep_speed), kNotNegative, "m/s",
+           "below it particles fall asleep; 0: never", Live{0.0, 0.01}, kInState},
+          {"threads",
+           field(solver.threads),
+           {0, kMostThreads},
+           "",
+           "limit; 0: one per core, or `OMP_NUM_THREADS`"}};
 }
 
 Options optionsOf(AdaptOptions& adapt) {
