@@ -31,7 +31,7 @@ std::string nameOf(const Names<Enum>& names, Enum value) {
 
 /// Values that a number may take, ends included.
 struct Range {
-  double least, most;
+  double least = 0.0, most = 0.0;
   bool above = false;  ///< `least` itself is excluded
 };
 
@@ -41,6 +41,7 @@ constexpr double kSmallest = 1e-12, kLargest = 1e12;
 /// Largest position [m] and gravity [m/s²]; beyond it, millimetres are lost to rounding.
 constexpr double kMostLength = 1e6;
 
+constexpr Range kNoRange{};  ///< of options that are not numbers
 constexpr Range kPositive{0.0, kLargest, true}, kNotNegative{0.0, kLargest};
 constexpr Range kLength{0.0, kMostLength, true}, kDistance{0.0, kMostLength};
 constexpr Range kPosition{-kMostLength, kMostLength};

@@ -5,8 +5,7 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr int kMostLevels = 8;
-constexpr int kMostThreads = 1024;
+constexpr Range kLevels{0.0, 8.0}, kThreads{0.0, 1024.0};
 
 }  // namespace
 
@@ -18,36 +17,33 @@ Options optionsOf(ClothOptions& cloth) {
        kInState},
       {"size", field(cloth.size), kLength, "m", "side lengths", kFixed, kInState},
       {"position", field(cloth.pose.position), kPosition, "m", "centre of the flat cloth", kFixed, kInState},
-      {"orientation",
-       field(cloth.pose.orientation),
-       {},
-       "",
-       "the grid lies in the local x-y plane",
-       kFixed,
+      {"orientation", field(cloth.pose.orientation), kNoRange, "", "grid in the local x-y plane", kFixed,
        kInState},
-      {"fabric", OwnReader{"", "required"}, {}, "", "name, or path that ends in `.yaml`"},
-      {"pins", OwnReader{"[]", "list"}, {}, "", "particles held at their start position"}};
+      {"fabric", OwnReader{"", "required"}, kNoRange, "", "name, or path that ends in `.yaml`"},
+      {"pins", OwnReader{"[]", "list"}, kNoRange, "", "particles held at their start position"}};
 }
 
 Options worldOptions(Scene& scene) {
   return {{"gravity", field(scene.gravity), kPosition, "m/s²", "acceleration of free fall", kFixed, kInState},
           {"air_damping", field(scene.air_damping), kNotNegative, "1/s",
            "drag of still air: force per mass and speed", Live{0.0, 20.0}, kInState},
-          {"obstacles", OwnReader{"[]", "list"}, {}, "", "solids, see below"}};
+          {"obstacles", OwnReader{"[]", "list"}, kNoRange, "", "solids, see below"}};
 }
 
 Options optionsOf(Obstacle& obstacle) {
   return {
-      {"name", OwnReader{"", "text"}, {}, "", "the node moves a named obstacle"},
-      {"shape", OwnReader{"", "required"}, {}, "", "see below"},
+      {"name", OwnReader{"", "text"}, kNoRange, "", "the node moves a named obstacle"},
+      {"shape", OwnReader{"", "required"}, kNoRange, "", "see below"},
       {"size", field(obstacle.size), kLength, "m", "full side lengths", kFixed, kInState},
       {"radius", field(obstacle.radius), kLength, "m", "radius of the shape", kFixed, kInState},
       {"length", field(obstacle.length), kLength, "m", "height, or distance of two centres", kFixed,
        kInState},
       {"position", field(obstacle.pose.position), kPosition, "m", "of the shape's centre", kFixed, kInState},
-      {"orientation", field(obstacle.pose.orientation), {}, "", "of the shape's axes", kFixed, kInState},
+      {"orientation", field(obstacle.pose.orientation), kNoRange, "", "of the shape's axes", kFixed,
+       kInState},
       {"friction", field(obstacle.friction), kNotNegative, "", "Coulomb coefficient", kFixed, kInState},
-      {"path", OwnReader{"[]", "rows t, x, y, z"}, {}, "s, m", "`simulate` moves the obstacle along it"}};
+      {"path", OwnReader{"[]", "rows t, x, y, z"}, kNoRange, "s, m",
+       "`simulate` moves the obstacle along it"}};
 }
 
 Options couplingOptions(double& stiffness, double& damping) {
@@ -59,7 +55,8 @@ Options couplingOptions(double& stiffness, double& damping) {
 
 Options optionsOf(ProbeOptions& probe) {
   Options options{
-      {"shape", OwnReader{"sphere", "`sphere`, `capsule`"}, {}, "", "a capsule's axis is z of the device"},
+      {"shape", OwnReader{"sphere", "`sphere`, `capsule`"}, kNoRange, "",
+       "a capsule's axis is z of the device"},
       {"radius", field(probe.radius), kLength, "m", "at least a fiftieth of the finest spacing", kFixed,
        kInState},
       {"length", field(probe.length), kDistance, "m", "distance of the two centres of a capsule", kFixed,
@@ -69,12 +66,9 @@ Options optionsOf(ProbeOptions& probe) {
     options.push_back(gain);
   }
   const Options inputs{
-      {"path", OwnReader{"[]", "rows t, x, y, z; t increases"}, {}, "s, m", "scripted device position"},
-      {"orientation", field(probe.orientation), {}, "", "orientation on the path"},
-      {"grasp",
-       OwnReader{"[]", "rows from, to; from < to"},
-       {},
-       "s",
+      {"path", OwnReader{"[]", "rows t, x, y, z; t increases"}, kNoRange, "s, m", "scripted device position"},
+      {"orientation", field(probe.orientation), kNoRange, "", "orientation on the path"},
+      {"grasp", OwnReader{"[]", "rows from, to; from < to"}, kNoRange, "s",
        "when the probe is closed on its path"}};
   options.insert(options.end(), inputs.begin(), inputs.end());
   return options;
@@ -83,14 +77,9 @@ Options optionsOf(ProbeOptions& probe) {
 Options optionsOf(SolverOptions& solver) {
   MinimizerOptions& minimizer = solver.minimizer;
   return {{"time_step", field(solver.time_step), kPositive, "s", "length of a step", kFixed, kInState},
-          {"cost", field(solver.cost, costNames()), {}, "", "what is minimised", kFixed, kInState},
-          {"preconditioner",
-           field(minimizer.preconditioner, preconditionerNames()),
-           {},
-           "",
-           "scaling of the minimizer's directions",
-           kFixed,
-           kInState},
+          {"cost", field(solver.cost, costNames()), kNoRange, "", "what is minimised", kFixed, kInState},
+          {"preconditioner", field(minimizer.preconditioner, preconditionerNames()), kNoRange, "",
+           "scaling of the minimizer's directions", kFixed, kInState},
           {"tolerance", field(minimizer.tolerance), kNotNegative, "",
            "residual at which a step is solved, as a share of gravity", Live{0.0, 1.0}, kInState},
           {"max_iterations", field(minimizer.max_iterations), atLeast(1), "", "limit of one solve",
@@ -99,43 +88,29 @@ Options optionsOf(SolverOptions& solver) {
            "wall clock of one step; 0: no limit", Live{0.0, 0.1}},
           {"sleep_speed", field(solver.sleep_speed), kNotNegative, "m/s",
            "below it particles fall asleep; 0: never", Live{0.0, 0.01}, kInState},
-          {"threads",
-           field(solver.threads),
-           {0, kMostThreads},
-           "",
-           "limit; 0: one per core, or `OMP_NUM_THREADS`"}};
+          {"threads", field(solver.threads), kThreads, "", "limit; 0: one per core, or `OMP_NUM_THREADS`"}};
 }
 
 Options optionsOf(AdaptOptions& adapt) {
-  return {
-      {"strategy",
-       field(adapt.strategy, strategyNames()),
-       {},
-       "",
-       "changes the mesh may make",
-       kFixed,
-       kInState},
-      // Work is counted from this mesh.
-      {"start", field(adapt.start, startNames()), {}, "", "initial mesh; only of `amrc`", kFixed, kInState},
-      {"levels",
-       field(adapt.levels),
-       {0, kMostLevels},
-       "",
-       "the coarsest cell is 2^levels finest cells wide",
-       kFixed,
-       kInState},
-      {"interval", field(adapt.interval), atLeast(1), "", "steps between two decisions about the mesh",
-       Live{1, 100}, kInState},
-      {"refine_above", field(adapt.refine_above), kPositive, "rad", "turning angle above which a cell splits",
-       Live{0.01, 3.0}, kInState},
-      {"coarsen_below", field(adapt.coarsen_below), kNotNegative, "rad",
-       "angle below which four cells merge; < `refine_above`", Live{0.0, 3.0}, kInState},
-      {"refine_above_strain", field(adapt.refine_above_strain), kPositive, "",
-       "strain difference above which a cell splits", Live{1e-4, 0.1}, kInState},
-      {"coarsen_below_strain", field(adapt.coarsen_below_strain), kNotNegative, "",
-       "the same, for merging; < `refine_above_strain`", Live{0.0, 0.1}, kInState},
-      {"minimum_age", field(adapt.minimum_age), atLeast(0), "", "steps before a new cell may merge",
-       Live{0, 1000}, kInState}};
+  return {{"strategy", field(adapt.strategy, strategyNames()), kNoRange, "", "changes the mesh may make",
+           kFixed, kInState},
+          // Work is counted from this mesh.
+          {"start", field(adapt.start, startNames()), kNoRange, "", "initial mesh; only of `amrc`", kFixed,
+           kInState},
+          {"levels", field(adapt.levels), kLevels, "", "the coarsest cell is 2^levels finest cells wide",
+           kFixed, kInState},
+          {"interval", field(adapt.interval), atLeast(1), "", "steps between two decisions about the mesh",
+           Live{1, 100}, kInState},
+          {"refine_above", field(adapt.refine_above), kPositive, "rad",
+           "turning angle above which a cell splits", Live{0.01, 3.0}, kInState},
+          {"coarsen_below", field(adapt.coarsen_below), kNotNegative, "rad",
+           "angle below which four cells merge; < `refine_above`", Live{0.0, 3.0}, kInState},
+          {"refine_above_strain", field(adapt.refine_above_strain), kPositive, "",
+           "strain difference above which a cell splits", Live{1e-4, 0.1}, kInState},
+          {"coarsen_below_strain", field(adapt.coarsen_below_strain), kNotNegative, "",
+           "the same, for merging; < `refine_above_strain`", Live{0.0, 0.1}, kInState},
+          {"minimum_age", field(adapt.minimum_age), atLeast(0), "", "steps before a new cell may merge",
+           Live{0, 1000}, kInState}};
 }
 
 Options optionsOf(StopOptions& stop) {

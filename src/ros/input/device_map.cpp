@@ -20,7 +20,7 @@ std::string tooHigh(const char* what, const char* unit, double felt, double limi
 
 Options optionsOf(DeviceOptions& device) {
   return {
-      {"kind", field(device.kind, deviceKindNames()), {}, "", "pose in and force out, or the reverse"},
+      {"kind", field(device.kind, deviceKindNames()), kNoRange, "", "pose in and force out, or the reverse"},
       {"position_unit", field(device.position_unit), kFinitePositive, "m",
        "one unit of the driver's positions; 0.001 for millimetres"},
       {"position_scale", field(device.position_scale), kFinitePositive, "",
@@ -28,13 +28,11 @@ Options optionsOf(DeviceOptions& device) {
       {"force_scale", field(device.force_scale), kFinitePositive, "",
        "force on the hand per force on the probe", Live{0.01, 10.0}},
       {"offset", field(device.offset), kPosition, "m", "position of the driver's origin"},
-      {"orientation", field(device.orientation), {}, "", "of the driver's axes"},
-      {"force_axes",
-       field(device.force_axes),
-       {},
-       "",
+      {"orientation", field(device.orientation), kNoRange, "", "of the driver's axes"},
+      {"force_axes", field(device.force_axes), kNoRange, "",
        "of the force's axes, seen from those of the positions"},
-      {"use_tf", field(device.use_tf), {}, "", "tf transforms the frame of the poses; else it is `frame_id`"},
+      {"use_tf", field(device.use_tf), kNoRange, "",
+       "tf transforms the frame of the poses; else it is `frame_id`"},
       {"max_stiffness", field(device.max_stiffness), kFiniteNotNegative, "N/m",
        "largest that the device renders; 0: unknown"},
       {"max_damping", field(device.max_damping), kFiniteNotNegative, "N·s/m",
