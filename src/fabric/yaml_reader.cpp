@@ -131,11 +131,6 @@ std::vector<YamlValue> YamlValue::list(std::size_t count, const std::string& wha
   return list();
 }
 
-Vec3 YamlValue::vector() const {
-  const std::array<double, 3> value = numbers<3>();
-  return Vec3(value[0], value[1], value[2]);
-}
-
 std::vector<std::pair<std::string, YamlValue>> YamlValue::entries() const {
   if (!isMap()) fail("must be a mapping");
   std::vector<std::pair<std::string, YamlValue>> found;
@@ -174,18 +169,6 @@ YamlValue YamlMap::require(const std::string& name, const std::string& rule) con
   const auto value = find(name);
   if (!value) value_.failAt(name, value_.node(), rule);
   return *value;
-}
-
-void YamlMap::read(const std::string& name, double& target) const {
-  if (const auto value = find(name)) target = value->number();
-}
-
-void YamlMap::read(const std::string& name, int& target) const {
-  if (const auto value = find(name)) target = value->integer();
-}
-
-void YamlMap::read(const std::string& name, Vec3& target) const {
-  if (const auto value = find(name)) target = value->vector();
 }
 
 }  // namespace haptic_cloth

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "haptic_cloth/error.h"
-#include "haptic_cloth/types.h"
 
 namespace haptic_cloth {
 
@@ -41,7 +40,6 @@ class YamlValue {
   std::array<double, N> numbers() const;
   template <std::size_t N>
   std::array<int, N> integers() const;
-  Vec3 vector() const;
   /// Names and values of a mapping with free keys, in order.
   std::vector<std::pair<std::string, YamlValue>> entries() const;
   /// Value for one of the given names.
@@ -75,14 +73,6 @@ class YamlMap {
   std::optional<YamlValue> find(const std::string& name) const;
   /// @param rule text of the message if the key is missing
   YamlValue require(const std::string& name, const std::string& rule = "is required") const;
-
-  /// Overwrites `target` if the key exists; defaults thus stay where the target was declared.
-  void read(const std::string& name, double& target) const;
-  void read(const std::string& name, int& target) const;
-  void read(const std::string& name, Vec3& target) const;
-  template <class T>
-  void readChoice(const std::string& name, T& target,
-                  const std::vector<std::pair<std::string, T>>& names) const;
 
   const YamlValue& value() const { return value_; }
 
@@ -145,12 +135,6 @@ T YamlValue::choice(const std::vector<std::pair<std::string, T>>& names) const {
     known.push_back(name);
   }
   fail("must be " + std::string(known.size() > 1 ? "one of " : "") + joined(known));
-}
-
-template <class T>
-void YamlMap::readChoice(const std::string& name, T& target,
-                         const std::vector<std::pair<std::string, T>>& names) const {
-  if (const auto value = find(name)) target = value->choice(names);
 }
 
 }  // namespace haptic_cloth

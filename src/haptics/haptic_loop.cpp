@@ -18,9 +18,6 @@ constexpr double kMinHandover = 0.0015, kMaxHandover = 0.02;
 /// a jump.
 constexpr double kMaxLateTicks = 5.0;
 
-/// Slower a thread would not hear of its end, faster it would keep its core for itself [Hz].
-constexpr double kLeastRate = 1.0, kMostRate = 10000.0;
-
 bool isFinite(const DeviceSample& sample) {
   return std::isfinite(sample.received) && sample.position.allFinite() && sample.velocity.allFinite();
 }
@@ -48,54 +45,7 @@ HapticStatus judge(const HapticOptions& options, const DeviceSample& device, con
   return hasJumped(device, snapshot) ? HapticStatus::NoSnapshot : HapticStatus::Contact;
 }
 
-void validateWorkspace(const AdmittanceOptions& tool, const std::string& origin) {
-  const auto fail = [&](const char* key, double value, const char* rule) {
-    throw InputError(origin, std::string("haptics/admittance/") + key, std::to_string(value), rule);
-  };
-  for (int c = 0; c < 3; ++c) {
-    const double low = tool.workspace_low[c], high = tool.workspace_high[c], start = tool.start[c];
-    if (!std::isfinite(low)) fail("workspace_low", low, "must be finite");
-    if (!std::isfinite(high) || !(high > low)) fail("workspace_high", high, "must be above workspace_low");
-    if (!(start >= low && start <= high)) fail("start", start, "must lie in the workspace");
-  }
-}
-
 }  // namespace
-
-void validateHapticOptions(const HapticOptions& options, const std::string& origin) {
-  const auto require = [&](const char* key, double value, bool zero_is_good) {
-    const bool good = std::isfinite(value) && (zero_is_good ? value >= 0.0 : value > 0.0);
-    if (good) return;
-    throw InputError(origin, key, std::to_string(value),
-                     zero_is_good ? "must be finite and >= 0" : "must be finite and > 0");
-  };
-  require("haptics/rate", options.rate, false);
-  if (options.rate < kLeastRate || options.rate > kMostRate) {
-    throw InputError(origin, "haptics/rate", std::to_string(options.rate), "must be in 1 to 10000");
-  }
-  require("haptics/max_force", options.max_force, false);
-  require("haptics/max_force_rate", options.max_force_rate, false);
-  require("haptics/max_torque", options.max_torque, true);
-  require("haptics/soft_start", options.soft_start, true);
-  require("haptics/pose_timeout", options.pose_timeout, false);
-  require("haptics/snapshot_timeout", options.snapshot_timeout, false);
-  require("haptics/ramp_time", options.ramp_time, false);
-  require("haptics/passivity/damping", options.passivity.damping, true);
-  require("haptics/passivity/store", options.passivity.store, true);
-  require("haptics/passivity/debt", options.passivity.debt, true);
-  require("haptics/passivity/device_damping", options.passivity.device_damping, true);
-  require("haptics/passivity/loop_delay", options.passivity.loop_delay, true);
-  require("probe.coupling_stiffness", options.coupling_stiffness, true);
-  require("probe.coupling_damping", options.coupling_damping, true);
-  const AdmittanceOptions& tool = options.admittance;
-  require("haptics/admittance/mass", tool.mass, false);
-  require("haptics/admittance/damping", tool.damping, false);
-  require("haptics/admittance/deadband", tool.deadband, true);
-  require("haptics/admittance/force_timeout", tool.force_timeout, false);
-  require("haptics/admittance/max_speed", tool.max_speed, false);
-  require("haptics/admittance/max_acceleration", tool.max_acceleration, false);
-  validateWorkspace(tool, origin);
-}
 
 const char* toString(HapticStatus status) {
   switch (status) {

@@ -1,17 +1,32 @@
 #include "sim/scene_identity.h"
 
-#include "sim/scene_names.h"
+#include "sim/scene_options.h"
 
 namespace haptic_cloth {
 namespace {
 
-void same(Archive& archive, const std::string& name, const Vec3& value) {
-  archive.same(name, value.data(), 3);
-}
+/// Saves or compares the value of one option.
+struct Comparer {
+  Archive& archive;
+  const std::string& name;
 
-void same(Archive& archive, const std::string& name, const Pose& pose) {
-  same(archive, name + "position", pose.position);
-  archive.same(name + "orientation", pose.orientation.coeffs().data(), 4);
+  void operator()(const Numbers<double>& numbers) const { archive.same(name, numbers.first, numbers.count); }
+  void operator()(const Numbers<int>& numbers) const {
+    for (std::size_t k = 0; k < numbers.count; ++k) {
+      archive.same(numbers.count > 1 ? indexed(name, k) : name, numbers.first[k]);
+    }
+  }
+  void operator()(const Quat* value) const { archive.same(name, value->coeffs().data(), 4); }
+  void operator()(const bool* value) const { archive.same(name, *value ? 1 : 0); }
+  void operator()(const std::string* value) const { archive.same(name, *value); }
+  void operator()(const Choice& choice) const { archive.same(name, choice.names[choice.get()]); }
+  void operator()(const OwnReader&) const {}
+};
+
+void same(Archive& archive, const std::string& prefix, const Options& options) {
+  for (const Option& option : options) {
+    if (option.in_state) std::visit(Comparer{archive, prefix + option.key}, option.field);
+  }
 }
 
 void similar(Archive& archive, const std::string& name, const Curve& curve) {
@@ -42,80 +57,42 @@ void serializeFabric(Archive& archive, const Fabric& fabric) {
   similar(archive, prefix + "shear", fabric.shear);
 }
 
-void serializeCloth(Archive& archive, const ClothOptions& cloth) {
-  for (const int k : {0, 1}) archive.same("cloth.particles[" + std::to_string(k) + "]", cloth.particles[k]);
-  archive.same("cloth.size", cloth.size.data(), cloth.size.size());
-  same(archive, "cloth.", cloth.pose);
+void serializeCloth(Archive& archive, ClothOptions& cloth) {
+  same(archive, "cloth.", optionsOf(cloth));
   archive.same("cloth.pins (how many)", static_cast<int>(cloth.pins.size()));
   for (std::size_t k = 0; k < cloth.pins.size(); ++k) {
     const ParticleRange& pin = cloth.pins[k];
     const std::array<double, 4> ends{double(pin.i0), double(pin.i1), double(pin.j0), double(pin.j1)};
-    archive.same("cloth.pins[" + std::to_string(k) + "]", ends.data(), ends.size());
+    archive.same(indexed("cloth.pins", k), ends.data(), ends.size());
   }
   serializeFabric(archive, cloth.fabric);
 }
 
-void serializeObstacle(Archive& archive, const std::string& prefix, const Obstacle& obstacle) {
-  archive.same(prefix + "name", obstacle.name);
-  archive.same(prefix + "shape", nameOf(shapeNames(), obstacle.shape));
-  same(archive, prefix + "size", obstacle.size);
-  archive.same(prefix + "radius", obstacle.radius);
-  archive.same(prefix + "length", obstacle.length);
-  same(archive, prefix, obstacle.pose);
-  archive.same(prefix + "friction", obstacle.friction);
-}
-
-void serializeProbe(Archive& archive, const std::string& prefix, const ProbeOptions& probe) {
-  archive.same(prefix + "radius", probe.radius);
-  archive.same(prefix + "length", probe.length);
-  archive.same(prefix + "friction", probe.friction);
-  archive.same(prefix + "coupling_stiffness", probe.coupling_stiffness);
-  archive.same(prefix + "coupling_damping", probe.coupling_damping);
-}
-
-void serializeWorld(Archive& archive, const Scene& scene) {
-  same(archive, "gravity", scene.gravity);
-  archive.same("air_damping", scene.air_damping);
+void serializeWorld(Archive& archive, Scene& scene) {
+  same(archive, "", worldOptions(scene));
   archive.same("obstacles (how many)", static_cast<int>(scene.obstacles.size()));
   for (std::size_t k = 0; k < scene.obstacles.size(); ++k) {
-    serializeObstacle(archive, "obstacles[" + std::to_string(k) + "].", scene.obstacles[k]);
+    Obstacle& obstacle = scene.obstacles[k];
+    const std::string prefix = indexed("obstacles", k) + ".";
+    archive.same(prefix + "name", obstacle.name);
+    archive.same(prefix + "shape", nameOf(shapeNames(), obstacle.shape));
+    same(archive, prefix, optionsOf(obstacle));
   }
   archive.same("probes (how many)", static_cast<int>(scene.probes.size()));
   for (std::size_t k = 0; k < scene.probes.size(); ++k) {
-    archive.same("probes[" + std::to_string(k) + "]", scene.probes[k].name);
-    serializeProbe(archive, "probes." + scene.probes[k].name + ".", scene.probes[k]);
+    archive.same(indexed("probes", k), scene.probes[k].name);
+    same(archive, "probes." + scene.probes[k].name + ".", optionsOf(scene.probes[k]));
   }
-}
-
-void serializeSolver(Archive& archive, const SolverOptions& solver) {
-  archive.same("solver.time_step", solver.time_step);
-  archive.same("solver.integrator", nameOf(integratorNames(), solver.integrator));
-  archive.same("solver.cost", nameOf(costNames(), solver.cost));
-  archive.same("solver.preconditioner", nameOf(preconditionerNames(), solver.minimizer.preconditioner));
-  archive.same("solver.tolerance", solver.minimizer.tolerance);
-  archive.same("solver.max_iterations", solver.minimizer.max_iterations);
-  archive.same("solver.sleep_speed", solver.sleep_speed);
-}
-
-void serializeAdapt(Archive& archive, const AdaptOptions& adapt) {
-  archive.same("adapt.strategy", nameOf(strategyNames(), adapt.strategy));
-  archive.same("adapt.start", nameOf(startNames(), adapt.start));  // work is counted from this mesh
-  archive.same("adapt.levels", adapt.levels);
-  archive.same("adapt.interval", adapt.interval);
-  archive.same("adapt.refine_above", adapt.refine_above);
-  archive.same("adapt.coarsen_below", adapt.coarsen_below);
-  archive.same("adapt.refine_above_strain", adapt.refine_above_strain);
-  archive.same("adapt.coarsen_below_strain", adapt.coarsen_below_strain);
-  archive.same("adapt.minimum_age", adapt.minimum_age);
 }
 
 }  // namespace
 
-void serializeIdentity(Archive& archive, const Scene& scene) {
+void serializeIdentity(Archive& archive, const Scene& saved) {
+  Scene scene = saved;  // rows point to members that could be written
   serializeCloth(archive, scene.cloth);
   serializeWorld(archive, scene);
-  serializeSolver(archive, scene.solver);
-  serializeAdapt(archive, scene.adapt);
+  same(archive, "solver.", optionsOf(scene.solver));
+  same(archive, "adapt.", optionsOf(scene.adapt));
 }
 
 }  // namespace haptic_cloth

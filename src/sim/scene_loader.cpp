@@ -5,7 +5,7 @@
 #include "fabric/fabric_search.h"
 #include "fabric/yaml_reader.h"
 #include "haptic_cloth/scene.h"
-#include "sim/scene_names.h"
+#include "sim/scene_options.h"
 #include "sim/scene_validation.h"
 
 namespace haptic_cloth {
@@ -23,9 +23,47 @@ Quat readOrientation(const YamlValue& value) {
   return orientation.normalized();
 }
 
-void readPose(const YamlMap& map, Pose& pose) {
-  map.read("position", pose.position);
-  if (const auto orientation = map.find("orientation")) pose.orientation = readOrientation(*orientation);
+/// Reads a value into the member of its option.
+struct Reader {
+  const YamlValue& value;
+
+  void operator()(const Numbers<double>& numbers) const {
+    if (numbers.count == 1) {
+      *numbers.first = value.number();
+      return;
+    }
+    const std::vector<YamlValue> entries = value.list(numbers.count, "numbers");
+    for (std::size_t k = 0; k < numbers.count; ++k) numbers.first[k] = entries[k].number();
+  }
+  void operator()(const Numbers<int>& numbers) const {
+    if (numbers.count == 1) {
+      *numbers.first = value.integer();
+      return;
+    }
+    const std::vector<YamlValue> entries = value.list(numbers.count, "integers");
+    for (std::size_t k = 0; k < numbers.count; ++k) numbers.first[k] = entries[k].integer();
+  }
+  void operator()(Quat* orientation) const { *orientation = readOrientation(value); }
+  void operator()(bool* flag) const { *flag = value.choice<bool>({{"true", true}, {"false", false}}); }
+  void operator()(std::string* text) const { *text = value.text(); }
+  void operator()(const Choice& choice) const {
+    Names<std::size_t> names;
+    for (const std::string& name : choice.names) names.emplace_back(name, names.size());
+    choice.set(value.choice(names));
+  }
+  void operator()(const OwnReader&) const {}
+};
+
+/// Reads the options whose keys the map has, except those with a reader of their own.
+void readOptions(const YamlMap& map, const Options& options) {
+  for (const Option& option : options) {
+    if (const auto value = map.find(option.key)) std::visit(Reader{*value}, option.field);
+  }
+}
+
+/// Reads a map that holds only options.
+void readGroup(const YamlMap& root, const std::string& key, const Options& options) {
+  if (const auto value = root.find(key)) readOptions(YamlMap(*value, keysOf(options)), options);
 }
 
 /// Particles of a named pin: "corner_01" is the first particle along x and the last along y,
@@ -63,30 +101,13 @@ Fabric readFabric(const YamlValue& value, const std::string& base_directory) {
 
 void readCloth(const YamlMap& root, const std::string& base_directory, ClothOptions& cloth) {
   const YamlValue value = root.require("cloth", "is required, with cloth.fabric in it");
-  const YamlMap map(value, {"particles", "size", "position", "orientation", "fabric", "pins"});
-  if (const auto particles = map.find("particles")) cloth.particles = particles->integers<2>();
-  if (const auto size = map.find("size")) cloth.size = size->numbers<2>();
-  readPose(map, cloth.pose);
+  const Options options = optionsOf(cloth);
+  const YamlMap map(value, keysOf(options));
+  readOptions(map, options);
   cloth.fabric = readFabric(map.require("fabric"), base_directory);
   if (const auto pins = map.find("pins")) {
     for (const YamlValue& pin : pins->list()) cloth.pins.push_back(readPin(pin, cloth.particles));
   }
-}
-
-/// Keys of one shape; all are required.
-std::vector<std::string> shapeKeys(Shape shape) {
-  switch (shape) {
-    case Shape::Box:
-      return {"size"};
-    case Shape::Sphere:
-      return {"radius"};
-    case Shape::Cylinder:
-    case Shape::Capsule:
-      return {"radius", "length"};
-    case Shape::Plane:
-      break;
-  }
-  return {};
 }
 
 std::vector<PathPoint> readPath(const YamlValue& value) {
@@ -98,47 +119,32 @@ std::vector<PathPoint> readPath(const YamlValue& value) {
   return path;
 }
 
-Obstacle readObstacle(const YamlValue& value) {
-  Obstacle obstacle;
-  const YamlMap any(
-      value, {"name", "shape", "size", "radius", "length", "position", "orientation", "friction", "path"});
+void readObstacle(const YamlValue& value, Obstacle& obstacle) {
+  const YamlMap any(value, keysOf(optionsOf(obstacle)));
   obstacle.shape = any.require("shape").choice(shapeNames());
 
-  const std::vector<std::string> own = shapeKeys(obstacle.shape);
-  std::vector<std::string> known{"name", "shape", "position", "orientation", "friction", "path"};
-  known.insert(known.end(), own.begin(), own.end());
-  const YamlMap map(value, known);
-  for (const std::string& key : own) map.require(key, "is required for this shape");
-  if (obstacle.shape == Shape::Box) {
-    map.read("size", obstacle.size);
-  } else if (!own.empty()) {
-    map.read("radius", obstacle.radius);
-    if (obstacle.shape != Shape::Sphere) map.read("length", obstacle.length);
-  }
+  const Options options = ownOptions(obstacle);
+  const YamlMap map(value, keysOf(options));
+  for (const std::string& key : shapeKeys(obstacle.shape)) map.require(key, "is required for this shape");
+  readOptions(map, options);
   if (const auto name = map.find("name")) obstacle.name = name->text();
   if (const auto path = map.find("path")) obstacle.path = readPath(*path);
-  readPose(map, obstacle.pose);
-  map.read("friction", obstacle.friction);
-  return obstacle;
 }
 
 void readProbe(const YamlValue& value, ProbeOptions& probe) {
-  const YamlMap map(value, {"shape", "radius", "length", "friction", "coupling_stiffness", "coupling_damping",
-                            "path", "orientation", "grasp"});
+  const Options options = optionsOf(probe);
+  const YamlMap map(value, keysOf(options));
   Shape shape = Shape::Sphere;
-  map.readChoice<Shape>("shape", shape, {{"sphere", Shape::Sphere}, {"capsule", Shape::Capsule}});
-  map.read("radius", probe.radius);
+  if (const auto named = map.find("shape")) {
+    shape = named->choice<Shape>({{"sphere", Shape::Sphere}, {"capsule", Shape::Capsule}});
+  }
   if (shape == Shape::Capsule) {
     map.require("length", "is required for this shape");
-    map.read("length", probe.length);
   } else if (const auto length = map.find("length")) {
     length->fail("is for shape: capsule");
   }
-  map.read("friction", probe.friction);
-  map.read("coupling_stiffness", probe.coupling_stiffness);
-  map.read("coupling_damping", probe.coupling_damping);
+  readOptions(map, options);
   if (const auto path = map.find("path")) probe.path = readPath(*path);
-  if (const auto orientation = map.find("orientation")) probe.orientation = readOrientation(*orientation);
   const auto grasp = map.find("grasp");
   if (!grasp) return;
   for (const YamlValue& times : grasp->list()) probe.grasp.push_back(times.numbers<2>());
@@ -160,55 +166,20 @@ void readProbes(const YamlMap& root, const ClothOptions& cloth, std::vector<Prob
   }
 }
 
-void readSolver(const YamlValue& value, SolverOptions& solver) {
-  const YamlMap map(value, {"time_step", "integrator", "cost", "preconditioner", "tolerance",
-                            "max_iterations", "time_budget", "sleep_speed", "threads"});
-  map.read("time_step", solver.time_step);
-  map.readChoice("integrator", solver.integrator, integratorNames());
-  map.readChoice("cost", solver.cost, costNames());
-  map.readChoice("preconditioner", solver.minimizer.preconditioner, preconditionerNames());
-  map.read("tolerance", solver.minimizer.tolerance);
-  map.read("max_iterations", solver.minimizer.max_iterations);
-  map.read("time_budget", solver.minimizer.time_budget);
-  map.read("sleep_speed", solver.sleep_speed);
-  map.read("threads", solver.threads);
-}
-
-void readAdapt(const YamlValue& value, AdaptOptions& adapt) {
-  const YamlMap map(value, {"strategy", "start", "levels", "interval", "refine_above", "coarsen_below",
-                            "refine_above_strain", "coarsen_below_strain", "minimum_age"});
-  map.readChoice("strategy", adapt.strategy, strategyNames());
-  map.readChoice("start", adapt.start, startNames());
-  map.read("levels", adapt.levels);
-  map.read("interval", adapt.interval);
-  map.read("refine_above", adapt.refine_above);
-  map.read("coarsen_below", adapt.coarsen_below);
-  map.read("refine_above_strain", adapt.refine_above_strain);
-  map.read("coarsen_below_strain", adapt.coarsen_below_strain);
-  map.read("minimum_age", adapt.minimum_age);
-}
-
-void readStop(const YamlValue& value, StopOptions& stop) {
-  const YamlMap map(value, {"time", "rest_speed"});
-  map.read("time", stop.time);
-  map.read("rest_speed", stop.rest_speed);
-}
-
 Scene readScene(YamlDocument document, const std::string& base_directory,
                 const std::vector<std::string>& overrides) {
   for (const std::string& assignment : overrides) document.override(assignment);
   const YamlMap root(document.root(), sceneKeys());
   Scene scene;
   readCloth(root, base_directory, scene.cloth);
-  root.read("gravity", scene.gravity);
-  root.read("air_damping", scene.air_damping);
+  readOptions(root, worldOptions(scene));
   if (const auto obstacles = root.find("obstacles")) {
-    for (const YamlValue& obstacle : obstacles->list()) scene.obstacles.push_back(readObstacle(obstacle));
+    for (const YamlValue& value : obstacles->list()) readObstacle(value, scene.obstacles.emplace_back());
   }
   readProbes(root, scene.cloth, scene.probes);
-  if (const auto solver = root.find("solver")) readSolver(*solver, scene.solver);
-  if (const auto adapt = root.find("adapt")) readAdapt(*adapt, scene.adapt);
-  if (const auto stop = root.find("stop")) readStop(*stop, scene.stop);
+  readGroup(root, "solver", optionsOf(scene.solver));
+  readGroup(root, "adapt", optionsOf(scene.adapt));
+  readGroup(root, "stop", optionsOf(scene.stop));
   checkScene(scene, [&](const std::string& key) { return document.locate(key); });
   return scene;
 }

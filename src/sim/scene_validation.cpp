@@ -7,24 +7,17 @@
 #include <sstream>
 
 #include "haptic_cloth/error.h"
-#include "sim/scene_names.h"
+#include "sim/scene_options.h"
 #include "state/number_text.h"
 
 namespace haptic_cloth {
 namespace {
 
-constexpr int kMostLevels = 8;
-constexpr int kMostThreads = 1024;
 constexpr double kMostParticles = 1 << 24;  ///< so that every index and offset fits an int
-/// Largest position [m] and gravity [m/s²]; beyond it, millimetres are lost to rounding.
-constexpr double kMost = 1e6;
-/// Limits of other values: products and quotients stay finite.
-constexpr double kSmallest = 1e-12, kLargest = 1e12;
 /// Largest number of particles times solids: memory is reserved for each pair.
 constexpr double kMostContacts = 1 << 26;
 constexpr std::size_t kMostProbes = 64, kMostObstacles = 1024, kMostPins = 4096;
-constexpr double kFinestProbe = 0.02;    ///< smallest radius of a probe / finest spacing [-]
-constexpr double kUnitTolerance = 1e-6;  ///< error allowed in a quaternion's norm [-]
+constexpr double kFinestProbe = 0.02;  ///< smallest radius of a probe / finest spacing [-]
 
 /// Prints a count that is far too large with six digits.
 std::string rounded(double count) {
@@ -55,56 +48,25 @@ class Check {
     throw InputError(locate_(key), key, toText(value), rule);
   }
 
-  void positive(const std::string& key, double value) const {
-    that(std::isfinite(value) && value > 0.0, key, value, "must be > 0");
-    that(value >= kSmallest && value <= kLargest, key, value, "must be within 1e-12 to 1e12");
+  void options(const std::string& prefix, const Options& options) const {
+    checkOptions(options, prefix, locate_);
   }
-  void length(const std::string& key, double value) const {
-    positive(key, value);
-    that(value <= kMost, key, value, "must be at most 1e6");
+  void positive(const std::string& key, double value) const {
+    options("", {{key, field(value), kPositive, "", ""}});
   }
   void count(const std::string& key, std::size_t value, std::size_t most) const {
     that(value <= most, key, std::to_string(value) + " entries", "must have at most " + std::to_string(most));
-  }
-  void notNegative(const std::string& key, double value) const {
-    that(std::isfinite(value) && value >= 0.0, key, value, "must be >= 0");
-    that(value <= kLargest, key, value, "must be at most 1e12");
-  }
-  void atLeast(const std::string& key, int value, int least) const {
-    that(value >= least, key, value, "must be >= " + std::to_string(least));
-  }
-  void within(const std::string& key, int value, int least, int most) const {
-    that(value >= least && value <= most, key, value,
-         "must be in " + std::to_string(least) + " to " + std::to_string(most));
-  }
-  void finite(const std::string& key, const Vec3& value) const {
-    that(value.allFinite(), key, value.transpose(), "must be finite");
-    that(value.cwiseAbs().maxCoeff() <= kMost, key, value.transpose(), "must be within -1e6 to 1e6");
-  }
-  void pose(const std::string& prefix, const Pose& pose) const {
-    finite(prefix + ".position", pose.position);
-    const double norm = pose.orientation.norm();
-    that(std::abs(norm - 1.0) <= kUnitTolerance, prefix + ".orientation",
-         pose.orientation.coeffs().transpose(), "must be a unit quaternion x y z w");
   }
 
  private:
   const Locate& locate_;
 };
 
-std::string indexed(const std::string& key, std::size_t index) {
-  return key + '[' + std::to_string(index) + ']';
-}
-
 void checkGrid(const Check& check, const ClothOptions& cloth, const AdaptOptions& adapt) {
-  check.within("adapt.levels", adapt.levels, 0, kMostLevels);
   const int coarsest = 1 << adapt.levels;
   for (std::size_t d = 0; d < 2; ++d) {
-    const std::string key = indexed("cloth.particles", d);
-    check.atLeast(key, cloth.particles[d], 2);
-    check.that((cloth.particles[d] - 1) % coarsest == 0, key, cloth.particles[d],
+    check.that((cloth.particles[d] - 1) % coarsest == 0, indexed("cloth.particles", d), cloth.particles[d],
                "particles - 1 must be divisible by 2^adapt.levels = " + std::to_string(coarsest));
-    check.length(indexed("cloth.size", d), cloth.size[d]);
   }
   const double count = static_cast<double>(cloth.particles[0]) * cloth.particles[1];
   check.that(count <= kMostParticles, "cloth.particles", rounded(count), "the product must be at most 2^24");
@@ -130,35 +92,15 @@ void checkPath(const Check& check, const std::string& prefix, const std::vector<
   for (std::size_t i = 0; i < path.size(); ++i) {
     const std::string key = indexed(prefix, i);
     const double time = path[i].time;
-    check.finite(key, path[i].position);
+    const Vec3& position = path[i].position;
+    check.that(position.allFinite(), key, position.transpose(), "must be finite");
+    check.that(position.cwiseAbs().maxCoeff() <= kMostLength, key, position.transpose(),
+               "must be within -1e6 to 1e6");
     check.that(std::isfinite(time), key + "[0]", time, "must be finite");
     check.that(std::abs(time) <= kLargest, key + "[0]", time, "must be within -1e12 to 1e12");
     check.that(i == 0 || time > path[i - 1].time, key + "[0]", time,
                "times must increase strictly from row to row");
   }
-}
-
-void checkObstacle(const Check& check, const std::string& key, const Obstacle& obstacle) {
-  switch (obstacle.shape) {
-    case Shape::Box:
-      for (int d = 0; d < 3; ++d) {
-        check.length(indexed(key + ".size", static_cast<std::size_t>(d)), obstacle.size[d]);
-      }
-      break;
-    case Shape::Cylinder:
-    case Shape::Capsule:
-      check.length(key + ".length", obstacle.length);
-      check.length(key + ".radius", obstacle.radius);
-      break;
-    case Shape::Sphere:
-      check.length(key + ".radius", obstacle.radius);
-      break;
-    case Shape::Plane:
-      break;
-  }
-  check.pose(key, obstacle.pose);
-  check.notNegative(key + ".friction", obstacle.friction);
-  checkPath(check, key + ".path", obstacle.path);
 }
 
 /// Checks names, which topics and files carry.
@@ -179,17 +121,11 @@ void checkNames(const Check& check, const std::string& prefix, const std::vector
 }
 
 /// @param prefix key of the probe
-void checkProbe(const Check& check, const std::string& prefix, const ProbeOptions& probe,
+void checkProbe(const Check& check, const std::string& prefix, ProbeOptions& probe,
                 const ClothOptions& cloth) {
-  check.length(prefix + ".radius", probe.radius);
+  check.options(prefix + ".", optionsOf(probe));
   check.that(probe.radius >= smallestProbeRadius(cloth), prefix + ".radius", probe.radius,
              "must be at least a fiftieth of the finest spacing");
-  check.notNegative(prefix + ".length", probe.length);
-  check.that(probe.length <= kMost, prefix + ".length", probe.length, "must be at most 1e6");
-  check.notNegative(prefix + ".friction", probe.friction);
-  check.positive(prefix + ".coupling_stiffness", probe.coupling_stiffness);
-  check.notNegative(prefix + ".coupling_damping", probe.coupling_damping);
-  check.pose(prefix, {Vec3::Zero(), probe.orientation});
   checkPath(check, prefix + ".path", probe.path);
   for (std::size_t i = 0; i < probe.grasp.size(); ++i) {
     const auto [from, to] = probe.grasp[i];
@@ -198,31 +134,13 @@ void checkProbe(const Check& check, const std::string& prefix, const ProbeOption
   }
 }
 
-void checkOptions(const Check& check, const Scene& scene) {
-  const SolverOptions& solver = scene.solver;
-  check.positive("solver.time_step", solver.time_step);
-  check.notNegative("solver.tolerance", solver.minimizer.tolerance);
-  check.notNegative("solver.sleep_speed", solver.sleep_speed);
-  check.atLeast("solver.max_iterations", solver.minimizer.max_iterations, 1);
-  check.notNegative("solver.time_budget", solver.minimizer.time_budget);
-  check.within("solver.threads", solver.threads, 0, kMostThreads);
-
-  const AdaptOptions& adapt = scene.adapt;
-  check.atLeast("adapt.interval", adapt.interval, 1);
-  check.positive("adapt.refine_above", adapt.refine_above);
-  check.notNegative("adapt.coarsen_below", adapt.coarsen_below);
-  check.positive("adapt.refine_above_strain", adapt.refine_above_strain);
-  check.notNegative("adapt.coarsen_below_strain", adapt.coarsen_below_strain);
+void checkThresholds(const Check& check, const AdaptOptions& adapt) {
   const auto below = [&check](const char* key, double value, const char* bound, double most) {
     check.that(value < most, key, value, std::string("must be below ") + bound + " = " + shortestText(most));
   };
   below("adapt.coarsen_below", adapt.coarsen_below, "adapt.refine_above", adapt.refine_above);
   below("adapt.coarsen_below_strain", adapt.coarsen_below_strain, "adapt.refine_above_strain",
         adapt.refine_above_strain);
-  check.atLeast("adapt.minimum_age", adapt.minimum_age, 0);
-
-  check.positive("stop.time", scene.stop.time);
-  check.notNegative("stop.rest_speed", scene.stop.rest_speed);
 }
 
 }  // namespace
@@ -232,32 +150,34 @@ double smallestProbeRadius(const ClothOptions& cloth) {
          std::min(cloth.size[0] / (cloth.particles[0] - 1), cloth.size[1] / (cloth.particles[1] - 1));
 }
 
-void checkScene(const Scene& scene, const Locate& locate) {
+void checkScene(const Scene& checked, const Locate& locate) {
   const Check check(locate);
+  check.count("obstacles", checked.obstacles.size(), kMostObstacles);
+  check.count("probes", checked.probes.size(), kMostProbes);
+  Scene scene = checked;  // rows point to members that could be written
+  check.options("cloth.", optionsOf(scene.cloth));
+  check.options("", worldOptions(scene));
+  check.options("solver.", optionsOf(scene.solver));
+  check.options("adapt.", optionsOf(scene.adapt));
+  check.options("stop.", optionsOf(scene.stop));
   checkGrid(check, scene.cloth, scene.adapt);
-  check.pose("cloth", scene.cloth.pose);
   check.positive("cloth.fabric.areal_density", scene.cloth.fabric.areal_density);
   check.positive("cloth.fabric.thickness", scene.cloth.fabric.thickness);
   checkPins(check, scene.cloth);
-  check.finite("gravity", scene.gravity);
-  check.count("obstacles", scene.obstacles.size(), kMostObstacles);
-  check.count("probes", scene.probes.size(), kMostProbes);
   const double contacts = static_cast<double>(scene.cloth.particles[0]) * scene.cloth.particles[1] *
                           static_cast<double>(scene.obstacles.size() + scene.probes.size());
   check.that(contacts <= kMostContacts, "cloth.particles", rounded(contacts),
              "the product, times the number of obstacles and probes, must be at most 2^26");
-  check.notNegative("air_damping", scene.air_damping);
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
-    checkObstacle(check, indexed("obstacles", i), scene.obstacles[i]);
+    Obstacle& obstacle = scene.obstacles[i];
+    check.options(indexed("obstacles", i) + ".", ownOptions(obstacle));
+    checkPath(check, indexed("obstacles", i) + ".path", obstacle.path);
   }
   checkNames(check, "obstacles", scene.obstacles, false);
   checkNames(check, "probes", scene.probes, true);
   check.that(!scene.probes.empty(), "probes", "{}", "must name at least one probe");
-  for (const ProbeOptions& probe : scene.probes) {
-    const bool only = scene.probes.size() == 1 && probe.name == ProbeOptions().name;
-    checkProbe(check, only ? "probe" : "probes." + probe.name, probe, scene.cloth);
-  }
-  checkOptions(check, scene);
+  for (ProbeOptions& probe : scene.probes) checkProbe(check, probeKey(scene, probe), probe, scene.cloth);
+  checkThresholds(check, scene.adapt);
 }
 
 void validateScene(const Scene& scene, const std::string& origin) {

@@ -20,6 +20,13 @@ constexpr const char* kFile = "<file>";  ///< no name that anyone types after tw
 /// script's command line means.
 constexpr int kStyle = po::command_line_style::unix_style & ~po::command_line_style::allow_guessing;
 
+/// @return false, as nothing is left to do
+bool print(const std::string& text) {
+  std::cout << text;
+  requireStandardOutput();
+  return false;
+}
+
 }  // namespace
 
 CommandLine::CommandLine(std::string program, std::string description, std::string file_name,
@@ -42,10 +49,9 @@ bool CommandLine::read(int argc, const char* const* argv) {
   po::variables_map values;
   po::store(po::command_line_parser(argc, argv).options(all).positional(positional).style(kStyle).run(),
             values);
-  if (values.count("help") > 0) {
-    std::cout << help();
-    requireStandardOutput();
-    return false;
+  if (values.count("help") > 0) return print(help());
+  for (const auto& [name, text] : pages_) {
+    if (values.count(name) > 0) return print(text);
   }
   po::notify(values);
   if (files.empty()) throw UsageError(file_name_ + " is required");

@@ -4,6 +4,7 @@
 #include <boost/program_options.hpp>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace haptic_cloth {
 
@@ -26,11 +27,17 @@ class CommandLine {
     options_.add_options()(name, boost::program_options::value(&value)->value_name(value_name), help);
   }
 
+  /// Adds an option that prints a page in place of running.
+  void addPage(const char* name, std::string text, const char* help) {
+    options_.add_options()(name, help);
+    pages_.emplace_back(name, std::move(text));
+  }
+
   /// Prints this below the options.
   void setFooter(std::string footer) { footer_ = std::move(footer); }
 
   /// Reads the arguments. An option's name must be spelled out.
-  /// @return false: help was asked for and is printed, nothing was read
+  /// @return false: help or a page was asked for and is printed, nothing was read
   /// @throws UsageError
   bool read(int argc, const char* const* argv);
 
@@ -38,6 +45,7 @@ class CommandLine {
   std::string help() const;
 
   std::string program_, description_, footer_, file_name_, file_help_;
+  std::vector<std::pair<std::string, std::string>> pages_;  ///< by the name of their option
   std::string& file_;
   boost::program_options::options_description options_;
 };

@@ -14,6 +14,7 @@
 #include "haptic_cloth/scene.h"
 #include "haptic_cloth/simulation.h"
 #include "haptic_cloth/state_file.h"
+#include "sim/scene_options.h"
 #include "state/new_file.h"
 #include "tools/command_line.h"
 #include "tools/outputs.h"
@@ -85,7 +86,14 @@ class Progress {
   std::chrono::steady_clock::time_point next_{};
 };
 
-/// @return false: help was printed instead
+/// Tables of all keys, as in docs/reference/scenes.md.
+std::string optionsPage() {
+  std::string page;
+  for (const auto& [title, table] : haptic_cloth::sceneTables()) page += "# " + title + "\n\n" + table + '\n';
+  return page;
+}
+
+/// @return false: help or the keys were printed instead
 bool readArguments(int argc, char** argv, Arguments& arguments) {
   haptic_cloth::CommandLine line("simulate", kDescription, "SCENE", arguments.scene, "scene file (YAML)");
   line.add("set", arguments.overrides, "A.B=VALUE", "replaces a key of the scene; may be repeated");
@@ -93,6 +101,7 @@ bool readArguments(int argc, char** argv, Arguments& arguments) {
   line.add("resume", arguments.resume, "FILE",
            "goes on from a saved state of this scene, as if it had never ended");
   line.add("save-state", arguments.save_state, "FILE", "writes the state at the end, for --resume");
+  line.addPage("options", optionsPage(), "prints the keys of a scene as Markdown, and exits");
   line.setFooter(kFooter);
   return line.read(argc, argv);
 }

@@ -2,7 +2,7 @@
 
 #include <sstream>
 
-#include "sim/scene_names.h"
+#include "sim/scene_options.h"
 #include "support/scenes.h"
 
 namespace haptic_cloth {

@@ -18,20 +18,31 @@ std::string tooHigh(const char* what, const char* unit, double felt, double limi
 
 }  // namespace
 
+Options optionsOf(DeviceOptions& device) {
+  return {
+      {"kind", field(device.kind, deviceKindNames()), kNoRange, "", "pose in and force out, or the reverse"},
+      {"position_unit", field(device.position_unit), kFinitePositive, "m",
+       "one unit of the driver's positions; 0.001 for millimetres"},
+      {"position_scale", field(device.position_scale), kFinitePositive, "",
+       "motion of the probe per motion of the hand"},
+      {"force_scale", field(device.force_scale), kFinitePositive, "",
+       "force on the hand per force on the probe", Live{0.01, 10.0}},
+      {"offset", field(device.offset), kPosition, "m", "position of the driver's origin"},
+      {"orientation", field(device.orientation), kNoRange, "", "of the driver's axes"},
+      {"force_axes", field(device.force_axes), kNoRange, "",
+       "of the force's axes, seen from those of the positions"},
+      {"use_tf", field(device.use_tf), kNoRange, "",
+       "tf transforms the frame of the poses; else it is `frame_id`"},
+      {"max_stiffness", field(device.max_stiffness), kFiniteNotNegative, "N/m",
+       "largest that the device renders; 0: unknown"},
+      {"max_damping", field(device.max_damping), kFiniteNotNegative, "N·s/m",
+       "largest that the device renders; 0: unknown"},
+      {"workspace_radius", field(device.workspace_radius), kFiniteNotNegative, "m",
+       "warns if poses cannot be in metres; 0: unknown"}};
+}
+
 DeviceOptions readDeviceOptions(ParameterGroup group, DeviceOptions device) {
-  const std::size_t kind =
-      group.readChoice("kind", {"impedance", "admittance"}, static_cast<std::size_t>(device.kind));
-  device.kind = static_cast<DeviceKind>(kind);
-  group.read("position_unit", device.position_unit, false);
-  group.read("position_scale", device.position_scale, false);
-  group.read("force_scale", device.force_scale, false);
-  group.read("offset", device.offset);
-  group.read("orientation", device.orientation);
-  group.read("force_axes", device.force_axes);
-  group.read("use_tf", device.use_tf);
-  group.read("max_stiffness", device.max_stiffness, true);
-  group.read("max_damping", device.max_damping, true);
-  group.read("workspace_radius", device.workspace_radius, true);
+  group.read(optionsOf(device));
   group.rejectRest();
   return device;
 }

@@ -32,6 +32,12 @@ struct DeviceOptions {
   double workspace_radius = 0.0;  ///< [m]; 0: unknown
 };
 
+inline Names<DeviceKind> deviceKindNames() {
+  return {{"impedance", DeviceKind::Impedance}, {"admittance", DeviceKind::Admittance}};
+}
+
+Options optionsOf(DeviceOptions& device);
+
 /// @param device defaults for keys that the group does not have
 /// @throws InputError for an unknown key or an invalid value
 DeviceOptions readDeviceOptions(ParameterGroup group, DeviceOptions device = DeviceOptions());

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -19,21 +18,19 @@ namespace haptic_cloth {
 using LiveValue = std::variant<int, double, std::string>;
 using LiveValues = std::map<std::string, LiveValue>;  ///< by name
 
-/// One live option. Its name is that of the private parameter with its initial value.
+/// One live option for the tools. Its name is that of the private parameter with its initial value.
 struct LiveOption {
-  using Field = std::variant<int*, double*, MeshColouring*>;
   std::string name;
   std::string description;
-  LiveValue low, high;                       ///< ends of the slider; the rules may allow more
-  std::function<Field(NodeOptions&)> field;  ///< pointer to the value
-  std::function<LiveValue(const NodeOptions&)> value;
+  LiveValue low, high;               ///< ends of the slider; the rules may allow more
+  std::vector<std::string> choices;  ///< words that it accepts; empty if it takes a number
 };
 
 /// All live options of a node. Each probe has its own.
 std::vector<LiveOption> offeredOptions(const NodeOptions& options);
 
-/// Words that an option accepts; empty if it takes a number.
-std::vector<std::string> choices(const LiveOption& option);
+/// Values of all live options.
+LiveValues liveValues(const NodeOptions& options);
 
 /// The options with some values changed, checked as a whole.
 /// @throws InputError with option, value and rule, also for names that are not live

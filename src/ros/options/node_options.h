@@ -1,5 +1,4 @@
-/// Private parameters of the node: a scene and how to run it. config/node.yaml repeats the
-/// defaults, and a test compares them.
+/// Private parameters of the node: a scene and how to run it. Their rows are in node_table.h.
 #pragma once
 
 #include <xmlrpcpp/XmlRpcValue.h>
@@ -23,12 +22,6 @@ struct ProbeSettings {
 
 /// Quantity that the colour of the mesh lines shows.
 enum class MeshColouring { Level, Tension, Bending };
-
-/// Word of a parameter: "level", "tension" or "bending".
-const char* toString(MeshColouring colouring);
-
-/// @throws InputError for other words
-MeshColouring toMeshColouring(const std::string& text, const std::string& origin, const std::string& key);
 
 struct MarkerOptions {
   double rate = 30.0;         ///< [Hz]

@@ -1,6 +1,8 @@
 #include "ros/options/parameter_group.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "haptic_cloth/error.h"
@@ -16,6 +18,51 @@ constexpr double kUnitTolerance = 1e-3;  ///< tolerance of a quaternion's norm, 
 
 }  // namespace
 
+/// Reads a value into the member of its option.
+struct ParameterGroup::Reader {
+  const ParameterGroup& group;
+  const std::string& key;
+
+  void operator()(const Numbers<double>& numbers) const {
+    const std::vector<double> values = group.numbers(key, numbers.count);
+    std::copy(values.begin(), values.end(), numbers.first);
+  }
+  void operator()(const Numbers<int>& numbers) const {
+    const std::vector<double> values = group.numbers(key, numbers.count);
+    for (std::size_t k = 0; k < numbers.count; ++k) {
+      const double value = values[k];
+      if (!(std::abs(value) <= std::numeric_limits<int>::max()) || value != std::floor(value)) {
+        group.fail(key, "must be a whole number");
+      }
+      numbers.first[k] = static_cast<int>(value);
+    }
+  }
+  void operator()(Quat* value) const {
+    const std::vector<double> entries = group.numbers(key, 4);
+    const Quat quaternion(entries[3], entries[0], entries[1], entries[2]);
+    if (std::abs(quaternion.norm() - 1.0) > kUnitTolerance) group.fail(key, "must have norm 1");
+    *value = quaternion.normalized();
+  }
+  void operator()(bool* value) const {
+    XmlRpcValue entry = group.tree_[key];
+    if (entry.getType() != XmlRpcValue::TypeBoolean) group.fail(key, "must be true or false");
+    *value = static_cast<bool>(entry);
+  }
+  void operator()(std::string* value) const { *value = text(); }
+  void operator()(const Choice& choice) const {
+    const auto found = std::find(choice.names.begin(), choice.names.end(), text());
+    if (found == choice.names.end()) group.fail(key, oneOf(choice.names));
+    choice.set(static_cast<std::size_t>(found - choice.names.begin()));
+  }
+  void operator()(const OwnReader&) const {}
+
+  std::string text() const {
+    XmlRpcValue entry = group.tree_[key];
+    if (entry.getType() != XmlRpcValue::TypeString) group.fail(key, "must be text");
+    return static_cast<std::string>(entry);
+  }
+};
+
 ParameterGroup::ParameterGroup(const XmlRpcValue& tree, const std::string& origin, const std::string& path)
     : tree_(tree), origin_(origin), path_(path) {
   if (tree_.getType() == XmlRpcValue::TypeInvalid || tree_.getType() == XmlRpcValue::TypeStruct) return;
@@ -26,66 +73,25 @@ bool ParameterGroup::has(const std::string& key) const {
   return tree_.getType() == XmlRpcValue::TypeStruct && tree_.hasMember(key);
 }
 
-void ParameterGroup::read(const std::string& key, std::string& value) {
-  known_.insert(key);
-  if (!has(key)) return;
-  XmlRpcValue entry = tree_[key];
-  if (entry.getType() != XmlRpcValue::TypeString) fail(key, "must be text");
-  value = static_cast<std::string>(entry);
-}
-
-std::size_t ParameterGroup::readChoice(const std::string& key, const std::vector<std::string>& choices,
-                                       std::size_t value) {
-  std::string text = choices[value], known;
-  read(key, text);
-  for (std::size_t k = 0; k < choices.size(); ++k) {
-    if (text == choices[k]) return k;
-    known += (k > 0 ? ", " : "") + choices[k];
+void ParameterGroup::read(const Options& options) {
+  for (const Option& option : options) {
+    known_.insert(option.key);
+    if (has(option.key)) std::visit(Reader{*this, option.key}, option.field);
   }
-  fail(key, "must be one of " + known);
+  checkOptions(options, path_, [this](const std::string&) { return origin_; });
 }
 
-void ParameterGroup::read(const std::string& key, double& value, bool zero_is_good) {
-  known_.insert(key);
-  if (!has(key)) return;
-  const std::optional<double> number = toNumber(tree_[key]);
-  if (!number) fail(key, "must be a number");
-  if (!std::isfinite(*number) || *number < 0.0 || (*number == 0.0 && !zero_is_good)) {
-    fail(key, zero_is_good ? "must be finite and >= 0" : "must be finite and > 0");
-  }
-  value = *number;
-}
-
-void ParameterGroup::read(const std::string& key, bool& value) {
-  known_.insert(key);
-  if (!has(key)) return;
-  XmlRpcValue entry = tree_[key];
-  if (entry.getType() != XmlRpcValue::TypeBoolean) fail(key, "must be true or false");
-  value = static_cast<bool>(entry);
-}
-
-void ParameterGroup::read(const std::string& key, Vec3& value) {
-  known_.insert(key);
-  if (!has(key)) return;
-  const std::vector<double> entries = numbers(key, 3);
-  value = Vec3(entries[0], entries[1], entries[2]);
-}
-
-void ParameterGroup::read(const std::string& key, Quat& value) {
-  known_.insert(key);
-  if (!has(key)) return;
-  const std::vector<double> entries = numbers(key, 4);
-  const Quat quaternion(entries[3], entries[0], entries[1], entries[2]);
-  if (std::abs(quaternion.norm() - 1.0) > kUnitTolerance) fail(key, "must have norm 1");
-  value = quaternion.normalized();
-}
-
-std::vector<double> ParameterGroup::numbers(const std::string& key, int count) const {
-  const std::string rule = "must be a list of " + std::to_string(count) + " finite numbers";
+std::vector<double> ParameterGroup::numbers(const std::string& key, std::size_t count) const {
   const XmlRpcValue entry = tree_[key];
-  if (entry.getType() != XmlRpcValue::TypeArray || entry.size() != count) fail(key, rule);
+  if (count == 1) {
+    const std::optional<double> number = toNumber(entry);
+    if (!number) fail(key, "must be a number");
+    return {*number};
+  }
+  const std::string rule = "must be a list of " + std::to_string(count) + " finite numbers";
+  if (entry.getType() != XmlRpcValue::TypeArray || entry.size() != static_cast<int>(count)) fail(key, rule);
   std::vector<double> values;
-  for (int k = 0; k < count; ++k) {
+  for (int k = 0; k < entry.size(); ++k) {
     const std::optional<double> number = toNumber(entry[k]);
     if (!number || !std::isfinite(*number)) fail(key, rule);
     values.push_back(*number);

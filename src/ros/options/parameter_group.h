@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "haptic_cloth/types.h"
+#include "sim/option.h"
 
 namespace haptic_cloth {
 
@@ -20,16 +20,20 @@ class ParameterGroup {
   /// @throws InputError if the tree is neither a map nor empty
   ParameterGroup(const XmlRpc::XmlRpcValue& tree, const std::string& origin, const std::string& path = "");
 
+  /// Reads and checks options. A quaternion is normalised if its norm is off by at most 1e-3, as
+  /// in a scene.
   /// @throws InputError for a wrong type or value, like all functions below
-  void read(const std::string& key, std::string& value);
-  /// @return index in `choices`; `value` if the key is absent
-  std::size_t readChoice(const std::string& key, const std::vector<std::string>& choices, std::size_t value);
+  void read(const Options& options);
+
+  /// Reads one option. @param range used only for numbers
+  template <class Value>
+  void read(const std::string& key, Value& value, const Range& range = kPosition) {
+    read({{key, field(value), range, "", ""}});
+  }
   /// @param zero_is_good whether 0 is allowed; otherwise the number must be positive
-  void read(const std::string& key, double& value, bool zero_is_good);
-  void read(const std::string& key, bool& value);
-  void read(const std::string& key, Vec3& value);
-  /// Reads a list x y z w. It is normalised if its norm is off by at most 1e-3, as in a scene.
-  void read(const std::string& key, Quat& value);
+  void read(const std::string& key, double& value, bool zero_is_good) {
+    read(key, value, zero_is_good ? kFiniteNotNegative : kFinitePositive);
+  }
 
   ParameterGroup group(const std::string& key);
 
@@ -45,8 +49,9 @@ class ParameterGroup {
 
  private:
   bool has(const std::string& key) const;
-  /// Reads a list of `count` finite numbers.
-  std::vector<double> numbers(const std::string& key, int count) const;
+  struct Reader;
+  /// Reads a number, or a list of `count` finite numbers.
+  std::vector<double> numbers(const std::string& key, std::size_t count) const;
   [[noreturn]] void fail(const std::string& key, const std::string& rule) const;
 
   XmlRpc::XmlRpcValue tree_;

@@ -36,7 +36,7 @@ const char* typeOf(const LiveValue& value) {
 /// Choices in the syntax that the tools parse as Python; empty if there are none.
 std::string editMethod(const LiveOption& option) {
   std::string words;
-  for (const std::string& word : choices(option)) {
+  for (const std::string& word : option.choices) {
     words += (words.empty() ? "" : ", ") + ("{'name': '" + word) + "', 'type': 'str', 'value': '" + word +
              "', 'srcline': 0, 'srcfile': '', 'description': '" + word +
              "', 'ctype': 'std::string', 'cconsttype': 'const char * const'}";
@@ -67,7 +67,8 @@ LiveValues toValues(const Config& config) {
 
 Config toConfig(const std::vector<LiveOption>& offered, const NodeOptions& options) {
   Config config;
-  for (const LiveOption& option : offered) add(config, option.name, option.value(options));
+  const LiveValues values = liveValues(options);
+  for (const LiveOption& option : offered) add(config, option.name, values.at(option.name));
   const std::vector<std::string> names = groupNames(offered);
   for (std::size_t id = 0; id < names.size(); ++id) {
     config.groups.emplace_back();

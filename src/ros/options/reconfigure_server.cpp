@@ -50,9 +50,9 @@ void ReconfigureServer::takeOver(const NodeOptions& options) {
     mailbox->write(live_);
   }
   ++report_.taken;
-  for (const LiveOption& option : offered_) {
-    const LiveValue value = option.value(options);
-    if (value != option.value(*before)) keep(option.name, value);
+  const LiveValues old_values = liveValues(*before);
+  for (const auto& [name, value] : liveValues(options)) {
+    if (value != old_values.at(name)) keep(name, value);
   }
   for (std::size_t k = 0; k < options.probes.size(); ++k) {
     const ProbeSettings& settings = options.probes[k];

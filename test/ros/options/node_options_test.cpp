@@ -7,7 +7,9 @@
 #include <limits>
 #include <string>
 
+#include "ros/options/node_table.h"
 #include "ros/support/yaml_parameters.h"
+#include "support/reference_file.h"
 
 namespace haptic_cloth {
 namespace {
@@ -16,58 +18,21 @@ using XmlRpc::XmlRpcValue;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-TEST(NodeOptions, TheShippedSettingsAreTheDefaults) {
-  const NodeOptions plain = parseNodeOptions(sceneParameters(), "test");
-  const YAML::Node shipped = YAML::LoadFile(std::string(HAPTIC_CLOTH_SOURCE_DIR) + "/config/node.yaml");
-  const NodeOptions loaded = parseNodeOptions(withSettings(shipped), "test");
-  EXPECT_EQ(loaded.frame_id, plain.frame_id);
-  EXPECT_EQ(loaded.scene_file, plain.scene_file);
-  EXPECT_EQ(loaded.scene_directory, plain.scene_directory);
-  EXPECT_EQ(loaded.max_pose_age, plain.max_pose_age);
-  EXPECT_EQ(loaded.probe_timeout, plain.probe_timeout);
-  EXPECT_EQ(loaded.velocity_time_constant, plain.velocity_time_constant);
-  EXPECT_EQ(loaded.step_budget, plain.step_budget);
-  EXPECT_EQ(loaded.gain_ramp, plain.gain_ramp);
-  EXPECT_EQ(loaded.markers.rate, plain.markers.rate);
-  EXPECT_EQ(loaded.markers.force_scale, plain.markers.force_scale);
-  EXPECT_EQ(loaded.markers.colouring, plain.markers.colouring);
-  EXPECT_EQ(loaded.markers.full_tension, plain.markers.full_tension);
-  EXPECT_EQ(loaded.markers.full_bending, plain.markers.full_bending);
-  EXPECT_EQ(loaded.state_rate, plain.state_rate);
-  EXPECT_EQ(loaded.device.position_unit, plain.device.position_unit);
-  EXPECT_EQ(loaded.device.position_scale, plain.device.position_scale);
-  EXPECT_EQ(loaded.device.force_scale, plain.device.force_scale);
-  EXPECT_EQ(loaded.device.offset, plain.device.offset);
-  EXPECT_EQ(loaded.device.orientation.coeffs(), plain.device.orientation.coeffs());
-  EXPECT_EQ(loaded.device.force_axes.coeffs(), plain.device.force_axes.coeffs());
-  EXPECT_EQ(loaded.device.use_tf, plain.device.use_tf);
-  EXPECT_EQ(loaded.device.max_stiffness, plain.device.max_stiffness);
-  EXPECT_EQ(loaded.device.max_damping, plain.device.max_damping);
-  EXPECT_EQ(loaded.device.workspace_radius, plain.device.workspace_radius);
-  EXPECT_EQ(loaded.haptics.rate, plain.haptics.rate);
-  EXPECT_EQ(loaded.haptics.max_force, plain.haptics.max_force);
-  EXPECT_EQ(loaded.haptics.max_force_rate, plain.haptics.max_force_rate);
-  EXPECT_EQ(loaded.haptics.max_torque, plain.haptics.max_torque);
-  EXPECT_EQ(loaded.haptics.soft_start, plain.haptics.soft_start);
-  EXPECT_EQ(loaded.haptics.pose_timeout, plain.haptics.pose_timeout);
-  EXPECT_EQ(loaded.haptics.snapshot_timeout, plain.haptics.snapshot_timeout);
-  EXPECT_EQ(loaded.haptics.ramp_time, plain.haptics.ramp_time);
-  EXPECT_EQ(loaded.haptics.passivity.damping, plain.haptics.passivity.damping);
-  EXPECT_EQ(loaded.haptics.passivity.debt, plain.haptics.passivity.debt);
-  EXPECT_EQ(loaded.haptics.passivity.store, plain.haptics.passivity.store);
-  EXPECT_EQ(loaded.haptics.passivity.device_damping, plain.haptics.passivity.device_damping);
-  EXPECT_EQ(loaded.haptics.passivity.loop_delay, plain.haptics.passivity.loop_delay);
-  // Every key of the code stands in the file: 8 outside the groups, device with 11, devices with 0,
-  // haptics with 10 (among them passivity with 5 and admittance, see admittance_options_test.cpp),
-  // markers with 5, state with 1.
-  EXPECT_EQ(shipped.size(), 13u);
-  EXPECT_EQ(shipped["devices"].size(), 0u);
-  EXPECT_EQ(shipped["device"].size(), 11u);
-  EXPECT_EQ(shipped["haptics"].size(), 10u);
-  EXPECT_EQ(shipped["haptics"]["passivity"].size(), 5u);
-  EXPECT_EQ(shipped["markers"].size(), 5u);
-  EXPECT_EQ(shipped["state"].size(), 1u);
+TEST(NodeOptions, TheShippedFileIsTheTableOfDefaults) {
+  expectText("config/node.yaml", defaultParameters());
+  NodeOptions plain = parseNodeOptions(sceneParameters(), "test");
+  const YAML::Node shipped = YAML::Load(defaultParameters());
+  NodeOptions loaded = parseNodeOptions(withSettings(shipped), "test");
+  const std::vector<OptionGroup> expected = groupsOf(plain), groups = groupsOf(loaded);
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    for (std::size_t k = 0; k < groups[g].options.size(); ++k) {
+      EXPECT_EQ(valueText(groups[g].options[k]), valueText(expected[g].options[k]))
+          << groups[g].path << groups[g].options[k].key;
+    }
+  }
 }
+
+TEST(NodeOptions, TheReferenceHasTheTables) { expectTables("docs/reference/parameters.md", nodeTables()); }
 
 TEST(NodeOptions, SceneByParametersOrByFile) {
   XmlRpcValue parameters = sceneParameters();

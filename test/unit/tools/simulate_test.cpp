@@ -292,6 +292,9 @@ TEST_F(Simulate, PrintsWithoutOut) {
   const Outcome help = run("--help");
   EXPECT_EQ(help.status, 0);
   EXPECT_NE(help.output.find("summary.json"), std::string::npos);
+  const Outcome options = run("--options");
+  EXPECT_EQ(options.status, 0);
+  EXPECT_NE(options.output.find("| `solver.tolerance` | `0.1` |"), std::string::npos) << options.output;
 }
 
 TEST_F(Simulate, RefusesBadInput) {

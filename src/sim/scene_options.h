@@ -1,4 +1,4 @@
-/// Names of choices in scene files, in one table for reading and writing.
+/// Rows of the options of a scene, and the names of its choices.
 #pragma once
 
 #include <string>
@@ -6,11 +6,9 @@
 #include <vector>
 
 #include "haptic_cloth/scene.h"
+#include "sim/option.h"
 
 namespace haptic_cloth {
-
-template <class Choice>
-using Names = std::vector<std::pair<std::string, Choice>>;
 
 /// Top-level keys of a scene.
 inline std::vector<std::string> sceneKeys() {
@@ -49,13 +47,28 @@ inline Names<Shape> shapeNames() {
           {"plane", Shape::Plane}};
 }
 
-/// Name of a value. @pre the table contains it
-template <class Choice>
-std::string nameOf(const Names<Choice>& names, Choice value) {
-  for (const auto& [name, own] : names) {
-    if (own == value) return name;
-  }
-  return "";
-}
+Options optionsOf(ClothOptions& cloth);
+Options worldOptions(Scene& scene);
+/// Rows of all shapes.
+Options optionsOf(Obstacle& obstacle);
+Options optionsOf(ProbeOptions& probe);
+Options optionsOf(SolverOptions& solver);
+Options optionsOf(AdaptOptions& adapt);
+Options optionsOf(StopOptions& stop);
+
+/// Rows of the virtual coupling, which are part of those of a probe.
+Options couplingOptions(double& stiffness, double& damping);
+
+/// Keys that only this shape has; all are required.
+std::vector<std::string> shapeKeys(Shape shape);
+
+/// Rows of the obstacle's own shape.
+Options ownOptions(Obstacle& obstacle);
+
+/// Key of a probe: "probe" for the only one, else "probes.NAME" with the given separator.
+std::string probeKey(const Scene& scene, const ProbeOptions& probe, char separator = '.');
+
+/// Tables of the reference, with their titles.
+std::vector<std::pair<std::string, std::string>> sceneTables();
 
 }  // namespace haptic_cloth

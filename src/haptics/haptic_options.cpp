@@ -1,0 +1,90 @@
+#include "haptics/haptic_options.h"
+
+#include "haptic_cloth/error.h"
+#include "sim/scene_options.h"
+#include "state/number_text.h"
+
+namespace haptic_cloth {
+namespace {
+
+/// Slower a thread would not hear of its end, faster it would keep its core for itself [Hz].
+constexpr Range kRates{1.0, 10000.0};
+
+Options hapticOptions(HapticOptions& haptics) {
+  return {{"rate", field(haptics.rate), kRates, "Hz", "ticks of the haptic thread", Live{100.0, 4000.0}},
+          {"max_force", field(haptics.max_force), kFinitePositive, "N", "largest force on the hand",
+           Live{0.1, 12.0}},
+          {"max_force_rate", field(haptics.max_force_rate), kFinitePositive, "N/s",
+           "largest change of the force on the hand", Live{1.0, 1000.0}},
+          {"max_torque", field(haptics.max_torque), kFiniteNotNegative, "N·m",
+           "largest torque on the hand; 0: none", Live{0.0, 1.0}},
+          {"soft_start", field(haptics.soft_start), kFiniteNotNegative, "s",
+           "rise of the limits after start, pause and fault", Live{0.0, 5.0}},
+          {"pose_timeout", field(haptics.pose_timeout), kFinitePositive, "s",
+           "an older pose ramps the force to zero", Live{0.01, 0.5}},
+          {"snapshot_timeout", field(haptics.snapshot_timeout), kFinitePositive, "s",
+           "an older snapshot of the solver ramps the force to zero", Live{0.01, 1.0}},
+          {"ramp_time", field(haptics.ramp_time), kFinitePositive, "s", "from full force to zero",
+           Live{0.001, 0.5}}};
+}
+
+Options passivityOptions(PassivityOptions& passivity) {
+  return {{"damping", field(passivity.damping), kFiniteNotNegative, "N·s/m",
+           "largest damping that the controller adds", Live{0.0, 20.0}},
+          {"debt", field(passivity.debt), kFiniteNotNegative, "J",
+           "energy debt that halves the coupling's force; 0: never", Live{0.0, 0.01}},
+          {"store", field(passivity.store), kFiniteNotNegative, "J",
+           "energy in the cloth that may come out again", Live{0.0, 0.5}},
+          {"device_damping", field(passivity.device_damping), kFiniteNotNegative, "N·s/m",
+           "certain damping of mechanism and hand", Live{0.0, 10.0}},
+          {"loop_delay", field(passivity.loop_delay), kFiniteNotNegative, "s",
+           "from a force to a pose that felt it, beyond the tick", Live{0.0, 0.02}}};
+}
+
+Options admittanceOptions(AdmittanceOptions& tool) {
+  return {{"mass", field(tool.mass), kFinitePositive, "kg", "mass of the tool"},
+          {"damping", field(tool.damping), kFinitePositive, "N·s/m",
+           "in free space a force F leads to the speed F/damping"},
+          {"deadband", field(tool.deadband), kFiniteNotNegative, "N",
+           "subtracted from every force, against sensor drift"},
+          {"force_timeout", field(tool.force_timeout), kFinitePositive, "s",
+           "after an older force the tool brakes"},
+          {"max_speed", field(tool.max_speed), kFinitePositive, "m/s", "largest speed"},
+          {"max_acceleration", field(tool.max_acceleration), kFinitePositive, "m/s²",
+           "largest acceleration, also in braking"},
+          {"start", field(tool.start), kPosition, "m", "in the workspace; if the device has sent no pose"},
+          {"workspace_low", field(tool.workspace_low), kPosition, "m", "corner of the tool's box"},
+          {"workspace_high", field(tool.workspace_high), kPosition, "m",
+           "opposite corner; above `workspace_low`"}};
+}
+
+void checkWorkspace(const AdmittanceOptions& tool, const std::string& origin) {
+  const auto fail = [&](const char* key, double value, const char* rule) {
+    throw InputError(origin, std::string("haptics/admittance/") + key, shortestText(value), rule);
+  };
+  for (int c = 0; c < 3; ++c) {
+    const double low = tool.workspace_low[c], high = tool.workspace_high[c], start = tool.start[c];
+    if (!(high > low)) fail("workspace_high", high, "must be above workspace_low");
+    if (!(start >= low && start <= high)) fail("start", start, "must lie in the workspace");
+  }
+}
+
+}  // namespace
+
+std::vector<OptionGroup> groupsOf(HapticOptions& haptics) {
+  return {{"haptics/", "limits of the force", hapticOptions(haptics)},
+          {"haptics/passivity/", "dissipates energy that the loop has created",
+           passivityOptions(haptics.passivity)},
+          {"haptics/admittance/", "virtual tool, as the hand feels it; in the cloth's frame",
+           admittanceOptions(haptics.admittance)}};
+}
+
+void validateHapticOptions(const HapticOptions& options, const std::string& origin) {
+  HapticOptions haptics = options;  // rows point to members that could be written
+  const auto locate = [&origin](const std::string&) { return origin; };
+  for (const OptionGroup& group : groupsOf(haptics)) checkOptions(group.options, group.path, locate);
+  checkOptions(couplingOptions(haptics.coupling_stiffness, haptics.coupling_damping), "probe.", locate);
+  checkWorkspace(haptics.admittance, origin);
+}
+
+}  // namespace haptic_cloth

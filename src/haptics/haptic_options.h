@@ -1,0 +1,14 @@
+/// Rows of the options of the haptic loop.
+#pragma once
+
+#include <vector>
+
+#include "haptic_cloth/haptics.h"
+#include "sim/option.h"
+
+namespace haptic_cloth {
+
+/// Groups "haptics/", "haptics/passivity/" and "haptics/admittance/". The coupling is the scene's.
+std::vector<OptionGroup> groupsOf(HapticOptions& haptics);
+
+}  // namespace haptic_cloth

@@ -1,0 +1,167 @@
+#include "sim/scene_options.h"
+
+#include <algorithm>
+
+namespace haptic_cloth {
+namespace {
+
+constexpr Range kLevels{0.0, 8.0}, kThreads{0.0, 1024.0};
+
+}  // namespace
+
+// Key, member, range, unit, sentence; then, unless they are the usual ones: live, part of a state.
+
+Options optionsOf(ClothOptions& cloth) {
+  return {
+      {"particles", field(cloth.particles), atLeast(2), "", "finest grid, warp (x) and weft (y)", kFixed,
+       kInState},
+      {"size", field(cloth.size), kLength, "m", "side lengths", kFixed, kInState},
+      {"position", field(cloth.pose.position), kPosition, "m", "centre of the flat cloth", kFixed, kInState},
+      {"orientation", field(cloth.pose.orientation), kNoRange, "", "grid in the local x-y plane", kFixed,
+       kInState},
+      {"fabric", OwnReader{"", "required"}, kNoRange, "", "name, or path that ends in `.yaml`"},
+      {"pins", OwnReader{"[]", "list"}, kNoRange, "", "particles held at their start position"}};
+}
+
+Options worldOptions(Scene& scene) {
+  return {{"gravity", field(scene.gravity), kPosition, "m/s²", "acceleration of free fall", kFixed, kInState},
+          {"air_damping", field(scene.air_damping), kNotNegative, "1/s",
+           "drag of still air: force per mass and speed", Live{0.0, 20.0}, kInState},
+          {"obstacles", OwnReader{"[]", "list"}, kNoRange, "", "solids, see below"}};
+}
+
+Options optionsOf(Obstacle& obstacle) {
+  return {
+      {"name", OwnReader{"", "text"}, kNoRange, "", "the node moves a named obstacle"},
+      {"shape", OwnReader{"", "required"}, kNoRange, "", "see below"},
+      {"size", field(obstacle.size), kLength, "m", "full side lengths", kFixed, kInState},
+      {"radius", field(obstacle.radius), kLength, "m", "radius of the shape", kFixed, kInState},
+      {"length", field(obstacle.length), kLength, "m", "height, or distance of two centres", kFixed,
+       kInState},
+      {"position", field(obstacle.pose.position), kPosition, "m", "of the shape's centre", kFixed, kInState},
+      {"orientation", field(obstacle.pose.orientation), kNoRange, "", "of the shape's axes", kFixed,
+       kInState},
+      {"friction", field(obstacle.friction), kNotNegative, "", "Coulomb coefficient", kFixed, kInState},
+      {"path", OwnReader{"[]", "rows t, x, y, z"}, kNoRange, "s, m",
+       "`simulate` moves the obstacle along it"}};
+}
+
+Options couplingOptions(double& stiffness, double& damping) {
+  return {{"coupling_stiffness", field(stiffness), kPositive, "N/m", "spring between device and proxy",
+           Live{10.0, 5000.0}, kInState},
+          {"coupling_damping", field(damping), kNotNegative, "N·s/m", "damper between device and proxy",
+           Live{0.0, 20.0}, kInState}};
+}
+
+Options optionsOf(ProbeOptions& probe) {
+  Options options{
+      {"shape", OwnReader{"sphere", "`sphere`, `capsule`"}, kNoRange, "",
+       "a capsule's axis is z of the device"},
+      {"radius", field(probe.radius), kLength, "m", "at least a fiftieth of the finest spacing", kFixed,
+       kInState},
+      {"length", field(probe.length), kDistance, "m", "distance of the two centres of a capsule", kFixed,
+       kInState},
+      {"friction", field(probe.friction), kNotNegative, "", "Coulomb coefficient", kFixed, kInState}};
+  for (Option& gain : couplingOptions(probe.coupling_stiffness, probe.coupling_damping)) {
+    options.push_back(gain);
+  }
+  const Options inputs{
+      {"path", OwnReader{"[]", "rows t, x, y, z; t increases"}, kNoRange, "s, m", "scripted device position"},
+      {"orientation", field(probe.orientation), kNoRange, "", "orientation on the path"},
+      {"grasp", OwnReader{"[]", "rows from, to; from < to"}, kNoRange, "s",
+       "when the probe is closed on its path"}};
+  options.insert(options.end(), inputs.begin(), inputs.end());
+  return options;
+}
+
+Options optionsOf(SolverOptions& solver) {
+  MinimizerOptions& minimizer = solver.minimizer;
+  return {{"time_step", field(solver.time_step), kPositive, "s", "length of a step", kFixed, kInState},
+          {"integrator", field(solver.integrator, integratorNames()), kNoRange, "",
+           "backward Euler, or second order in time", kFixed, kInState},
+          {"cost", field(solver.cost, costNames()), kNoRange, "", "what is minimised", kFixed, kInState},
+          {"preconditioner", field(minimizer.preconditioner, preconditionerNames()), kNoRange, "",
+           "scaling of the minimizer's directions", kFixed, kInState},
+          {"tolerance", field(minimizer.tolerance), kNotNegative, "",
+           "residual at which a step is solved, as a share of gravity", Live{0.0, 1.0}, kInState},
+          {"max_iterations", field(minimizer.max_iterations), atLeast(1), "", "limit of one solve",
+           Live{1, 2000}, kInState},
+          {"time_budget", field(minimizer.time_budget), kNotNegative, "s",
+           "wall clock of one step; 0: no limit", Live{0.0, 0.1}},
+          {"sleep_speed", field(solver.sleep_speed), kNotNegative, "m/s",
+           "below it particles fall asleep; 0: never", Live{0.0, 0.01}, kInState},
+          {"threads", field(solver.threads), kThreads, "", "limit; 0: one per core, or `OMP_NUM_THREADS`"}};
+}
+
+Options optionsOf(AdaptOptions& adapt) {
+  return {{"strategy", field(adapt.strategy, strategyNames()), kNoRange, "", "changes the mesh may make",
+           kFixed, kInState},
+          // Work is counted from this mesh.
+          {"start", field(adapt.start, startNames()), kNoRange, "", "initial mesh; only of `amrc`", kFixed,
+           kInState},
+          {"levels", field(adapt.levels), kLevels, "", "the coarsest cell is 2^levels finest cells wide",
+           kFixed, kInState},
+          {"interval", field(adapt.interval), atLeast(1), "", "steps between two decisions about the mesh",
+           Live{1, 100}, kInState},
+          {"refine_above", field(adapt.refine_above), kPositive, "rad",
+           "turning angle above which a cell splits", Live{0.01, 3.0}, kInState},
+          {"coarsen_below", field(adapt.coarsen_below), kNotNegative, "rad",
+           "angle below which four cells merge; < `refine_above`", Live{0.0, 3.0}, kInState},
+          {"refine_above_strain", field(adapt.refine_above_strain), kPositive, "",
+           "strain difference above which a cell splits", Live{1e-4, 0.1}, kInState},
+          {"coarsen_below_strain", field(adapt.coarsen_below_strain), kNotNegative, "",
+           "the same, for merging; < `refine_above_strain`", Live{0.0, 0.1}, kInState},
+          {"minimum_age", field(adapt.minimum_age), atLeast(0), "", "steps before a new cell may merge",
+           Live{0, 1000}, kInState}};
+}
+
+Options optionsOf(StopOptions& stop) {
+  return {{"time", field(stop.time), kPositive, "s", "simulated time at which `simulate` ends"},
+          {"rest_speed", field(stop.rest_speed), kNotNegative, "m/s",
+           "ends early after 0.1 s below this speed; 0: never"}};
+}
+
+std::vector<std::string> shapeKeys(Shape shape) {
+  switch (shape) {
+    case Shape::Box:
+      return {"size"};
+    case Shape::Sphere:
+      return {"radius"};
+    case Shape::Cylinder:
+    case Shape::Capsule:
+      return {"radius", "length"};
+    case Shape::Plane:
+      break;
+  }
+  return {};
+}
+
+Options ownOptions(Obstacle& obstacle) {
+  const std::vector<std::string> own = shapeKeys(obstacle.shape);
+  Options options = optionsOf(obstacle);
+  const auto foreign = [&own](const Option& option) {
+    const bool of_a_shape = option.key == "size" || option.key == "radius" || option.key == "length";
+    return of_a_shape && std::find(own.begin(), own.end(), option.key) == own.end();
+  };
+  options.erase(std::remove_if(options.begin(), options.end(), foreign), options.end());
+  return options;
+}
+
+std::string probeKey(const Scene& scene, const ProbeOptions& probe, char separator) {
+  const bool only = scene.probes.size() == 1 && probe.name == ProbeOptions().name;
+  return only ? "probe" : "probes" + (separator + probe.name);
+}
+
+std::vector<std::pair<std::string, std::string>> sceneTables() {
+  Scene scene;
+  Obstacle obstacle;
+  return {{"cloth", markdownTable({"cloth.", "", optionsOf(scene.cloth)})},
+          {"world", markdownTable({"", "", worldOptions(scene)})},
+          {"obstacles", markdownTable({"", "", ownOptions(obstacle)})},
+          {"probe", markdownTable({"probe.", "", optionsOf(scene.probes[0])})},
+          {"solver", markdownTable({"solver.", "", optionsOf(scene.solver)})},
+          {"adapt", markdownTable({"adapt.", "", optionsOf(scene.adapt)})},
+          {"stop", markdownTable({"stop.", "", optionsOf(scene.stop)})}};
+}
+
+}  // namespace haptic_cloth
