@@ -118,9 +118,6 @@ class ClothObjective : public Objective {
   double inertia() const { return integrator_.inertia(); }
   double inertia(int node) const { return integrator_.inertia(node); }
 
-  /// Motion of a node in this step if no force acts on it [m].
-  Vec3 inertialMotion(int node) const { return inertial_[node] - start_[node]; }
-
   /// Gradient of the coupling's energy by a proxy [N], and its stiffness [N/m].
   Vec3 couplingGradient(int probe, const Vec3& proxy) const;
   double couplingStiffness(int probe) const {

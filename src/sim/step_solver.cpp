@@ -201,7 +201,7 @@ std::array<double, 2> StepSolver::stepsAlongDirections() {
   const double h = scene_.solver.time_step;
   const int size = objective_.size(), free = cloth_.mesh().free;
   for (int n = 0; n < free; ++n) {
-    const Vec3 inertial = objective_.inertialMotion(n);
+    const Vec3 inertial = cloth_.integrator().inertialMotion(n, cloth_.velocities()[n]);
     for (int c = 0; c < 3; ++c) directions_[0][c * free + n] = inertial[c];
   }
   for (int c = 0; c < 3; ++c) {
