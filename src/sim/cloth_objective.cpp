@@ -178,7 +178,8 @@ double ClothObjective::evaluateProbes(Vector& gradient) {
 
 void ClothObjective::forcesAtRest(Field& forces) const {
   forces = gradient_;
-  for (int n = 0; n < mesh_.free; ++n) forces.add(n, moving_mass_[n] * inertia() * (inertial_[n] - start_[n]));
+  for (int n = 0; n < mesh_.free; ++n)
+    forces.add(n, moving_mass_[n] * inertia() * (inertial_[n] - start_[n]));
 }
 
 void ClothObjective::carryHeld(const Proxies& proxies, bool offsets, Field& nodes) const {

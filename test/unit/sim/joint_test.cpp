@@ -113,7 +113,8 @@ TEST_F(JointTest, AGraspKeepsGradientLawsAndCurvature) {
   Vector condensed = Vector::Zero(objective_.capacity());
   objective_.evaluate(start_, condensed);
   double stiffness = objective_.couplingStiffness(0);
-  for (const HeldNode& node : objective_.held()) stiffness += mesh_.mass[node.node] * objective_.inertia(node.node);
+  for (const HeldNode& node : objective_.held())
+    stiffness += mesh_.mass[node.node] * objective_.inertia(node.node);
   const double proxy = condensed.segment<3>(positions_ - 3).squaredNorm() / (2.0 * stiffness);
   const double joint = value(unknowns_);
   EXPECT_GT(proxy, 0.0);

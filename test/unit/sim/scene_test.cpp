@@ -243,7 +243,8 @@ TEST(Scene, WrongTypesAreNamed) {
        {ok + "obstacles: [{shape: cone}]",
         "scene: obstacles[0].shape = cone: must be one of box, sphere, cylinder, capsule, plane"},
        {ok + "solver: 3",
-        "scene: solver = 3: must be a mapping with keys out of: time_step, integrator, cost, preconditioner, tolerance, "
+        "scene: solver = 3: must be a mapping with keys out of: time_step, integrator, cost, preconditioner, "
+        "tolerance, "
         "max_iterations, time_budget, sleep_speed, threads"},
        {ok + "solver: {max_iterations: 0.1}", "scene: solver.max_iterations = 0.1: must be an integer"},
        {ok + "solver: {threads: 99999999999}", "scene: solver.threads = 99999999999: must be an integer"},
