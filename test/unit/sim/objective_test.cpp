@@ -162,8 +162,8 @@ INSTANTIATE_TEST_SUITE_P(Starts, Drape,
                          testing::Combine(testing::Values(StartMesh::Finest, StartMesh::Coarsest),
                                           testing::Values(Integrator::Euler, Integrator::Bdf2)),
                          [](const auto& info) {
-                           const bool finest = std::get<0>(info.param) == StartMesh::Finest,
-                                      second = std::get<1>(info.param) == Integrator::Bdf2;
+                           const bool finest = std::get<0>(info.param) == StartMesh::Finest;
+                           const bool second = std::get<1>(info.param) == Integrator::Bdf2;
                            return std::string(finest ? "finest" : "coarsest") + (second ? "_bdf2" : "");
                          });
 
