@@ -14,11 +14,11 @@ namespace haptic_cloth {
 /// Backward difference formula of one step from x⁰, v⁰, with Δx and Δv the changes of x and v in the
 /// step before:
 ///
-///     x̂ = x⁰ + φ Δx,   v̂ = v⁰ + φ Δv,   x = x̂ + σ v,   v = v̂ + σ (F/m − c v)
+///     x̂ = x⁰ + β Δx,   v̂ = v⁰ + β Δv,   x = x̂ + σ v,   v = v̂ + σ (F/m − c v)
 ///
-/// First order (backward Euler): φ = 0, σ = h. Second order (BDF2): φ = 1/3, σ = 2h/3.
+/// First order (backward Euler): β = 0, σ = h. Second order (BDF2): β = 1/3, σ = 2h/3.
 struct BackwardDifference {
-  double share;   ///< φ [-]
+  double share;   ///< β [-]
   double span;    ///< σ [s]
   double damped;  ///< 1 + c σ [-]
 
