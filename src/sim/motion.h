@@ -7,13 +7,13 @@ namespace haptic_cloth {
 
 /// Inputs of the kernels; arrays are padded to whole lanes.
 struct Motion {
-  const double* mass;         ///< of all nodes [kg]
+  const double* mass;  ///< of all nodes [kg]
   /// For free nodes mass times their own inertia over `inertia`, zero for the others [kg].
   const double* moving_mass;
-  double gravity[3];          ///< [m/s²]
-  double inertia;             ///< TimeIntegrator::inertia() [1/s²]
-  ConstArrays start;          ///< x⁰ [m]
-  ConstArrays inertial;       ///< position to which inertia alone carries a node [m]
+  double gravity[3];     ///< [m/s²]
+  double inertia;        ///< TimeIntegrator::inertia() [1/s²]
+  ConstArrays start;     ///< x⁰ [m]
+  ConstArrays inertial;  ///< position to which inertia alone carries a node [m]
 };
 
 // Kernels: evaluateMotion writes the gradient of nodes begin..end at x and returns their energy
