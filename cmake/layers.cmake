@@ -1,5 +1,5 @@
 # Layers of the library: each folder of src is a target that sees its own headers and those of the layers it links.
-# "sim/rest.h" is found only where haptic_cloth_sim is linked: the compiler refuses an include of a higher layer.
+# "sim/cloth.h" is found only where haptic_cloth_sim is linked: the compiler refuses an include of a higher layer.
 include(cmake/kernels.cmake)
 
 # haptic_cloth_headers(TARGET SCOPE FOLDER): lets TARGET include "FOLDER/..." and nothing else of src. The include

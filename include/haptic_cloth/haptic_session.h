@@ -38,20 +38,20 @@ class HapticSession {
   // ---- on the solver's thread ----
 
   /// Hands the newest pose of the device to the simulation, just before step(). Without a pose for
-  /// one second the probe leaves the scene; where the device jumps (isJump()), the probe lets go
-  /// and begins anew there.
+  /// one second the probe leaves the scene; if the device jumps (isJump()), the probe lets go and
+  /// enters the scene again at the new place.
   void beforeStep(Simulation& simulation, double now);
 
   /// Publishes for tick() what the step made of the probe, just after step().
   void afterStep(const Simulation& simulation, double now);
 
-  /// Begins anew after Simulation::reset() or loadState(): the probe lets go of the cloth, and the
+  /// Starts again after Simulation::reset() or loadState(): the probe lets go of the cloth, and the
   /// force starts softly.
   void restart(Simulation& simulation);
 
   // ---- on the device's thread ----
 
-  /// Takes the device's pose and gives what the hand is to feel.
+  /// Takes the device's pose and returns what the hand should feel.
   /// @param pose of the device [m]; ignored if it is not finite
   /// @param now when the pose was read [s]
   /// @param paused ramps the force to zero
@@ -66,7 +66,7 @@ class HapticSession {
   /// Why the last tick gave a force, or none.
   HapticStatus status() const;
 
-  /// Closes or opens the probe. A closed one holds the cloth it touches. It opens by itself where
+  /// Closes or opens the probe. A closed one holds the cloth it touches. It opens by itself if
   /// the device jumps or falls silent, and at restart(). May be called from any thread.
   void setGrasp(bool closed);
 

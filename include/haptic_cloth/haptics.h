@@ -1,5 +1,4 @@
-/// From the solver's pace to the hand's: the force for the newest device pose, every tick, whatever the
-/// solver does.
+/// Force for the newest pose of the device at each tick, however slow the solver is.
 #pragma once
 
 #include <array>
@@ -38,7 +37,7 @@ struct DeviceSample {
   double stamp = 0.0;                   ///< of the message [s]
   Vec3 position = Vec3::Zero();         ///< in the cloth's frame [m]
   Vec3 velocity = Vec3::Zero();         ///< filtered [m/s]
-  Quat orientation = Quat::Identity();  ///< in the cloth's frame; matters where the probe is a capsule
+  Quat orientation = Quat::Identity();  ///< in the cloth's frame; see DeviceState
 };
 
 /// Newest-value mailbox for one writer and one reader, wait-free on both sides (three slots).
@@ -88,7 +87,8 @@ struct HapticOptions {
 void validateHapticOptions(const HapticOptions& options, const std::string& origin);
 
 /// State of the haptic tick. The force is on only in Contact; every other value says why it is zero.
-/// NoForce and ForceStale are those of admittance devices.
+/// NoForce and ForceStale belong to admittance devices. NoSnapshot also means that the device has
+/// jumped away from the place of the snapshot.
 enum class HapticStatus {
   NoPose,
   NoForce,
@@ -110,10 +110,11 @@ class HapticLoop {
   /// @throws InputError if an option is not valid
   explicit HapticLoop(const HapticOptions& options);
 
-  /// Force on the probe [N] in the cloth's frame for the newest pose at `now` (steady clock [s]).
-  /// Always finite, at most max_force, changes by at most max_force_rate; ramps to exactly zero when an input
-  /// is stale, paused or not finite, or the device has jumped away from the cloth it felt. No contact in the
-  /// snapshot: no force. torque() then gives the torque, limited and ramped in the same way.
+  /// Computes the force on the probe [N] in the cloth's frame for the newest pose at `now` (steady
+  /// clock [s]). It is always finite, at most max_force, and changes by at most max_force_rate. It
+  /// ramps to exactly zero during a pause, and if an input is stale or not finite or the device has
+  /// jumped away from the cloth that it felt. Without contact in the snapshot it is zero. torque()
+  /// then returns the torque, limited and ramped in the same way.
   Vec3 tick(const DeviceSample& device, const ProbeSnapshot& snapshot, bool paused, double now);
 
   /// Takes other options from the next tick on. The force continues within max_force_rate.
@@ -139,9 +140,9 @@ class HapticLoop {
   HapticOptions options_;
   PassivityController passivity_;
   ProbeSnapshot snapshot_;       ///< of the last tick
-  Wrench handover_;              ///< what the last snapshot's wrench differed by from the newest's
+  Wrench handover_;              ///< wrench of the last snapshot minus that of the newest
   double handover_start_ = 0.0;  ///< steady clock [s]
-  double handover_time_ = 0.0;   ///< in which that fades [s]
+  double handover_time_ = 0.0;   ///< time in which it fades [s]
   HapticStatus status_ = HapticStatus::NoPose;
   Wrench wrench_;             ///< of the last tick
   double torque_span_ = 0.0;  ///< max_torque, or more until a lowered one is reached [N·m]

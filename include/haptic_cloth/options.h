@@ -18,7 +18,7 @@ enum class Strategy { Finest, Coarsest, Refine, Coarsen, Amrc };
 /// Mesh of the first step.
 enum class StartMesh { Finest, Coarsest };
 
-/// Stopping rules of the minimizer.
+/// Preconditioner and stopping rules of the minimizer.
 struct MinimizerOptions {
   Preconditioner preconditioner = Preconditioner::Multilevel;
   /// The solve stops when rms_m(|∇Φ|/m) <= tolerance · |gravity| [-]; without gravity |gravity|
@@ -31,7 +31,7 @@ struct MinimizerOptions {
   double time_budget = 0.0;
 };
 
-/// Options of time integration.
+/// Options of a step and its solve.
 struct SolverOptions {
   double time_step = 1e-3;  ///< [s]
   Integrator integrator = Integrator::Euler;

@@ -19,7 +19,7 @@ struct Pose {
 struct DeviceState {
   Vec3 position = Vec3::Zero();         ///< [m]
   Vec3 velocity = Vec3::Zero();         ///< [m/s]
-  Quat orientation = Quat::Identity();  ///< used if the probe is a capsule
+  Quat orientation = Quat::Identity();  ///< of a sphere it matters for friction alone
   /// Time since the previous state by the hand's clock [s]; less than a time step counts as one.
   double elapsed = 0.0;
 };

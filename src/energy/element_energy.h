@@ -1,4 +1,4 @@
-/// What the energies of stretch, bending and shear have in common.
+/// Common base of the energies of stretch, bending and shear.
 #pragma once
 
 #include <algorithm>

@@ -1,12 +1,13 @@
-/// The haptic tick of a probe whose device is of the admittance kind: force in, pose out.
+/// Haptic tick of a probe with an admittance device: force in, pose out.
 #pragma once
 
 #include "haptic_cloth/haptics.h"
 
 namespace haptic_cloth {
 
-/// The tool, the cloth's force on it (HapticLoop, with its limits and its watch over energy), and when it has
-/// to stand still. Pure arithmetic on its own state, no clock, no lock, no allocation.
+/// Virtual tool, the force of the cloth on it (HapticLoop, with its limits and passivity controller),
+/// and the faults at which it has to stand still. Pure arithmetic on its own state: no clock, no lock,
+/// no allocation.
 class AdmittanceLoop {
  public:
   /// @throws InputError if an option is not valid
@@ -15,25 +16,25 @@ class AdmittanceLoop {
   /// Does the same as HapticLoop::setOptions(). The tool keeps its state.
   void setOptions(const HapticOptions& options, double unit);
 
-  /// Where the device is [m]; counts until the tool has started.
+  /// Sets the position of the device [m], at which the tool starts. Ignored after the start.
   void place(const Vec3& position) {
     if (!started_) tool_.place(position);
   }
 
-  /// One tick at `now` (steady clock [s]). The tool starts with the first force. It brakes and then stands
-  /// still while the force or the snapshot is missing, stale or not finite, and while paused; after that the
-  /// hand's force is let in softly.
+  /// Makes one tick at `now` (steady clock [s]). The tool starts with the first force. It brakes and
+  /// then stands still while the force or the snapshot is missing, stale or not finite, and during a
+  /// pause. After that the force of the hand comes in softly.
   void tick(const ForceSample& hand, const ProbeSnapshot& snapshot, bool paused, double now);
 
   bool started() const { return started_; }
 
-  /// The tool as the probe's device. Received when a good force last was, so that a tool whose hand has been
-  /// silent for long leaves the scene as a device does.
+  /// The tool as the device of the probe. Its time of receipt is that of the last good force, so a
+  /// tool whose hand is silent for long leaves the scene as a device does.
   const DeviceSample& device() const { return device_; }
 
-  const Vec3& position() const { return tool_.position(); }  ///< where the tool is to go now [m]
-  const Vec3& reaction() const { return reaction_; }         ///< of the cloth on the tool [N]
-  const Vec3& torque() const { return cloth_.torque(); }     ///< the same about the tool's origin [N·m]
+  const Vec3& position() const { return tool_.position(); }  ///< target of the tool [m]
+  const Vec3& reaction() const { return reaction_; }         ///< force of the cloth on the tool [N]
+  const Vec3& torque() const { return cloth_.torque(); }     ///< its torque about the tool's origin [N·m]
   HapticStatus status() const { return status_; }
   bool atRest() const { return tool_.velocity().isZero(0.0); }
 

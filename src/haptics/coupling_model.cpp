@@ -8,18 +8,18 @@
 namespace haptic_cloth {
 namespace {
 
-/// Where the proxy goes of itself, cloth that slides or swings, is forgotten in this time [s]. Beside 5 and
-/// 20 ms the best on the measured strokes (decision 0015).
+/// Time in which the drift of the proxy fades: the motion of cloth that slides or swings [s]. Of 5, 10
+/// and 20 ms this is the best on the measured strokes (decision 0015).
 constexpr double kDriftMemory = 0.01;
 
 /// Bound of the relaxing energy over what the local stiffness gives [-]: twice where force rises with
 /// any power of length; the rest is for weight that was lifted and cloth in motion.
 constexpr double kHeldShare = 4.0;
 
-/// Where the proxy follows the device fully, the stiffness is taken to be this share of the coupling's [-].
+/// Local stiffness over that of the coupling if the proxy follows the device fully [-].
 constexpr double kLeastHold = 0.05;
 
-/// A force below this share of the largest says little of where it acts [-].
+/// A force below this share of the largest says little about where it acts [-].
 constexpr double kTellingForce = 0.05;
 
 struct ProxyNow {

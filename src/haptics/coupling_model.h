@@ -1,12 +1,12 @@
-/// The virtual coupling's force for poses that are newer than the solver's.
+/// Force of the virtual coupling for poses that are newer than the solver's.
 #pragma once
 
 #include "haptic_cloth/haptics.h"
 
 namespace haptic_cloth {
 
-/// Force of the coupling [N] for any pose, by one snapshot: the proxy follows what the device has moved
-/// since, by the solver's measure, and what it did beside that in the solved step goes on for a while.
+/// Force of the coupling [N] for any pose, from one snapshot. The proxy follows the motion of the
+/// device since the snapshot by `follow`, and its own drift fades.
 Vec3 couplingForce(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot);
 
 /// couplingForce() with its torque about the probe's origin. The change of the force since the
@@ -15,8 +15,8 @@ Vec3 couplingForce(const HapticOptions& options, const DeviceSample& device, con
 Wrench couplingWrench(const HapticOptions& options, const DeviceSample& device,
                       const ProbeSnapshot& snapshot);
 
-/// Most energy that coupling and cloth give back when they relax from here: together a few times the energy
-/// of a spring of the local stiffness k (1 - follow).
+/// Largest energy that coupling and cloth can give back when they relax: together a few times the
+/// energy of a spring of the local stiffness k (1 - follow).
 HeldEnergy heldEnergy(const HapticOptions& options, const DeviceSample& device,
                       const ProbeSnapshot& snapshot);
 

@@ -14,14 +14,14 @@ struct Gains {
   }
 };
 
-/// A straight line in time from one set of gains to the next. Solver and haptic thread follow the same line
-/// by the same clock, so that what one solves for is what the other computes with.
+/// Straight line in time from one set of gains to the next. Solver and haptic thread follow the same
+/// line by the same clock, so both always use the same gains.
 class GainRamp {
  public:
   GainRamp() = default;
   explicit GainRamp(const Gains& gains) : from_(gains), to_(gains) {}
 
-  /// On from where this one is at `now`. @param time in which `gains` are reached [s]; 0: at once
+  /// Ramp from the gains at `now` to `gains`. @param time until they are reached [s]; 0: at once
   GainRamp onTo(const Gains& gains, double now, double time) const;
 
   Gains at(double now) const;

@@ -28,8 +28,8 @@ bool isFinite(const ProbeSnapshot& snapshot) {
          snapshot.follow.allFinite() && snapshot.force.allFinite() && snapshot.torque.allFinite();
 }
 
-/// The device is not where it was when the snapshot was solved for, nor can it have moved there: what that
-/// says of the cloth is of another place.
+/// Tells whether the device is farther from the snapshot's position than a hand can move: the
+/// snapshot then describes the cloth at another place.
 bool hasJumped(const DeviceSample& device, const ProbeSnapshot& snapshot) {
   return isJump((device.position - snapshot.device).norm(), device.received - snapshot.device_received);
 }
@@ -93,12 +93,11 @@ Vec3 HapticLoop::tick(const DeviceSample& device, const ProbeSnapshot& snapshot,
   if (std::isfinite(now)) last_tick_ = now;
 
   status_ = judge(options_, device, snapshot, paused, now);
-  // The snapshot is of another cloth: one tick without a snapshot, so that the force starts softly however
-  // fast it came.
+  // A snapshot of another cloth counts as missing for one tick, so that the force starts softly.
   if (snapshot.cloth != snapshot_.cloth) status_ = HapticStatus::NoSnapshot;
   const bool good = status_ == HapticStatus::Free || status_ == HapticStatus::Contact;
 
-  // A fault starts the soft start anew; its limit holds for the target only, the way down is the ramp's.
+  // A fault restarts the soft start. Its limit holds for the target only; the force comes down by the ramp.
   soft_ = !good                       ? 0.0
           : options_.soft_start > 0.0 ? std::min(1.0, soft_ + elapsed / options_.soft_start)
                                       : 1.0;
@@ -140,7 +139,7 @@ Wrench HapticLoop::contactWrench(const DeviceSample& device, const ProbeSnapshot
           limited(gain * shareWithin(wrench.force, limit) * wrench.torque, soft_ * options_.max_torque)};
 }
 
-/// `wrench` of the newest snapshot, without a step where the last one said something else.
+/// Wrench of the newest snapshot. Its difference to that of the last one fades, so there is no step.
 Wrench HapticLoop::handedOver(const DeviceSample& device, const ProbeSnapshot& snapshot, const Wrench& wrench,
                               double now) {
   const auto remaining = [&] {

@@ -1,11 +1,11 @@
-/// How late the ticks of a periodic thread are.
+/// Lateness of the ticks of a periodic thread.
 #pragma once
 
 #include <array>
 
 namespace haptic_cloth {
 
-/// Counts of lateness in buckets of 5 µs up to 10 ms; later ones in the last. No allocation.
+/// Counts of lateness in buckets of 5 µs up to 10 ms; later ones count in the last. No allocation.
 class LatenessHistogram {
  public:
   void add(double lateness);  ///< [s]

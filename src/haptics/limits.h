@@ -7,7 +7,7 @@
 
 namespace haptic_cloth {
 
-/// `vector` shortened to `limit`, its direction kept. Zero if it is not finite.
+/// Shortens a vector to `limit`; keeps its direction. Zero if it is not finite.
 inline Vec3 limited(const Vec3& vector, double limit) {
   const double norm = vector.norm();
   if (!std::isfinite(norm)) return Vec3::Zero();
@@ -21,7 +21,7 @@ inline double shareWithin(const Vec3& vector, double limit) {
   return norm > limit ? limit / norm : 1.0;
 }
 
-/// One step of at most `step` from `from` towards `to`; arrives exactly.
+/// Makes a step of at most `step` from `from` towards `to`, which it reaches exactly.
 inline Vec3 approach(const Vec3& from, const Vec3& to, double step) {
   const Vec3 change = to - from;
   const double norm = change.norm();

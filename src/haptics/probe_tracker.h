@@ -1,4 +1,4 @@
-/// From the solver's steps to the snapshots of one probe.
+/// Snapshots of one probe from the steps of the solver.
 #pragma once
 
 #include "haptic_cloth/haptics.h"
@@ -12,12 +12,12 @@ namespace haptic_cloth {
 /// the proxy.
 class ProbeTracker {
  public:
-  /// The snapshot after a step.
-  /// @param device what the step was solved for  @param pace wall-clock time of a step [s]
+  /// Makes the snapshot after a step.
+  /// @param device pose for which the step was solved  @param pace wall-clock time of a step [s]
   /// @param taken see ProbeSnapshot
   ProbeSnapshot update(const ProbeReport& probe, const DeviceSample& device, double pace, double taken);
 
-  /// Starts anew, as with a new cloth.
+  /// Forgets what was learned.
   void reset() { *this = ProbeTracker(); }
 
   const Mat3& follow() const { return follow_; }

@@ -25,15 +25,15 @@ struct ProbeExchange {
   std::atomic<GraspState> grasp{GraspState::Open};
 };
 
-/// A probe as it is shown.
+/// Values of a probe for display.
 struct ProbeView {
   ProbeReport report;
   Quat orientation = Quat::Identity();
   GraspState grasp = GraspState::Open;
 };
 
-/// Carries poses from the exchange to the simulation, and snapshots back. The solver's thread calls
-/// it.
+/// Carries poses from the exchange to the simulation, and snapshots back. It belongs to the solver's
+/// thread.
 class SolverProbe {
  public:
   /// @param number of the probe in the scene
@@ -46,10 +46,11 @@ class SolverProbe {
   void setTimeout(double timeout) { timeout_ = timeout; }
 
   /// Hands the newest pose and the grasp to the simulation, or takes the probe out of it if its
-  /// device is silent. If the device has jumped, the probe begins anew. @param now steady clock [s]
+  /// device is silent. If the device has jumped, the probe enters the scene again.
+  /// @param now steady clock [s]
   void takeDevice(Simulation& simulation, double now);
 
-  /// Publishes what the last step made of the probe.
+  /// Publishes the result of the last step for the probe.
   /// @param pace wall-clock time of a step [s]  @param now steady clock [s]
   void publishSnapshot(const Simulation& simulation, double pace, double now);
 

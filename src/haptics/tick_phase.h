@@ -1,4 +1,4 @@
-/// When the next tick is due, so that it comes shortly after a message of the device.
+/// Time of the next tick, chosen so that it comes shortly after a message of the device.
 #pragma once
 
 #include <algorithm>
@@ -6,14 +6,17 @@
 
 namespace haptic_cloth {
 
-/// `due` [s] of the next tick, moved a little: in the end ticks come kAnswer after the device's messages,
-/// else one waits for its answer by anything up to a period. Half a period is caught up within some 30 ticks.
-/// @param heard when the newest message came in, the same clock [s]; < 0: none yet  @param period [s]
+/// Moves the time of the next tick a little, until ticks come kAnswer after the messages of the
+/// device. Otherwise a message would wait for its answer by up to a period. Half a period is made up
+/// within some 30 ticks.
+/// @param due planned time of the tick [s]
+/// @param heard time of the newest message, on the same clock [s]; < 0: none yet
+/// @param period [s]
 inline double inPhase(double due, double heard, double period) {
-  constexpr double kAnswer = 2e-4;     // what messages are late by at times [s]
-  constexpr double kCatchUp = 0.1;     // of what is missing, in one tick [-]
-  constexpr double kMostShift = 0.02;  // in one tick, in periods [-]
-  constexpr double kSilent = 0.02;     // a device not heard for this long gives no time [s]
+  constexpr double kAnswer = 2e-4;     // usual lateness of messages [s]
+  constexpr double kCatchUp = 0.1;     // share of the error that one tick corrects [-]
+  constexpr double kMostShift = 0.02;  // largest shift of one tick, in periods [-]
+  constexpr double kSilent = 0.02;     // after this silence the device is ignored [s]
   if (heard < 0.0 || due - heard > kSilent) return due;
   const double late = std::remainder(due - heard - kAnswer, period);
   return due - std::clamp(kCatchUp * late, -kMostShift * period, kMostShift * period);

@@ -13,7 +13,7 @@ constexpr double kVelocityTimeConstant = 0.005;
 class VelocityFilter {
  public:
   /// @param time_constant τ [s], > 0
-  /// @param gap a longer pause between samples starts anew from rest, as a jump does [s]
+  /// @param gap after a longer pause between samples the filter starts from rest, as after a jump [s]
   VelocityFilter(double time_constant, double gap) : time_constant_(time_constant), gap_(gap) {}
 
   /// The same as the constructor's, from the next sample on.

@@ -27,12 +27,13 @@ double referenceAcceleration(const Vec3& gravity);
 
 /// Incremental potential of one step over the free nodes X and the proxies y:
 ///
-///     Φ(X, y) = Σ m (1 + c h)/(2h²) |x - x⁰ - h v⁰/(1 + c h)|² - m g · (x - x⁰)   motion, air, gravity
-///             + Σ A ψ_s(ε) + Σ A ψ_b(κ) + Σ A (ψ_h(γ) + B_t κ_xy²)                internal energy
+///     Φ(X, y) = Σ ½ m i |x - x̄|² - m g · (x - x⁰)                      motion, air, gravity
+///             + Σ A ψ_s(ε) + Σ A ψ_b(κ) + Σ A (ψ_h(γ) + B_t κ_xy²)     internal energy
 ///             + contact and friction
-///             + Σ ½ k |y - device|² + ½ (b/h) |y - y⁰ - h v_device|²              probes
+///             + Σ ½ k |y - device|² + ½ (b/h) |y - y⁰ - h v_device|²   probes
 ///
-/// Its gradient is the negative of Newton's residual [N].
+/// x̄ is where inertia alone carries a node and i its inertia [1/s²], both by TimeIntegrator. The
+/// gradient of Φ is the negative of Newton's residual [N].
 class ClothObjective : public Objective {
  public:
   ClothObjective(const Scene& scene, const ActiveMesh& mesh, const TimeIntegrator& integrator,
@@ -109,7 +110,7 @@ class ClothObjective : public Objective {
   const std::vector<HeldNode>& held() const { return held_; }
 
   /// Gradient of the energy of motion, air and gravity at a node at x [N]. Its derivative is
-  /// inertia() times the node's mass; inertia() is in [1/s²].
+  /// inertia(node) times the node's mass; see TimeIntegrator [1/s²].
   Vec3 motionGradient(int node, const Vec3& x) const {
     Vec3 gradient = -mesh_.mass[node] * gravity_;
     if (node < mesh_.free) gradient += moving_mass_[node] * inertia() * (x - inertial_[node]);
@@ -198,7 +199,8 @@ class ClothObjective : public Objective {
   int present_ = 0;  ///< number of present probes
   AwakeSet awake_;
   Field start_, inertial_;  ///< x⁰ and inertial positions of the nodes [m]
-  /// Mass of all nodes; mass of the free nodes, zero for others [kg]. Both padded.
+  /// Mass of all nodes; for free nodes mass times inertia(node)/inertia(), zero for others [kg].
+  /// Both padded.
   std::vector<double> mass_, moving_mass_;
   Field nodes_, motion_, gradient_, diagonal_;
   BlockField blocks_;  ///< blocks for the Jacobi preconditioner

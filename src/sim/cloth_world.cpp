@@ -45,7 +45,7 @@ StepReport ClothWorld::step() {
   return report;
 }
 
-/// One step: adapt, find contacts and solve, accept, account.
+/// One step: move obstacles, adapt the mesh, find contacts and solve, accept or restore, balance energy.
 void ClothWorld::takeStep(StepReport& report) {
   solver_.startBudget();
   energy_.beginStep(solver_.objective());

@@ -68,7 +68,7 @@ struct OwnReader {
   std::string rule;     ///< for the reference
 };
 
-/// Where the value of an option is.
+/// Place of the value of an option, by type.
 using OptionField =
     std::variant<Numbers<double>, Numbers<int>, Quat*, bool*, std::string*, Choice, OwnReader>;
 

@@ -11,16 +11,16 @@
 
 namespace haptic_cloth {
 
-/// Backward difference formula of one step from x⁰, v⁰, with δ and γ the changes of x and v in the
+/// Backward difference formula of one step from x⁰, v⁰, with Δx and Δv the changes of x and v in the
 /// step before:
 ///
-///     x̂ = x⁰ + φ δ,   v̂ = v⁰ + φ γ,   x = x̂ + b v,   v = v̂ + b (F/m − c v)
+///     x̂ = x⁰ + β Δx,   v̂ = v⁰ + β Δv,   x = x̂ + σ v,   v = v̂ + σ (F/m − c v)
 ///
-/// First order (backward Euler): φ = 0, b = h. Second order (BDF2): φ = 1/3, b = 2h/3.
+/// First order (backward Euler): β = 0, σ = h. Second order (BDF2): β = 1/3, σ = 2h/3.
 struct BackwardDifference {
-  double share;   ///< φ [-]
-  double span;    ///< b [s]
-  double damped;  ///< 1 + c b [-]
+  double share;   ///< β [-]
+  double span;    ///< σ [s]
+  double damped;  ///< 1 + c σ [-]
 
   BackwardDifference(int order, double time_step, double air_damping);
 
@@ -77,7 +77,7 @@ class TimeIntegrator {
   bool first_order_only_;
   double time_step_;
   BackwardDifference first_, second_;
-  Field moved_, gained_;      ///< δ and γ of the nodes [m], [m/s]
+  Field moved_, gained_;      ///< Δx and Δv of the nodes [m], [m/s]
   std::vector<char> jumped_;  ///< one flag for each node
 };
 

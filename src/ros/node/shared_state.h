@@ -97,7 +97,7 @@ struct SharedProbe : ProbeExchange {
   Mailbox<FeltForce> felt;                    ///< haptic thread → display thread
 };
 
-/// Where an obstacle is sent.
+/// Target pose of an obstacle.
 struct ObstacleTarget {
   std::uint64_t number = 0;  ///< counts up; 0: none yet
   Pose pose;
