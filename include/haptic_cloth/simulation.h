@@ -49,8 +49,8 @@ class Simulation {
   /// of its narrowest half-width in each. A pose that is not finite is ignored.
   void moveObstacle(int obstacle, const Pose& pose);
 
-  /// Changes options from the next step on. The solver's time_step, cost, preconditioner and
-  /// threads and the mesh's strategy, start and levels must not change.
+  /// Changes options from the next step on. The solver's time_step, integrator, cost,
+  /// preconditioner and threads and the mesh's strategy, start and levels must not change.
   /// @throws InputError, with nothing changed, if one of those differs or a value is invalid
   void setOptions(const SolverOptions& solver, const AdaptOptions& adapt, double air_damping);
 

@@ -42,6 +42,20 @@ void transferAfterSplit(const Grid& grid, const std::vector<Cell>& cells, Partic
 
 namespace {
 
+/// Calls visit(node, weight) for the corners of the cell that now covers a removed particle.
+template <class Visit>
+void forCorners(const LeafMesh& leaves, const ActiveMesh& mesh, int particle, const Visit& visit) {
+  const Grid& grid = mesh.grid;
+  const int i = grid.column(particle), j = grid.row(particle);
+  const Cell cell = leaves.leafAt(std::min(i, grid.columns - 2), std::min(j, grid.rows - 2));
+  const double s = cell.span(), u = (i - cell.i) / s, v = (j - cell.j) / s;
+  const double weights[4] = {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v};
+  const auto corners = cell.corners(grid);
+  for (int c = 0; c < 4; ++c) {
+    if (weights[c] > 0.0) visit(mesh.node[corners[c]], weights[c]);
+  }
+}
+
 /// Velocities and the changes of the last step: what moves on with the mass.
 std::array<std::vector<Vec3>*, 3> motionsOf(ParticleState& state) {
   return {&state.velocity, &state.moved, &state.gained};
@@ -73,12 +87,27 @@ void MergeTransfer::apply(const LeafMesh& leaves, const ActiveMesh& mesh, Partic
   for (const Ghost& g : mesh.ghosts) {
     const int p = mesh.particle[g.node], a = mesh.particle[g.a], b = mesh.particle[g.b];
     state.position[p] = 0.5 * (state.position[a] + state.position[b]);
-    if (!state.jumped.empty()) state.jumped[p] = state.jumped[a] | state.jumped[b];
+  }
+  if (!state.jumped.empty()) handOverJumps(leaves, mesh, state.jumped);
+}
+
+/// Marks the nodes that received motion from a particle that had jumped.
+void MergeTransfer::handOverJumps(const LeafMesh& leaves, const ActiveMesh& mesh,
+                                  std::vector<char>& jumped) const {
+  for (const int p : active_) {
+    if (mesh.node[p] >= 0 || jumped[p] == 0) continue;
+    forCorners(leaves, mesh, p, [&](int node, double) { jumped[mesh.particle[node]] = 1; });
+  }
+  for (auto g = mesh.ghosts.rbegin(); g != mesh.ghosts.rend(); ++g) {
+    if (jumped[mesh.particle[g->node]] == 0) continue;
+    for (const int master : {g->a, g->b}) jumped[mesh.particle[master]] = 1;
+  }
+  for (const Ghost& g : mesh.ghosts) {
+    jumped[mesh.particle[g.node]] = jumped[mesh.particle[g.a]] | jumped[mesh.particle[g.b]];
   }
 }
 
 void MergeTransfer::apply(const LeafMesh& leaves, const ActiveMesh& mesh, std::vector<Vec3>& values) {
-  const Grid& grid = mesh.grid;
   momentum_.assign(mesh.nodes(), Vec3::Zero());
   changed_.assign(mesh.nodes(), 0);
   const int count = static_cast<int>(active_.size());
@@ -91,14 +120,7 @@ void MergeTransfer::apply(const LeafMesh& leaves, const ActiveMesh& mesh, std::v
   for (int k = 0; k < count; ++k) {
     const int p = active_[k];
     if (mesh.node[p] >= 0) continue;
-    const int i = std::min(grid.column(p), grid.columns - 2), j = std::min(grid.row(p), grid.rows - 2);
-    const Cell cell = leaves.leafAt(i, j);
-    const double s = cell.span(), u = (grid.column(p) - cell.i) / s, v = (grid.row(p) - cell.j) / s;
-    const double weights[4] = {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v};
-    const auto corners = cell.corners(grid);
-    for (int c = 0; c < 4; ++c) {
-      if (weights[c] > 0.0) give(mesh.node[corners[c]], weights[c] * before_[k]);
-    }
+    forCorners(leaves, mesh, p, [&](int node, double weight) { give(node, weight * before_[k]); });
   }
   for (auto g = mesh.ghosts.rbegin(); g != mesh.ghosts.rend(); ++g) {
     const Vec3 half = 0.5 * momentum_[g->node];

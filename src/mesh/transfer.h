@@ -52,6 +52,7 @@ class MergeTransfer {
  private:
   void give(int node, const Vec3& momentum);
   void apply(const LeafMesh& leaves, const ActiveMesh& mesh, std::vector<Vec3>& values);
+  void handOverJumps(const LeafMesh& leaves, const ActiveMesh& mesh, std::vector<char>& jumped) const;
 
   std::vector<int> active_;     ///< particles that were active before
   std::vector<double> masses_;  ///< and their masses before [kg]

@@ -152,11 +152,12 @@ void ClothWorld::accept(StepReport& report) {
   report.max_penetration = contacts_.deepest();
 }
 
-/// Marks the nodes whose velocity may have jumped: ejected, touched or asleep.
+/// Marks the nodes whose velocity may have jumped: ejected, touched, held or asleep.
 void ClothWorld::markJumped() {
   const ActiveMesh& mesh = cloth_.mesh();
   jumped_ = ejected_;
   contacts_.markTouched(jumped_);
+  for (const HeldNode& held : solver_.objective().held()) jumped_[held.node] = 1;
   const std::vector<char>& awake = solver_.objective().awake().flags();
   for (int n = 0; n < mesh.nodes(); ++n) jumped_[n] |= awake[n] == 0;
   mesh.markMasters(jumped_);

@@ -63,6 +63,7 @@ Pose Simulation::obstaclePose(int obstacle) const {
 void Simulation::setOptions(const SolverOptions& solver, const AdaptOptions& adapt, double air_damping) {
   Scene changed = scene();
   requireSame(solver.time_step == changed.solver.time_step, "solver.time_step");
+  requireSame(solver.integrator == changed.solver.integrator, "solver.integrator");
   requireSame(solver.cost == changed.solver.cost, "solver.cost");
   requireSame(solver.minimizer.preconditioner == changed.solver.minimizer.preconditioner,
               "solver.preconditioner");

@@ -170,7 +170,9 @@ class Writer {
     const std::vector<int> iterations{1, 2, 10, 50, 200, 200};
     const std::vector<std::string> preconditioners{"none", "jacobi", "multilevel", "multilevel",
                                                    "multilevel"};
-    text_ << "solver: {" << number("time_step", step) << ", cost: " << (joint_ ? "joint" : "condensed")
+    text_ << "solver: {" << number("time_step", step)
+          << ", integrator: " << (dice_.chance(0.5) ? "bdf2" : "euler")
+          << ", cost: " << (joint_ ? "joint" : "condensed")
           << ", preconditioner: " << dice_.choice(preconditioners) << ", "
           << number("tolerance", dice_.logUniform(0.01, 0.5))
           << ", max_iterations: " << dice_.choice(iterations)

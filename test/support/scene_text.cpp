@@ -69,7 +69,9 @@ void writeProbe(std::ostream& out, const ProbeOptions& probe) {
 
 void writeOptions(std::ostream& out, const Scene& scene) {
   const SolverOptions& solver = scene.solver;
-  out << "solver: {time_step: " << solver.time_step << ", cost: " << nameOf(costNames(), solver.cost)
+  out << "solver: {time_step: " << solver.time_step
+      << ", integrator: " << nameOf(integratorNames(), solver.integrator)
+      << ", cost: " << nameOf(costNames(), solver.cost)
       << ", preconditioner: " << nameOf(preconditionerNames(), solver.minimizer.preconditioner)
       << ", tolerance: " << solver.minimizer.tolerance
       << ", max_iterations: " << solver.minimizer.max_iterations

@@ -141,6 +141,7 @@ TEST(LiveOptions, WhatIsRefusedChangesNothing) {
     s.solver.minimizer.tolerance = 0.5;  // valid by itself, but in the same set
   });
   expect("solver.time_step: cannot change", [](Scene& s) { s.solver.time_step = 2e-3; });
+  expect("solver.integrator: cannot change", [](Scene& s) { s.solver.integrator = Integrator::Bdf2; });
   expect("solver.cost: cannot change", [](Scene& s) { s.solver.cost = Cost::Joint; });
   expect("solver.preconditioner: cannot change",
          [](Scene& s) { s.solver.minimizer.preconditioner = Preconditioner::None; });

@@ -201,5 +201,29 @@ TEST(TransferTest, MomentumIsKeptThroughSplitsAndMerges) {
   EXPECT_GT(merges, 20);
 }
 
+TEST(TransferTest, AJumpGoesOnWithTheMotion) {
+  const Grid grid{3, 3, 1, 0.01, 0.01};
+  LeafMesh leaves(grid, {}, 0);
+  ActiveMesh mesh(leaves, 0.2);
+  ParticleState state;
+  for (auto* list : {&state.position, &state.velocity, &state.moved, &state.gained}) {
+    list->assign(grid.particles(), Vec3::Zero());
+  }
+  state.jumped.assign(grid.particles(), 0);
+  state.jumped[grid.particle(1, 0)] = 1;  // between two corners of the cell that is left
+  MergeTransfer merge(grid);
+  merge.capture(mesh);
+  leaves.merge({0, 0, 1});
+  mesh.rebuild(leaves);
+  merge.apply(leaves, mesh, state);
+  EXPECT_TRUE(state.jumped[grid.particle(0, 0)]);
+  EXPECT_TRUE(state.jumped[grid.particle(2, 0)]);
+  EXPECT_FALSE(state.jumped[grid.particle(0, 2)]);
+  transferAfterSplit(grid, {{0, 0, 1}}, state);
+  EXPECT_TRUE(state.jumped[grid.particle(1, 0)]);
+  EXPECT_TRUE(state.jumped[grid.particle(1, 1)]);
+  EXPECT_FALSE(state.jumped[grid.particle(1, 2)]);
+}
+
 }  // namespace
 }  // namespace haptic_cloth
