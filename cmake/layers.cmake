@@ -7,7 +7,11 @@ include(cmake/kernels.cmake)
 function(haptic_cloth_headers target scope folder)
   set(directory "${PROJECT_BINARY_DIR}/layers/${folder}")
   file(MAKE_DIRECTORY "${directory}")
-  execute_process(COMMAND ${CMAKE_COMMAND} -E create_symlink "${PROJECT_SOURCE_DIR}/src/${folder}" "${directory}/${folder}")
+  execute_process(COMMAND ${CMAKE_COMMAND} -E create_symlink "${PROJECT_SOURCE_DIR}/src/${folder}" "${directory}/${folder}"
+    RESULT_VARIABLE result)
+  if(result)
+    message(FATAL_ERROR "cannot link ${directory}/${folder}: the build folder must allow symbolic links")
+  endif()
   target_include_directories(${target} ${scope} $<BUILD_INTERFACE:${directory}>)
 endfunction()
 

@@ -36,6 +36,8 @@ def run_tests(program, filters):
         if done.returncode != 0:
             print("some tests failed: their numbers are in the table too")
         machine = re.search(r"^processor (.*); kernels for (\w+)$", done.stdout, re.M)
+        if not machine:
+            sys.exit("physics_tests named no processor: it failed before its first test")
         with open(path, newline="") as file:
             return {"processor": machine[1], "simd": machine[2]}, [Row(*row[:3], *map(float, row[3:])) for row in csv.reader(file)]
 

@@ -26,6 +26,8 @@ class Cloth {
  public:
   /// Flat cloth at rest.
   explicit Cloth(const Scene& scene);
+  Cloth(const Cloth&) = delete;  // its fabric refers to its mesh
+  Cloth& operator=(const Cloth&) = delete;
 
   const Grid& grid() const { return grid_; }
   const LeafMesh& leaves() const { return leaves_; }

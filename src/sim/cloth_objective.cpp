@@ -279,7 +279,7 @@ ClothObjective::Curvature ClothObjective::curvature(bool whole_way, bool deforms
 void ClothObjective::fitMultilevel() {
   proxy_unknowns_.clear();
   forPresent([this](int k) { proxy_unknowns_.push_back({k, proxyAt(probes_[k]), couplingStiffness(k)}); });
-  multilevel_->fit(internal_, contacts_, inertia(), awake_.flags(), held_, proxy_unknowns_);
+  multilevel_->fit(internal_, contacts_, integrator_, awake_.flags(), held_, proxy_unknowns_);
 }
 
 void ClothObjective::fitPreconditioner() {

@@ -39,13 +39,14 @@ MultilevelPreconditioner::MultilevelPreconditioner(const ActiveMesh& mesh, int p
 
 void MultilevelPreconditioner::resize() { hats_.rebuild(mesh_); }
 
-void MultilevelPreconditioner::fit(const InternalEnergy& internal, const ContactSet& contacts, double inertia,
-                                   const std::vector<char>& awake, const std::vector<HeldNode>& held,
+void MultilevelPreconditioner::fit(const InternalEnergy& internal, const ContactSet& contacts,
+                                   const TimeIntegrator& integrator, const std::vector<char>& awake,
+                                   const std::vector<HeldNode>& held,
                                    const std::vector<ProxyUnknown>& proxies) {
   for (Blocks* list : {&between_, &points_}) list->assign(hats_.points(), Block::Zero());
   addElements(internal);
   addContacts(contacts, proxies);
-  for (int n = 0; n < mesh_.nodes(); ++n) points_[n] += isotropic(inertia * mesh_.mass[n]);
+  for (int n = 0; n < mesh_.nodes(); ++n) points_[n] += isotropic(integrator.inertia(n) * mesh_.mass[n]);
   invertNodes(awake, held);
   for (Proxy& proxy : proxies_) bind(proxy);
   invertHats();

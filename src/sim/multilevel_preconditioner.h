@@ -11,6 +11,7 @@
 #include "mesh/hat_levels.h"
 #include "parallel/parallel_for.h"
 #include "sim/held_node.h"
+#include "sim/time_integrator.h"
 #include "solver/objective.h"
 
 namespace haptic_cloth {
@@ -42,10 +43,10 @@ class MultilevelPreconditioner {
   void resize();
 
   /// Builds the blocks from the last evaluation.
-  /// @param inertia stiffness per mass [1/s²]
+  /// @param integrator gives the inertia of the nodes
   /// @param awake one flag for each node; only free nodes that are awake and not held are solved
   /// for
-  void fit(const InternalEnergy& internal, const ContactSet& contacts, double inertia,
+  void fit(const InternalEnergy& internal, const ContactSet& contacts, const TimeIntegrator& integrator,
            const std::vector<char>& awake, const std::vector<HeldNode>& held,
            const std::vector<ProxyUnknown>& proxies);
 

@@ -81,6 +81,9 @@ struct Checker {
     text << value->coeffs().transpose();
     fail(key, text.str(), "must be a unit quaternion x y z w");
   }
+  void operator()(const Choice& choice) const {
+    if (choice.get() >= choice.names.size()) fail(key, "no choice", "must be one of " + joined(choice.names));
+  }
   template <class Other>
   void operator()(const Other&) const {}  // any value of these types is allowed
 

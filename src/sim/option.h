@@ -89,7 +89,7 @@ OptionField field(Enum& value, const Names<Enum>& names) {
   for (const auto& entry : names) choice.names.push_back(entry.first);
   choice.get = [&value, names] {
     std::size_t index = 0;
-    while (names[index].second != value) ++index;
+    while (index < names.size() && names[index].second != value) ++index;
     return index;
   };
   choice.set = [&value, names](std::size_t index) { value = names[index].second; };

@@ -132,6 +132,10 @@ PositionReader findPositionReader(const std::string& md5sum) {
       position<geometry_msgs::PoseStamped>(),
       position<geometry_msgs::TwistStamped>(),
       position<geometry_msgs::TransformStamped>(),
+      // TouchState of a geomagic driver, in two versions: a PoseStamped with buttons, and a
+      // TransformStamped with velocity and buttons. What follows the position is not read.
+      {"882b066d515316daecadf177b58cf445", read<geometry_msgs::PoseStamped>},
+      {"30e5c9275c60943d770c087f33b76fac", read<geometry_msgs::TransformStamped>},
       // falconPos of ros_falcon: a Point whose members are X, Y and Z.
       {"8219583d7802cc50be3e9ab911877ba5", read<geometry_msgs::Point>}};
   const auto entry = kTypes.find(md5sum);

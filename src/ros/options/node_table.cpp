@@ -22,7 +22,7 @@ Options generalOptions(NodeOptions& node) {
        "after this silence the probe leaves the scene", Live{0.1, 10.0}},
       {"velocity_time_constant", field(node.velocity_time_constant), kFinitePositive, "s",
        "low-pass filter of the device's velocity", Live{0.001, 0.05}},
-      {"step_budget", field(node.step_budget), kFiniteNotNegative, "s", "wall clock of one step; 0: no limit",
+      {"step_budget", field(node.step_budget), kNotNegative, "s", "wall clock of one step; 0: no limit",
        Live{0.0, 0.1}},
       {"gain_ramp", field(node.gain_ramp), kFiniteNotNegative, "s", "time in which changed gains are reached",
        Live{0.0, 5.0}},

@@ -92,6 +92,19 @@ TEST(DriverMessages, HoldStampAndFrame) {
   EXPECT_TRUE(plain->header.stamp.isZero());
 }
 
+/// TouchState is "Header header, geometry_msgs/Pose pose, bool[] buttons".
+TEST(DriverMessages, WhatFollowsAPositionIsNotRead) {
+  geometry_msgs::PoseStamped pose;
+  pose.header.frame_id = "touch";
+  pose.pose.position.x = 0.1;
+  Bytes bytes = serialized(pose);
+  bytes.insert(bytes.end(), {2, 0, 0, 0, 1, 0});  // two buttons
+  const auto found = find("882b066d515316daecadf177b58cf445", bytes);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->position, Vec3(0.1, 0.0, 0.0));
+  EXPECT_EQ(found->header.frame_id, "touch");
+}
+
 /// falconPos is "float64 X, Y, Z"; its sum is that of `rosmsg md5`.
 TEST(DriverMessages, FalconsPositionHasCapitals) {
   const Vec3 expected(1, 2, 3);
