@@ -18,10 +18,6 @@ ParticleState flatState(const Scene& scene, const Grid& grid) {
   ParticleState state;
   state.position.resize(grid.particles());
   state.velocity.assign(grid.particles(), Vec3::Zero());
-  if (scene.solver.integrator == Integrator::Bdf2) {
-    for (auto* list : {&state.moved, &state.gained}) list->assign(grid.particles(), Vec3::Zero());
-    state.jumped.assign(grid.particles(), 1);
-  }
   for (int p = 0; p < grid.particles(); ++p) {
     const Vec3 local((grid.column(p) - 0.5 * (grid.columns - 1)) * grid.dx,
                      (grid.row(p) - 0.5 * (grid.rows - 1)) * grid.dy, 0.0);
@@ -44,6 +40,7 @@ Cloth::Cloth(const Scene& scene)
   nodes_.reserve(grid_.particles());
   velocities_.reserve(grid_.particles());
   weight_.reserve(grid_.particles());
+  integrator_.prepare(state_);
   gatherNodes();
   updateNormals();
   weight_.assign(mesh_.nodes(), 0.0);  // zero as in free fall

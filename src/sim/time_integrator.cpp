@@ -13,7 +13,8 @@ constexpr double kStillSmooth = 0.5;
 BackwardDifference::BackwardDifference(int order, double time_step, double air_damping)
     : share(order == 1 ? 0.0 : 1.0 / 3.0),
       span(order == 1 ? time_step : 2.0 * time_step / 3.0),
-      damped(1.0 + air_damping * span) {}
+      reach(span / (1.0 + air_damping * span)),
+      inertia((1.0 + air_damping * span) / (span * span)) {}
 
 TimeIntegrator::TimeIntegrator(Integrator kind, double time_step, double air_damping, const Grid& grid)
     : first_order_only_(kind == Integrator::Euler),
@@ -28,6 +29,12 @@ TimeIntegrator::TimeIntegrator(Integrator kind, double time_step, double air_dam
 void TimeIntegrator::setAirDamping(double air_damping) {
   first_ = BackwardDifference(1, time_step_, air_damping);
   second_ = BackwardDifference(2, time_step_, air_damping);
+}
+
+void TimeIntegrator::prepare(ParticleState& state) const {
+  if (first_order_only_) return;
+  for (auto* list : {&state.moved, &state.gained}) list->assign(state.position.size(), Vec3::Zero());
+  state.jumped.assign(state.position.size(), 1);
 }
 
 void TimeIntegrator::gather(const ActiveMesh& mesh, const ParticleState& state) {

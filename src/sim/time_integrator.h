@@ -18,16 +18,16 @@ namespace haptic_cloth {
 ///
 /// First order (backward Euler): β = 0, σ = h. Second order (BDF2): β = 1/3, σ = 2h/3.
 struct BackwardDifference {
-  double share;   ///< β [-]
-  double span;    ///< σ [s]
-  double damped;  ///< 1 + c σ [-]
+  double share;    ///< β [-]
+  double span;     ///< σ [s]
+  double reach;    ///< σ/(1 + c σ) [s]
+  double inertia;  ///< (1 + c σ)/σ² [1/s²]
 
   BackwardDifference(int order, double time_step, double air_damping);
 
   Vec3 inertialMotion(const Vec3& velocity, const Vec3& moved, const Vec3& gained) const {
-    return share * moved + span / damped * (velocity + share * gained);
+    return share * moved + reach * (velocity + share * gained);
   }
-  double inertia() const { return damped / (span * span); }  ///< [1/s²]
 };
 
 /// Integrator of all nodes. BDF2 falls back to backward Euler for nodes whose velocity has jumped: its
@@ -37,6 +37,9 @@ class TimeIntegrator {
   TimeIntegrator(Integrator kind, double time_step, double air_damping, const Grid& grid);
 
   void setAirDamping(double air_damping);
+
+  /// Gives the particles what they keep of a step, as for a cloth that has made none.
+  void prepare(ParticleState& state) const;
 
   /// Reads what the nodes keep from the step before. Call after each change of the mesh.
   void gather(const ActiveMesh& mesh, const ParticleState& state);
@@ -48,11 +51,11 @@ class TimeIntegrator {
     return formula(node).inertialMotion(velocity, moved_[node], gained_[node]);
   }
   /// Force by which a node resists a displacement from there, over mass and displacement [1/s²].
-  double inertia(int node) const { return formula(node).inertia(); }
-  double inertia() const { return usual().inertia(); }  ///< of nodes without a jump [1/s²]
+  double inertia(int node) const { return formula(node).inertia; }
+  double inertia() const { return usual().inertia; }  ///< of nodes without a jump [1/s²]
 
   /// Displacement that a constant acceleration adds in a step, over that acceleration [s²].
-  double fall() const { return usual().span / usual().damped * usual().span; }
+  double fall() const { return usual().reach * usual().span; }
 
   /// Ends a step: sets the velocities from the positions at its start and end.
   /// @param jumped flags of the nodes whose velocity may have jumped: they get their mean velocity

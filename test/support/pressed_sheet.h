@@ -71,7 +71,7 @@ class ObjectiveTest : public ::testing::Test {
     objective_.pack(nodes_, start_);
   }
 
-  /// What BDF2 keeps of the step before: noise, and every third particle has jumped.
+  /// State that BDF2 keeps of the step before: noise, and every third particle has jumped.
   ParticleState kept() const {
     ParticleState state;
     const Eigen::VectorXd noise = fixedRandom(6 * grid_.particles(), 9);

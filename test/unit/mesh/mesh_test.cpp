@@ -180,7 +180,7 @@ TEST(TransferTest, MomentumIsKeptThroughSplitsAndMerges) {
       (*v)[mesh.particle[g.node]] = 0.5 * ((*v)[mesh.particle[g.a]] + (*v)[mesh.particle[g.b]]);
     }
   }
-  // What BDF2 keeps of the last step leads on like velocity, so its momentum is kept as well.
+  // The changes that BDF2 keeps lead on like velocity, so their momentum is kept as well.
   const std::vector<Vec3>* const motions[] = {&state.velocity, &state.moved, &state.gained};
   std::vector<Vec3> before;
   for (const auto* motion : motions) before.push_back(momentum(*motion));

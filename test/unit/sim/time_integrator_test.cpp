@@ -22,10 +22,7 @@ class Sheet {
   Sheet(Integrator kind, double air_damping) : integrator_(kind, kStep, air_damping, kGrid) {
     state_.position.assign(kGrid.particles(), Vec3::Zero());
     state_.velocity.assign(kGrid.particles(), Vec3::Zero());
-    if (kind == Integrator::Bdf2) {
-      for (auto* list : {&state_.moved, &state_.gained}) list->assign(kGrid.particles(), Vec3::Zero());
-      state_.jumped.assign(kGrid.particles(), 1);
-    }
+    integrator_.prepare(state_);
     for (Field* field : {&positions_, &velocities_}) field->clear(mesh_.nodes());
     integrator_.gather(mesh_, state_);
   }
@@ -47,22 +44,16 @@ class Sheet {
   }
 
   /// Makes a step in which a force over mass acts [m/s²].
-  void step(double acceleration, bool jumps = false) {
-    Field end = positions_;
-    for (int n = 0; n < mesh_.nodes(); ++n) {
-      end.add(n, integrator_.inertialMotion(n, velocities_[n]) +
-                     acceleration / integrator_.inertia(n) * Vec3::UnitX());
-    }
-    integrator_.finish(mesh_, positions_, end, std::vector<char>(4, jumps ? 1 : 0), velocities_);
-    positions_ = end;
+  void step(double acceleration) {
+    const Vec3 force = acceleration * Vec3::UnitX();
+    const TimeIntegrator& method = integrator_;
+    finish([&](int n) { return Vec3(method.inertialMotion(n, velocities_[n]) + force / method.inertia(n)); },
+           false);
   }
 
   /// Moves all nodes by a distance in one step, whatever inertia says [m].
   void drag(double distance, bool jumps) {
-    Field end = positions_;
-    for (int n = 0; n < mesh_.nodes(); ++n) end.add(n, distance * Vec3::UnitX());
-    integrator_.finish(mesh_, positions_, end, std::vector<char>(4, jumps ? 1 : 0), velocities_);
-    positions_ = end;
+    finish([&](int) { return Vec3(distance * Vec3::UnitX()); }, jumps);
   }
 
   double position() const { return positions_[3].x(); }
@@ -71,6 +62,14 @@ class Sheet {
   Field& velocities() { return velocities_; }
 
  private:
+  template <class Motion>
+  void finish(const Motion& motion, bool jumps) {
+    Field end = positions_;
+    for (int n = 0; n < mesh_.nodes(); ++n) end.add(n, motion(n));
+    integrator_.finish(mesh_, positions_, end, std::vector<char>(4, jumps ? 1 : 0), velocities_);
+    positions_ = end;
+  }
+
   inline static const Grid kGrid{2, 2, 0, 0.01, 0.01};
   LeafMesh leaves_{kGrid, {}, 0};
   ActiveMesh mesh_{leaves_, 0.1};
