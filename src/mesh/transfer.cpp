@@ -23,19 +23,16 @@ void transferAfterSplit(const Grid& grid, const std::vector<Cell>& cells, Partic
   for (const Cell& cell : cells) {
     const auto c = cell.corners(grid);
     const int middle = (c[0] + c[3]) / 2;
+    const std::pair<int, int> sides[] = {{c[0], c[1]}, {c[2], c[3]}, {c[0], c[2]}, {c[1], c[3]}};
     for (auto* values : {&state.position, &state.velocity, &state.moved, &state.gained}) {
       auto& x = *values;
       if (x.empty()) continue;
-      for (const auto& [a, b] : {std::pair(c[0], c[1]), {c[2], c[3]}, {c[0], c[2]}, {c[1], c[3]}}) {
-        x[(a + b) / 2] = 0.5 * (x[a] + x[b]);
-      }
+      for (const auto& [a, b] : sides) x[(a + b) / 2] = 0.5 * (x[a] + x[b]);
       x[middle] = 0.25 * (x[c[0]] + x[c[1]] + x[c[2]] + x[c[3]]);
     }
     if (state.jumped.empty()) continue;
     auto& jumped = state.jumped;
-    for (const auto& [a, b] : {std::pair(c[0], c[1]), {c[2], c[3]}, {c[0], c[2]}, {c[1], c[3]}}) {
-      jumped[(a + b) / 2] = jumped[a] | jumped[b];
-    }
+    for (const auto& [a, b] : sides) jumped[(a + b) / 2] = jumped[a] | jumped[b];
     jumped[middle] = jumped[c[0]] | jumped[c[1]] | jumped[c[2]] | jumped[c[3]];
   }
 }
