@@ -82,7 +82,7 @@ struct Checker {
     fail(key, text.str(), "must be a unit quaternion x y z w");
   }
   void operator()(const Choice& choice) const {
-    if (choice.get() >= choice.names.size()) fail(key, "no choice", "must be one of " + joined(choice.names));
+    if (choice.get() >= choice.names.size()) fail(key, "no choice", oneOf(choice.names));
   }
   template <class Other>
   void operator()(const Other&) const {}  // any value of these types is allowed

@@ -8,12 +8,17 @@
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/machine.h"
 #include "sim/cloth_world.h"
+#include "sim/scene_options.h"
 
 namespace haptic_cloth {
 namespace {
 
-void requireSame(bool same, const char* key) {
-  if (!same) throw InputError("options", key, "", "cannot change while the simulation runs");
+/// Refuses a change of a row that is not live.
+void requireFixed(const Options& now, const Options& changed, const std::string& prefix) {
+  for (std::size_t k = 0; k < now.size(); ++k) {
+    if (now[k].live || valueText(now[k]) == valueText(changed[k])) continue;
+    throw InputError("options", prefix + now[k].key, "", "cannot change while the simulation runs");
+  }
 }
 
 }  // namespace
@@ -61,19 +66,12 @@ Pose Simulation::obstaclePose(int obstacle) const {
 }
 
 void Simulation::setOptions(const SolverOptions& solver, const AdaptOptions& adapt, double air_damping) {
-  Scene changed = scene();
-  requireSame(solver.time_step == changed.solver.time_step, "solver.time_step");
-  requireSame(solver.integrator == changed.solver.integrator, "solver.integrator");
-  requireSame(solver.cost == changed.solver.cost, "solver.cost");
-  requireSame(solver.minimizer.preconditioner == changed.solver.minimizer.preconditioner,
-              "solver.preconditioner");
-  requireSame(solver.threads == changed.solver.threads, "solver.threads");
-  requireSame(adapt.strategy == changed.adapt.strategy, "adapt.strategy");
-  requireSame(adapt.start == changed.adapt.start, "adapt.start");
-  requireSame(adapt.levels == changed.adapt.levels, "adapt.levels");
+  Scene now = scene(), changed = now;
   changed.solver = solver;
   changed.adapt = adapt;
   changed.air_damping = air_damping;
+  requireFixed(optionsOf(now.solver), optionsOf(changed.solver), "solver.");
+  requireFixed(optionsOf(now.adapt), optionsOf(changed.adapt), "adapt.");
   validateScene(changed, "options");
   implementation_->world.setOptions(solver, adapt, air_damping);
 }
