@@ -51,7 +51,7 @@ TEST(TimeOrder, IsOneForBackwardEulerAndTwoForBdf2) {
       record({"swing of a sheet held at a corner", "error after 0.16 s [m]", second ? "bdf2" : "euler",
               time_step, error, 0.0, 0.2});
       if (before > 0.0) {
-        // Of the order, three quarters must be seen: steps are not yet small against all periods.
+        // Three quarters of the order must be seen: steps are not yet small against all periods.
         EXPECT_GT(std::log2(before / error), tolerance(0.75) * (second ? 2.0 : 1.0)) << time_step;
       }
       before = error;
@@ -60,7 +60,7 @@ TEST(TimeOrder, IsOneForBackwardEulerAndTwoForBdf2) {
 }
 
 TEST(TimeOrder, AllowsLongerStepsWithBdf2) {
-  // What the second order is for: a quarter of the steps.
+  // The second order saves three quarters of the steps.
   const std::vector<Vec3> exact = swung(Integrator::Bdf2, Strategy::Finest, 6.25e-5);
   const double euler = rms(swung(Integrator::Euler, Strategy::Finest, 5e-4), exact);
   EXPECT_LT(rms(swung(Integrator::Bdf2, Strategy::Finest, 2e-3), exact), tolerance(1.0) * euler);
@@ -87,8 +87,8 @@ double keptByLanding(Integrator integrator) {
 }
 
 TEST(TimeOrder, LandingClothStays) {
-  // What a formula of second order gives back if it takes the impact for smooth motion: -u/2, a quarter
-  // of the energy. A tenth of that is allowed to the elastic contact law.
+  // A formula of second order that takes the impact for smooth motion gives back -u/2, a quarter of
+  // the energy. A tenth of that is allowed to the elastic contact law.
   for (const Integrator integrator : {Integrator::Euler, Integrator::Bdf2}) {
     EXPECT_LT(keptByLanding(integrator), tolerance(0.025));
   }
