@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "contact/solid_lanes.h"
+#include "shape/solid_lanes.h"
 #include "simd/kernels.h"
 
 namespace haptic_cloth {

@@ -1,5 +1,5 @@
 #include "contact/contact_law.h"
-#include "contact/distance_lanes.h"
+#include "shape/distance_lanes.h"
 #include "contact/sample_packs.h"
 #include "simd/kernels.h"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "contact/contact_law.h"
-#include "contact/solid_lanes.h"
+#include "shape/solid_lanes.h"
 #include "simd/pack.h"
 
 namespace haptic_cloth {

@@ -1,5 +1,6 @@
 #include "sim/scene_identity.h"
 
+#include "shape/shapes.h"
 #include "sim/scene_options.h"
 
 namespace haptic_cloth {
