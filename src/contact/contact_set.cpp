@@ -100,7 +100,7 @@ double ContactSet::obstacleWork() const {
   return work;
 }
 
-double ContactSet::letOutWork() const {
+double ContactSet::ejectionWork() const {
   double work = 0.0;
   forSamples(kObstacles, [&](int k) {
     const ContactSample& sample = samples_[k];
@@ -117,14 +117,14 @@ double ContactSet::deepest() const {
   return deepest;
 }
 
-void ContactSet::calm(Field& velocities) const {
+void ContactSet::stopEjected(Field& velocities) const {
   for (const ContactSample& sample : samples_) {
     if (sample.raised == 0.0) continue;
     for (const int node : sample.nodes) velocities.set(node, Vec3::Zero());
   }
 }
 
-void ContactSet::markLetOut(std::vector<char>& nodes) const {
+void ContactSet::markEjected(std::vector<char>& nodes) const {
   for (const ContactSample& sample : samples_) {
     if (sample.raised == 0.0) continue;
     for (const int node : sample.nodes) nodes[node] = 1;

@@ -79,10 +79,10 @@ class ContactSet {
   int firstNode(int k) const { return samples_[k].nodes[0]; }
 
   /// Stops the nodes of samples that began the step inside a solid: they are ejected, not thrown.
-  void calm(Field& velocities) const;
+  void stopEjected(Field& velocities) const;
 
-  /// Sets the flags of the nodes that calm() stops to 1.
-  void markLetOut(std::vector<char>& nodes) const;
+  /// Sets the flags of the nodes that stopEjected() stops to 1.
+  void markEjected(std::vector<char>& nodes) const;
 
   /// Sets the flags of the nodes of samples that carried force at the last evaluation to 1.
   void markTouched(std::vector<char>& nodes) const;
@@ -139,7 +139,7 @@ class ContactSet {
 
   /// Work of obstacles that eject cloth by pushing it again in every step: the change of the
   /// contact energy of the last evaluation when the next step begins [J].
-  double letOutWork() const;
+  double ejectionWork() const;
 
   /// Largest factor of d from the last evaluated point at which no probe sample uses up more than
   /// 0.9 of its gap.

@@ -167,7 +167,7 @@ void ClothWorld::markJumped() {
 void ClothWorld::markEjected() {
   const ActiveMesh& mesh = cloth_.mesh();
   ejected_.assign(mesh.nodes(), 0);
-  contacts_.markLetOut(ejected_);
+  contacts_.markEjected(ejected_);
   mesh.markMasters(ejected_);
 }
 
