@@ -68,7 +68,7 @@ class ContactSet {
     return finder_.isClear(mesh, nodes, probe);
   }
 
-  /// Number of samples: length of the range that evaluate() and curvature() divide in multiples of
+  /// Number of samples: length of the range that evaluate() and quadraticForm() divide in multiples of
   /// kPack.
   int size() const { return samples_.size(); }
 
@@ -98,9 +98,9 @@ class ContactSet {
   /// @param d_proxies directions of all probes
   /// @param whole_way friction of probes as over the whole of d instead of its beginning: sliding
   /// cloth does not stick
-  double curvature(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
-                   bool whole_way) const {
-    return forces_.curvature(begin, end, d, d_proxies, whole_way);
+  double quadraticForm(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
+                       bool whole_way) const {
+    return forces_.quadraticForm(begin, end, d, d_proxies, whole_way);
   }
 
   /// Add the energy gradient [N] at nodes begin..end, and the diagonal of H⁺ [N/m] at all nodes.

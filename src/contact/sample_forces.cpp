@@ -67,13 +67,13 @@ ContactEnergy SampleForces::evaluate(int begin, int end, const Field& nodes) {
   return energy;
 }
 
-double SampleForces::curvature(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
-                               bool whole_way) const {
+double SampleForces::quadraticForm(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
+                                   bool whole_way) const {
   double sum = 0.0;
   forGroups(begin, end, [&](int solid, int first, int last) {
     const Vec3 moved = solids_.motion(solid, d_proxies);
-    sum += kernels().sampleCurvature(packs_.data(), first, last, d.arrays(), moved.data(),
-                                     whole_way && solids_.isProbe(solid));
+    sum += kernels().sampleQuadraticForm(packs_.data(), first, last, d.arrays(), moved.data(),
+                                         whole_way && solids_.isProbe(solid));
   });
   return sum;
 }

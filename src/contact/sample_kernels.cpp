@@ -1,6 +1,6 @@
 #include "contact/contact_law.h"
-#include "shape/distance_lanes.h"
 #include "contact/sample_packs.h"
+#include "shape/distance_lanes.h"
 #include "simd/kernels.h"
 
 namespace haptic_cloth {
@@ -99,8 +99,8 @@ ContactEnergy evaluateSamples(SamplePack* packs, int begin, int end, const Sampl
   return {total(energy), total(loss)};
 }
 
-double sampleCurvature(const SamplePack* packs, int begin, int end, const ConstArrays& d,
-                       const double* d_origin, bool whole_way) {
+double sampleQuadraticForm(const SamplePack* packs, int begin, int end, const ConstArrays& d,
+                           const double* d_origin, bool whole_way) {
   Lanes sum{};
   for (int p = begin; p < end; ++p) {
     const SamplePack& pack = packs[p];

@@ -42,7 +42,7 @@ struct ContactEnergy {
 // Kernels:
 //   evaluateSamples  energy of packs begin..end; the gradients by the samples' positions go to
 //                    slots first, ..., kPack for each pack.
-//   sampleCurvature  quadratic form d · H⁺ d of packs begin..end at the last evaluation. `d_origin`
+//   sampleQuadraticForm  quadratic form d · H⁺ d of packs begin..end at the last evaluation. `d_origin`
 //                    is the motion of the solid. With `whole_way` friction counts as over the whole
 //                    of d: its force is limited, however stiff it is at zero slip.
 //   largestStep      largest factor of d at which no sample uses up more than `share` of its gap.

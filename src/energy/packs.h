@@ -56,7 +56,7 @@ struct alignas(64) PatchPack {
 //   shearAngles
 //   patchNormals  normals of `count` packs of cells, with twice the area as length; kPack for each
 //                 pack. normalise scales `count` vectors to length 1, except those of length zero.
-//   …Curvature    quadratic form d · H⁺ d at the last evaluation.
+//   …QuadraticForm  quadratic form d · H⁺ d at the last evaluation.
 //   add…Blocks    adds the packs' part of H⁺ at their nodes [N/m], from the last evaluation.
 
 }  // namespace haptic_cloth

@@ -365,7 +365,7 @@ TEST_P(PackTest, AddUpToTheElements) {
   // The quadratic form d · H⁺ d is a sum over all packs, too; entries past the last node must not
   // enter.
   Field d = x;
-  EXPECT_TRUE(std::isfinite(internal.curvature(0, internal.size(), d)));
+  EXPECT_TRUE(std::isfinite(internal.quadraticForm(0, internal.size(), d)));
 }
 
 INSTANTIATE_TEST_SUITE_P(Meshes, PackTest,
