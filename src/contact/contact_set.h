@@ -96,11 +96,11 @@ class ContactSet {
 
   /// Quadratic form d · H⁺ d of samples begin..end at the last evaluation.
   /// @param d_proxies directions of all probes
-  /// @param whole_way friction of probes as over the whole of d instead of its beginning: sliding
-  /// cloth does not stick
+  /// @param whole_motion friction of probes as over the whole of d instead of its beginning:
+  /// sliding cloth does not stick
   double quadraticForm(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
-                       bool whole_way) const {
-    return forces_.quadraticForm(begin, end, d, d_proxies, whole_way);
+                       bool whole_motion) const {
+    return forces_.quadraticForm(begin, end, d, d_proxies, whole_motion);
   }
 
   /// Add the energy gradient [N] at nodes begin..end, and the diagonal of H⁺ [N/m] at all nodes.

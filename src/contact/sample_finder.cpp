@@ -18,18 +18,19 @@ constexpr double kProbeSpacing = 3.0;
 struct Row {
   Row(const Patch& patch, double v, const Field& x)
       : from((1 - v) * x[patch.nodes[0]] + v * x[patch.nodes[2]]),
-        way((1 - v) * x[patch.nodes[1]] + v * x[patch.nodes[3]] - from) {}
-  Vec3 at(double u) const { return from + u * way; }
-  Vec3 from, way;
+        span((1 - v) * x[patch.nodes[1]] + v * x[patch.nodes[3]] - from) {}
+  Vec3 at(double u) const { return from + u * span; }
+  Vec3 from, span;
 };
 
 /// Range first..last of `count` points, evenly spread over a row, that lie within `reach` of a
 /// point.
 struct Window {
   Window(int count, const Row& row, const Vec3& point, double reach) {
-    const Vec3 &from = row.from, &way = row.way;
-    const double length = std::max(way.norm(), 1e-300), middle = (point - from).dot(way) / (length * length);
-    const double aside = (point - from - middle * way).squaredNorm();
+    const Vec3 &from = row.from, &span = row.span;
+    const double length = std::max(span.norm(), 1e-300),
+                 middle = (point - from).dot(span) / (length * length);
+    const double aside = (point - from - middle * span).squaredNorm();
     const double half = std::sqrt(std::max(reach * reach - aside, 0.0)) / length;
     first = static_cast<int>(std::floor(count * std::clamp(middle - half, 0.0, 1.0)));
     last = aside > reach * reach ? first

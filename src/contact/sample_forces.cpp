@@ -68,12 +68,12 @@ ContactEnergy SampleForces::evaluate(int begin, int end, const Field& nodes) {
 }
 
 double SampleForces::quadraticForm(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
-                                   bool whole_way) const {
+                                   bool whole_motion) const {
   double sum = 0.0;
   forGroups(begin, end, [&](int solid, int first, int last) {
     const Vec3 moved = solids_.motion(solid, d_proxies);
     sum += kernels().sampleQuadraticForm(packs_.data(), first, last, d.arrays(), moved.data(),
-                                         whole_way && solids_.isProbe(solid));
+                                         whole_motion && solids_.isProbe(solid));
   });
   return sum;
 }

@@ -100,7 +100,7 @@ ContactEnergy evaluateSamples(SamplePack* packs, int begin, int end, const Sampl
 }
 
 double sampleQuadraticForm(const SamplePack* packs, int begin, int end, const ConstArrays& d,
-                           const double* d_origin, bool whole_way) {
+                           const double* d_origin, bool whole_motion) {
   Lanes sum{};
   for (int p = begin; p < end; ++p) {
     const SamplePack& pack = packs[p];
@@ -112,7 +112,7 @@ double sampleQuadraticForm(const SamplePack* packs, int begin, int end, const Co
       const Lanes square = larger(dot(moved, moved) - start * start, Lanes{});
       const Lanes stuck = along * square;
       sum += across * normal * normal +
-             (whole_way ? smaller(stuck, load(pack.friction + l) * squareRoot(square)) : stuck);
+             (whole_motion ? smaller(stuck, load(pack.friction + l) * squareRoot(square)) : stuck);
     }
   }
   return total(sum);

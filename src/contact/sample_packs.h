@@ -40,15 +40,18 @@ struct ContactEnergy {
 };
 
 // Kernels:
-//   evaluateSamples  energy of packs begin..end; the gradients by the samples' positions go to
-//                    slots first, ..., kPack for each pack.
-//   sampleQuadraticForm  quadratic form d · H⁺ d of packs begin..end at the last evaluation. `d_origin`
-//                    is the motion of the solid. With `whole_way` friction counts as over the whole
-//                    of d: its force is limited, however stiff it is at zero slip.
-//   largestStep      largest factor of d at which no sample uses up more than `share` of its gap.
-//   solidDistances   signed distances [m] and normals of points 0 .. count - 1; arrays are padded.
-//   patchMargins     gap below which points of each patch count: `range` plus the largest reach of
-//                    its corners; -1 if no point of the patch can be that near [m]. `gaps` and
-//                    `normals` are those of the nodes, from solidDistances().
+//   evaluateSamples      energy of packs begin..end; the gradients by the samples' positions go to
+//                        slots first, ..., kPack for each pack.
+//   sampleQuadraticForm  quadratic form d · H⁺ d of packs begin..end at the last evaluation [J].
+//                        `d_origin` is the motion of the solid. With `whole_motion` friction counts
+//                        as over the whole of d: its force is limited, however stiff it is at zero
+//                        slip.
+//   largestStep          largest factor of d at which no sample uses up more than `share` of its
+//                        gap.
+//   solidDistances       signed distances [m] and normals of points 0 .. count - 1; arrays are
+//                        padded.
+//   patchMargins         gap below which points of each patch count: `range` plus the largest reach
+//                        of its corners; -1 if no point of the patch can be that near [m]. `gaps`
+//                        and `normals` are those of the nodes, from solidDistances().
 
 }  // namespace haptic_cloth

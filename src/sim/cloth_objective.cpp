@@ -250,7 +250,7 @@ double ClothObjective::maxStep(const Vector& d) {
   return contacts_.maxStep(motion_, proxy_motions_);
 }
 
-ClothObjective::QuadraticForm ClothObjective::formAlongMotion(bool whole_way, bool deforms) {
+ClothObjective::QuadraticForm ClothObjective::formAlongMotion(bool whole_motion, bool deforms) {
   const int internal = internal_.size();
   const Sums elements = team_.sum(awake_.elements().size(), [&](int from, int to) {
     Sums sums = Sums::Zero();
@@ -259,7 +259,7 @@ ClothObjective::QuadraticForm ClothObjective::formAlongMotion(bool whole_way, bo
         sums[0] += internal_.quadraticForm(std::min(begin, internal), std::min(end, internal), motion_);
       sums[1] +=
           contacts_.quadraticForm(std::max(begin, internal) - internal, std::max(end, internal) - internal,
-                                  motion_, proxy_motions_, whole_way);
+                                  motion_, proxy_motions_, whole_motion);
     });
     return sums;
   });

@@ -178,7 +178,7 @@ class ClothObjective : public Objective {
   Sums evaluateElements(int begin, int end);
   double gatherNodes(int begin, int end);
   void setMotion(const Vector& d);
-  QuadraticForm formAlongMotion(bool whole_way, bool deforms);
+  QuadraticForm formAlongMotion(bool whole_motion, bool deforms);
   Motion motion() const;
 
   const ActiveMesh& mesh_;

@@ -71,7 +71,7 @@ struct TriplePack;
           const MutableArrays& slots, int first))                                                            \
   KERNEL(double, sampleQuadraticForm,                                                                        \
          (const SamplePack* packs, int begin, int end, const ConstArrays& d, const double* d_origin,         \
-          bool whole_way))                                                                                   \
+          bool whole_motion))                                                                                \
   KERNEL(double, largestStep,                                                                                \
          (const SamplePack* packs, int begin, int end, double share, const ConstArrays& d,                   \
           const double* d_origin))                                                                           \
