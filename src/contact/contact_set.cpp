@@ -105,8 +105,9 @@ double ContactSet::ejectionWork() const {
   forSamples(kObstacles, [&](int k) {
     const ContactSample& sample = samples_[k];
     const double gap = forces_.gap(k);
-    if (sample.raised == 0.0 && !(gap < 0.0)) return;
-    work += sample.area * (law_(gap + law_.raise(gap, false)).energy - law_(gap + sample.raised).energy);
+    if (sample.gap_offset == 0.0 && !(gap < 0.0)) return;
+    work +=
+        sample.area * (law_(gap + law_.gapOffset(gap, false)).energy - law_(gap + sample.gap_offset).energy);
   });
   return work;
 }
@@ -119,14 +120,14 @@ double ContactSet::deepest() const {
 
 void ContactSet::stopEjected(Field& velocities) const {
   for (const ContactSample& sample : samples_) {
-    if (sample.raised == 0.0) continue;
+    if (sample.gap_offset == 0.0) continue;
     for (const int node : sample.nodes) velocities.set(node, Vec3::Zero());
   }
 }
 
 void ContactSet::markEjected(std::vector<char>& nodes) const {
   for (const ContactSample& sample : samples_) {
-    if (sample.raised == 0.0) continue;
+    if (sample.gap_offset == 0.0) continue;
     for (const int node : sample.nodes) nodes[node] = 1;
   }
 }

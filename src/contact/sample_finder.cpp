@@ -266,10 +266,10 @@ ContactSample SampleFinder::started(int point, int index, bool still) const {
   const Vec3 place = places_[point];
   const Distance then = still ? now_[point] : then_[point];
   ContactSample sample{points_[point], index};
-  sample.raised = law_.raise(then.value, solids_.isProbe(index));
+  sample.gap_offset = law_.gapOffset(then.value, solids_.isProbe(index));
   // Ejected cloth has no friction, which would hold it inside.
-  const double friction = !solids_.isProbe(index) && sample.raised > 0.0 ? 0.0 : solid.friction();
-  sample.friction_force = friction * sample.area * law_(then.value + sample.raised).pressure;
+  const double friction = !solids_.isProbe(index) && sample.gap_offset > 0.0 ? 0.0 : solid.friction();
+  sample.friction_force = friction * sample.area * law_(then.value + sample.gap_offset).pressure;
   Vec3 carried = place;
   sample.start_normal = then.normal;
   if (!still) {

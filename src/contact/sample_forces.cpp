@@ -30,7 +30,7 @@ void SampleForces::rebuild() {
       pack.start_normal[c][l] = sample.start_normal[c];
     }
     pack.area[l] = sample.area;
-    pack.raised[l] = sample.raised;
+    pack.gap_offset[l] = sample.gap_offset;
     pack.friction[l] = sample.friction_force;
     pack.clearance[l] = sample.area > 0.0 ? sample.clearance : 1e150;
   }

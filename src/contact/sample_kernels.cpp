@@ -56,7 +56,7 @@ HAPTIC_CLOTH_INLINE void evaluateOne(SamplePack& pack, int l, const SampleContex
                                      int slot, Lanes& energy, Lanes& loss) {
   const DistanceLanes d = distance(context.solid, position);
   const Lanes area = load(pack.area + l);
-  const PressureLanes law = press(context.range, d.value + load(pack.raised + l));
+  const PressureLanes law = press(context.range, d.value + load(pack.gap_offset + l));
   const Lanes pressing = area * law.pressure;
   energy += area * law.energy;
   // Friction, smoothed below `slip`: potential f₀ and ratio f₀'/y [Li et al. 2020].
