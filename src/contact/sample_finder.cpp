@@ -94,7 +94,7 @@ void SampleFinder::find(const ActiveMesh& mesh, const Field& nodes, const std::v
 bool SampleFinder::isClear(const ActiveMesh& mesh, const Field& nodes, int probe) {
   still_.assign(mesh.nodes(), 0.0);
   addProbePoints(mesh, nodes, still_, {probe, 0.0});
-  sift(solids_.indexOf(probe));
+  selectNear(solids_.indexOf(probe));
   return near_.empty();
 }
 
@@ -227,7 +227,7 @@ void SampleFinder::addPoint(const SurfacePoint& point, const Vec3& place, double
 }
 
 /// Selects the candidates that are near a solid at the start of the step, and starts them.
-void SampleFinder::sift(int solid) {
+void SampleFinder::selectNear(int solid) {
   const bool still = solids_.isStill(solid);
   const int count = static_cast<int>(points_.size());
   measureDistances(solids_[solid], count, places_, now_);
@@ -239,7 +239,7 @@ void SampleFinder::sift(int solid) {
   const int samples = static_cast<int>(near_.size());
   if (static_cast<int>(started_.size()) < samples) started_.resize(samples);
   const auto start = [&](int begin, int end) {
-    for (int s = begin; s < end; ++s) started_[s] = started(near_[s], solid, still);
+    for (int s = begin; s < end; ++s) started_[s] = startSample(near_[s], solid, still);
   };
   team_.forRange(samples, start, kStart);
   margins_.clear();
@@ -249,7 +249,7 @@ void SampleFinder::sift(int solid) {
 /// Adds the candidates that are near a solid. Touching samples come first, so that packs of the
 /// others can be skipped.
 void SampleFinder::addGroup(int solid, SampleList& samples) {
-  sift(solid);
+  selectNear(solid);
   samples.beginGroup(solid);
   for (const bool apart : {false, true}) {
     for (std::size_t s = 0; s < near_.size(); ++s) {
@@ -261,7 +261,7 @@ void SampleFinder::addGroup(int solid, SampleList& samples) {
 
 /// Starts a sample. If a moving solid touches it only at the end of the step, it has no friction
 /// yet.
-ContactSample SampleFinder::started(int point, int index, bool still) const {
+ContactSample SampleFinder::startSample(int point, int index, bool still) const {
   const Solid &solid = solids_[index], &before = solids_.before(index);
   const Vec3 place = places_[point];
   const Distance then = still ? now_[point] : then_[point];

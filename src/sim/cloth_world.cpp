@@ -60,7 +60,7 @@ void ClothWorld::takeStep(StepReport& report) {
   } else {
     accept(report);
   }
-  energy_.account(scene_, solver_.objective(), contacts_, probes_);
+  energy_.update(scene_, solver_.objective(), contacts_, probes_);
   ++steps_;
   report.time = time();
   report.active_particles = cloth_.mesh().active();

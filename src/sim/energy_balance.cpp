@@ -32,8 +32,8 @@ double EnergyBalance::guard(double kinetic_before, double gravity_work, const Cl
   return scale;
 }
 
-void EnergyBalance::account(const Scene& scene, const ClothObjective& solved, const ContactSet& contacts,
-                            Probes& probes) {
+void EnergyBalance::update(const Scene& scene, const ClothObjective& solved, const ContactSet& contacts,
+                           Probes& probes) {
   for (int k = 0; k < probes.count(); ++k) {
     const ProbeStep& made = solved.probeSteps()[k];
     supplied_ -= probes.replaceCouplingEnergy(k, made.present ? solved.couplingEnergy(k) : 0.0);

@@ -42,7 +42,7 @@ class EnergyBalance {
   /// Adds the work of devices and obstacles. Devices work on spring and damper of their couplings;
   /// removing a device removes the energy of its spring. Obstacles work by moving and by ejecting
   /// cloth.
-  void account(const Scene& scene, const ClothObjective& solved, const ContactSet& contacts, Probes& probes);
+  void update(const Scene& scene, const ClothObjective& solved, const ContactSet& contacts, Probes& probes);
 
   EnergyReport report(const Cloth& cloth, const ClothObjective& solved) const;
 
