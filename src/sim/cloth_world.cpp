@@ -4,7 +4,7 @@
 #include <chrono>
 #include <climits>
 
-#include "sim/scene_identity.h"
+#include "scene/scene_identity.h"
 
 namespace haptic_cloth {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/machine.h"
+#include "scene/scene_options.h"
 #include "sim/cloth_world.h"
-#include "sim/scene_options.h"
 
 namespace haptic_cloth {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <sstream>
 
+#include "scene/scene_options.h"
 #include "shape/shapes.h"
-#include "sim/scene_options.h"
 #include "support/scenes.h"
 
 namespace haptic_cloth {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "ros/input/driver_messages.h"
-#include "sim/option.h"
+#include "scene/option.h"
 
 namespace haptic_cloth {
 

@@ -4,7 +4,7 @@
 #include "ros/node/conversions.h"
 #include "ros/options/node_table.h"
 #include "ros/options/parameter_group.h"
-#include "sim/scene_options.h"
+#include "scene/scene_options.h"
 
 namespace haptic_cloth {
 namespace {

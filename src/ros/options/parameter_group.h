@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/option.h"
+#include "scene/option.h"
 
 namespace haptic_cloth {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "haptic_cloth/types.h"
-#include "sim/option.h"
+#include "scene/option.h"
 
 namespace haptic_cloth {
 

@@ -1,4 +1,4 @@
-#include "sim/scene_options.h"
+#include "scene/scene_options.h"
 
 #include <algorithm>
 

@@ -5,9 +5,9 @@
 #include "fabric/fabric_search.h"
 #include "fabric/yaml_reader.h"
 #include "haptic_cloth/scene.h"
+#include "scene/scene_options.h"
+#include "scene/scene_validation.h"
 #include "shape/shapes.h"
-#include "sim/scene_options.h"
-#include "sim/scene_validation.h"
 
 namespace haptic_cloth {
 namespace {
