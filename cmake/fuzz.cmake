@@ -5,8 +5,8 @@ if(NOT CMAKE_CXX_COMPILER_ID MATCHES "Clang")
 endif()
 file(GLOB fuzzed_sources CONFIGURE_DEPENDS src/fabric/*.cpp)
 add_library(fuzz_readers STATIC EXCLUDE_FROM_ALL
-  ${fuzzed_sources} src/sim/option.cpp src/sim/scene_loader.cpp src/sim/scene_options.cpp
-  src/sim/scene_validation.cpp src/state/number_text.cpp test/fuzz/readers.cpp)
+  ${fuzzed_sources} src/scene/option.cpp src/scene/scene_loader.cpp src/scene/scene_options.cpp src/shape/shapes.cpp
+  src/scene/scene_validation.cpp src/state/number_text.cpp test/fuzz/readers.cpp)
 set(fuzz_sanitizers address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer -UNDEBUG -O1 -g1)
 target_compile_options(fuzz_readers PUBLIC -fsanitize=fuzzer-no-link,${fuzz_sanitizers})
 target_include_directories(fuzz_readers PUBLIC include src test)

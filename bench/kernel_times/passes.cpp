@@ -123,27 +123,28 @@ void addAlong(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
   const int triples = gather.firstTriple(), patches = gather.firstPatch(), end = internal.size();
   const Field& d = cloth.motion();
   const auto range = [&internal, &d](int first, int last) {
-    return [&internal, &d, first, last] { return internal.curvature(first, last, d); };
+    return [&internal, &d, first, last] { return internal.quadraticForm(first, last, d); };
   };
   // Flops: change 3, along it 5, its square 1, all of it 5, across 1, sums 5.
-  passes.push_back({"stretch, curvature", "along", n.edges * 20.0,
+  passes.push_back({"stretch, quadratic form", "along", n.edges * 20.0,
                     n.edges * packBytes<EdgePack>(2) + 2.0 * n.nodes * kVector, range(0, triples)});
-  passes.push_back({"bending, curvature", "along", n.triples * 23.0,
+  passes.push_back({"bending, quadratic form", "along", n.triples * 23.0,
                     n.triples * packBytes<TriplePack>(1) + (n.triples > 0.0 ? 4.0 : 0.0) * n.nodes * kVector,
                     range(triples, patches)});
   // Flops: sides 6, along their gradients 11, square 3; twist: saddle 14, stiffness 2, square 3.
-  passes.push_back({"shear, curvature", "along",
+  passes.push_back({"shear, quadratic form", "along",
                     n.patches * ((n.shear ? 20.0 : 0.0) + (n.twist ? 19.0 : 0.0)),
                     n.patches * (packBytes<PatchPack>(1) + (n.twist ? kVector : 0.0)) + n.nodes * kVector,
                     range(patches, end)});
-  passes.push_back({"contact, curvature", "along", -1.0,
+  passes.push_back({"contact, quadratic form", "along", -1.0,
                     n.samples * static_cast<double>(sizeof(SamplePack)) / kPack, [&cloth, &d] {
                       const Proxies still(cloth.scene().probes.size(), Vec3::Zero());
-                      return cloth.contacts().curvature(0, cloth.contacts().size(), d, still, false);
+                      return cloth.contacts().quadraticForm(0, cloth.contacts().size(), d, still, false);
                     }});
   passes.push_back(
-      {"motion, curvature", "along", n.nodes * 7.0, n.nodes * (sizeof(double) + kVector), [&cloth] {
-         return kernels().motionCurvature(cloth.motionTerms(), 0, cloth.places(), cloth.motion().arrays());
+      {"motion, quadratic form", "along", n.nodes * 7.0, n.nodes * (sizeof(double) + kVector), [&cloth] {
+         return kernels().motionQuadraticForm(cloth.motionTerms(), 0, cloth.places(),
+                                              cloth.motion().arrays());
        }});
   passes.push_back({"unpacking", "along", 0.0, 2.0 * n.unknowns * sizeof(double), [&cloth] {
                       Proxies proxies(cloth.scene().probes.size(), Vec3::Zero());
@@ -180,7 +181,7 @@ void addStep(ClothCase& cloth, std::vector<Pass>& passes) {
   });
   add("state at rest", [&cloth] { return cloth.objective().evaluate(cloth.point(), cloth.scratch()); });
   add("start of the solve", [&cloth] {
-    const double inertial = cloth.objective().curvatureOfWay(cloth.direction()).sum();
+    const double inertial = cloth.objective().quadraticForm(cloth.direction()).sum();
     return inertial + cloth.objective().evaluate(cloth.point(), cloth.scratch());
   });
   add("fit of the preconditioner", [&cloth] {

@@ -57,7 +57,7 @@ class ExplicitCloth : public Peer {
     const bool first = present_ && !placed_;
     if (first) proxy_ = *device;
     placed_ = present_;
-    contacts_.calm(v_);
+    contacts_.stopEjected(v_);
     internal_.setNormals(x_);
     collect();
     force_ = Vec3::Zero();

@@ -8,7 +8,7 @@
 #include <iomanip>
 #include <iostream>
 
-#include "contact/shape.h"
+#include "contact/solid.h"
 #include "energy/internal_energy.h"
 #include "haptic_cloth/error.h"
 #include "mesh/active_mesh.h"

@@ -9,7 +9,7 @@
 #include <array>
 #include <cmath>
 
-#include "contact/shape.h"
+#include "contact/solid.h"
 #include "peer.h"
 
 namespace haptic_cloth {

@@ -30,9 +30,9 @@ constexpr double kFastestHand = 10.0, kLatePose = 0.1;
 
 /// Tells whether a device is elsewhere without having moved there: its driver or tracker lost it or
 /// was restarted.
-/// @param way distance between the two positions [m]
+/// @param distance distance between the two positions [m]
 /// @param elapsed time between them [s]
-inline bool isJump(double way, double elapsed) { return way > kFastestHand * elapsed + kLatePose; }
+inline bool isJump(double distance, double elapsed) { return distance > kFastestHand * elapsed + kLatePose; }
 
 /// Thread directions of a woven cloth: warp runs along grid index i (x), weft along j (y).
 enum Direction { kWarp = 0, kWeft = 1 };

@@ -42,7 +42,7 @@ class ContactLaw {
   /// there; it counts as pressed, and less so the deeper it is. With the largest pressure a cloth
   /// that begins in the middle of a ball would be blown up like a balloon and thrown out. A probe
   /// came from outside, so its samples are inside only under load and must not yield step by step.
-  double raise(double gap, bool probe) const {
+  double gapOffset(double gap, bool probe) const {
     constexpr double kGentle = 0.2;  // smallest u that counts: p0/20, 500 Pa
     if (probe) return std::max(0.0, -range_ - gap);
     if (!(gap < 0.0)) return 0.0;

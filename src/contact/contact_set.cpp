@@ -100,13 +100,14 @@ double ContactSet::obstacleWork() const {
   return work;
 }
 
-double ContactSet::letOutWork() const {
+double ContactSet::ejectionWork() const {
   double work = 0.0;
   forSamples(kObstacles, [&](int k) {
     const ContactSample& sample = samples_[k];
     const double gap = forces_.gap(k);
-    if (sample.raised == 0.0 && !(gap < 0.0)) return;
-    work += sample.area * (law_(gap + law_.raise(gap, false)).energy - law_(gap + sample.raised).energy);
+    if (sample.gap_offset == 0.0 && !(gap < 0.0)) return;
+    work +=
+        sample.area * (law_(gap + law_.gapOffset(gap, false)).energy - law_(gap + sample.gap_offset).energy);
   });
   return work;
 }
@@ -117,16 +118,16 @@ double ContactSet::deepest() const {
   return deepest;
 }
 
-void ContactSet::calm(Field& velocities) const {
+void ContactSet::stopEjected(Field& velocities) const {
   for (const ContactSample& sample : samples_) {
-    if (sample.raised == 0.0) continue;
+    if (sample.gap_offset == 0.0) continue;
     for (const int node : sample.nodes) velocities.set(node, Vec3::Zero());
   }
 }
 
-void ContactSet::markLetOut(std::vector<char>& nodes) const {
+void ContactSet::markEjected(std::vector<char>& nodes) const {
   for (const ContactSample& sample : samples_) {
-    if (sample.raised == 0.0) continue;
+    if (sample.gap_offset == 0.0) continue;
     for (const int node : sample.nodes) nodes[node] = 1;
   }
 }

@@ -68,7 +68,7 @@ class ContactSet {
     return finder_.isClear(mesh, nodes, probe);
   }
 
-  /// Number of samples: length of the range that evaluate() and curvature() divide in multiples of
+  /// Number of samples: length of the range that evaluate() and quadraticForm() divide in multiples of
   /// kPack.
   int size() const { return samples_.size(); }
 
@@ -79,10 +79,10 @@ class ContactSet {
   int firstNode(int k) const { return samples_[k].nodes[0]; }
 
   /// Stops the nodes of samples that began the step inside a solid: they are ejected, not thrown.
-  void calm(Field& velocities) const;
+  void stopEjected(Field& velocities) const;
 
-  /// Sets the flags of the nodes that calm() stops to 1.
-  void markLetOut(std::vector<char>& nodes) const;
+  /// Sets the flags of the nodes that stopEjected() stops to 1.
+  void markEjected(std::vector<char>& nodes) const;
 
   /// Sets the flags of the nodes of samples that carried force at the last evaluation to 1.
   void markTouched(std::vector<char>& nodes) const;
@@ -96,11 +96,11 @@ class ContactSet {
 
   /// Quadratic form d · H⁺ d of samples begin..end at the last evaluation.
   /// @param d_proxies directions of all probes
-  /// @param whole_way friction of probes as over the whole of d instead of its beginning: sliding
-  /// cloth does not stick
-  double curvature(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
-                   bool whole_way) const {
-    return forces_.curvature(begin, end, d, d_proxies, whole_way);
+  /// @param whole_motion friction of probes as over the whole of d instead of its beginning:
+  /// sliding cloth does not stick
+  double quadraticForm(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
+                       bool whole_motion) const {
+    return forces_.quadraticForm(begin, end, d, d_proxies, whole_motion);
   }
 
   /// Add the energy gradient [N] at nodes begin..end, and the diagonal of H⁺ [N/m] at all nodes.
@@ -139,7 +139,7 @@ class ContactSet {
 
   /// Work of obstacles that eject cloth by pushing it again in every step: the change of the
   /// contact energy of the last evaluation when the next step begins [J].
-  double letOutWork() const;
+  double ejectionWork() const;
 
   /// Largest factor of d from the last evaluated point at which no probe sample uses up more than
   /// 0.9 of its gap.

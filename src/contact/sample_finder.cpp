@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "contact/solid_lanes.h"
+#include "shape/solid_lanes.h"
 #include "simd/kernels.h"
 
 namespace haptic_cloth {
@@ -18,18 +18,19 @@ constexpr double kProbeSpacing = 3.0;
 struct Row {
   Row(const Patch& patch, double v, const Field& x)
       : from((1 - v) * x[patch.nodes[0]] + v * x[patch.nodes[2]]),
-        way((1 - v) * x[patch.nodes[1]] + v * x[patch.nodes[3]] - from) {}
-  Vec3 at(double u) const { return from + u * way; }
-  Vec3 from, way;
+        span((1 - v) * x[patch.nodes[1]] + v * x[patch.nodes[3]] - from) {}
+  Vec3 at(double u) const { return from + u * span; }
+  Vec3 from, span;
 };
 
 /// Range first..last of `count` points, evenly spread over a row, that lie within `reach` of a
 /// point.
 struct Window {
   Window(int count, const Row& row, const Vec3& point, double reach) {
-    const Vec3 &from = row.from, &way = row.way;
-    const double length = std::max(way.norm(), 1e-300), middle = (point - from).dot(way) / (length * length);
-    const double aside = (point - from - middle * way).squaredNorm();
+    const Vec3 &from = row.from, &span = row.span;
+    const double length = std::max(span.norm(), 1e-300),
+                 middle = (point - from).dot(span) / (length * length);
+    const double aside = (point - from - middle * span).squaredNorm();
     const double half = std::sqrt(std::max(reach * reach - aside, 0.0)) / length;
     first = static_cast<int>(std::floor(count * std::clamp(middle - half, 0.0, 1.0)));
     last = aside > reach * reach ? first
@@ -93,7 +94,7 @@ void SampleFinder::find(const ActiveMesh& mesh, const Field& nodes, const std::v
 bool SampleFinder::isClear(const ActiveMesh& mesh, const Field& nodes, int probe) {
   still_.assign(mesh.nodes(), 0.0);
   addProbePoints(mesh, nodes, still_, {probe, 0.0});
-  sift(solids_.indexOf(probe));
+  selectNear(solids_.indexOf(probe));
   return near_.empty();
 }
 
@@ -226,7 +227,7 @@ void SampleFinder::addPoint(const SurfacePoint& point, const Vec3& place, double
 }
 
 /// Selects the candidates that are near a solid at the start of the step, and starts them.
-void SampleFinder::sift(int solid) {
+void SampleFinder::selectNear(int solid) {
   const bool still = solids_.isStill(solid);
   const int count = static_cast<int>(points_.size());
   measureDistances(solids_[solid], count, places_, now_);
@@ -238,7 +239,7 @@ void SampleFinder::sift(int solid) {
   const int samples = static_cast<int>(near_.size());
   if (static_cast<int>(started_.size()) < samples) started_.resize(samples);
   const auto start = [&](int begin, int end) {
-    for (int s = begin; s < end; ++s) started_[s] = started(near_[s], solid, still);
+    for (int s = begin; s < end; ++s) started_[s] = startSample(near_[s], solid, still);
   };
   team_.forRange(samples, start, kStart);
   margins_.clear();
@@ -248,7 +249,7 @@ void SampleFinder::sift(int solid) {
 /// Adds the candidates that are near a solid. Touching samples come first, so that packs of the
 /// others can be skipped.
 void SampleFinder::addGroup(int solid, SampleList& samples) {
-  sift(solid);
+  selectNear(solid);
   samples.beginGroup(solid);
   for (const bool apart : {false, true}) {
     for (std::size_t s = 0; s < near_.size(); ++s) {
@@ -260,15 +261,15 @@ void SampleFinder::addGroup(int solid, SampleList& samples) {
 
 /// Starts a sample. If a moving solid touches it only at the end of the step, it has no friction
 /// yet.
-ContactSample SampleFinder::started(int point, int index, bool still) const {
+ContactSample SampleFinder::startSample(int point, int index, bool still) const {
   const Solid &solid = solids_[index], &before = solids_.before(index);
   const Vec3 place = places_[point];
   const Distance then = still ? now_[point] : then_[point];
   ContactSample sample{points_[point], index};
-  sample.raised = law_.raise(then.value, solids_.isProbe(index));
+  sample.gap_offset = law_.gapOffset(then.value, solids_.isProbe(index));
   // Ejected cloth has no friction, which would hold it inside.
-  const double friction = !solids_.isProbe(index) && sample.raised > 0.0 ? 0.0 : solid.friction();
-  sample.friction_force = friction * sample.area * law_(then.value + sample.raised).pressure;
+  const double friction = !solids_.isProbe(index) && sample.gap_offset > 0.0 ? 0.0 : solid.friction();
+  sample.friction_force = friction * sample.area * law_(then.value + sample.gap_offset).pressure;
   Vec3 carried = place;
   sample.start_normal = then.normal;
   if (!still) {

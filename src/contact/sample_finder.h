@@ -63,9 +63,9 @@ class SampleFinder {
                const std::vector<double>& reach);
   void measureDistances(const Solid& solid, int count, const Field& points, Distances& distances);
   void addPoint(const SurfacePoint& point, const Vec3& place, double margin);
-  void sift(int solid);
+  void selectNear(int solid);
   void addGroup(int solid, SampleList& samples);
-  ContactSample started(int point, int solid, bool still) const;
+  ContactSample startSample(int point, int solid, bool still) const;
 
   Grid grid_;
   const SolidSet& solids_;

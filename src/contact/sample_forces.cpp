@@ -30,7 +30,7 @@ void SampleForces::rebuild() {
       pack.start_normal[c][l] = sample.start_normal[c];
     }
     pack.area[l] = sample.area;
-    pack.raised[l] = sample.raised;
+    pack.gap_offset[l] = sample.gap_offset;
     pack.friction[l] = sample.friction_force;
     pack.clearance[l] = sample.area > 0.0 ? sample.clearance : 1e150;
   }
@@ -67,13 +67,13 @@ ContactEnergy SampleForces::evaluate(int begin, int end, const Field& nodes) {
   return energy;
 }
 
-double SampleForces::curvature(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
-                               bool whole_way) const {
+double SampleForces::quadraticForm(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
+                                   bool whole_motion) const {
   double sum = 0.0;
   forGroups(begin, end, [&](int solid, int first, int last) {
     const Vec3 moved = solids_.motion(solid, d_proxies);
-    sum += kernels().sampleCurvature(packs_.data(), first, last, d.arrays(), moved.data(),
-                                     whole_way && solids_.isProbe(solid));
+    sum += kernels().sampleQuadraticForm(packs_.data(), first, last, d.arrays(), moved.data(),
+                                         whole_motion && solids_.isProbe(solid));
   });
   return sum;
 }

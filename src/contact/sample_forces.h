@@ -30,9 +30,9 @@ class SampleForces {
 
   /// Quadratic form d · H⁺ d of samples begin..end at the last evaluation.
   /// @param d_proxies directions of all probes
-  /// @param whole_way friction of probes as over the whole of d instead of its beginning
-  double curvature(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
-                   bool whole_way) const;
+  /// @param whole_motion friction of probes as over the whole of d instead of its beginning
+  double quadraticForm(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
+                       bool whole_motion) const;
 
   /// Largest factor of d from the last evaluated point at which no probe sample uses up more than
   /// 0.9 of its gap.

@@ -1,6 +1,6 @@
 #include "contact/contact_law.h"
-#include "contact/distance_lanes.h"
 #include "contact/sample_packs.h"
+#include "shape/distance_lanes.h"
 #include "simd/kernels.h"
 
 namespace haptic_cloth {
@@ -56,7 +56,7 @@ HAPTIC_CLOTH_INLINE void evaluateOne(SamplePack& pack, int l, const SampleContex
                                      int slot, Lanes& energy, Lanes& loss) {
   const DistanceLanes d = distance(context.solid, position);
   const Lanes area = load(pack.area + l);
-  const PressureLanes law = press(context.range, d.value + load(pack.raised + l));
+  const PressureLanes law = press(context.range, d.value + load(pack.gap_offset + l));
   const Lanes pressing = area * law.pressure;
   energy += area * law.energy;
   // Friction, smoothed below `slip`: potential f₀ and ratio f₀'/y [Li et al. 2020].
@@ -99,8 +99,8 @@ ContactEnergy evaluateSamples(SamplePack* packs, int begin, int end, const Sampl
   return {total(energy), total(loss)};
 }
 
-double sampleCurvature(const SamplePack* packs, int begin, int end, const ConstArrays& d,
-                       const double* d_origin, bool whole_way) {
+double sampleQuadraticForm(const SamplePack* packs, int begin, int end, const ConstArrays& d,
+                           const double* d_origin, bool whole_motion) {
   Lanes sum{};
   for (int p = begin; p < end; ++p) {
     const SamplePack& pack = packs[p];
@@ -112,7 +112,7 @@ double sampleCurvature(const SamplePack* packs, int begin, int end, const ConstA
       const Lanes square = larger(dot(moved, moved) - start * start, Lanes{});
       const Lanes stuck = along * square;
       sum += across * normal * normal +
-             (whole_way ? smaller(stuck, load(pack.friction + l) * squareRoot(square)) : stuck);
+             (whole_motion ? smaller(stuck, load(pack.friction + l) * squareRoot(square)) : stuck);
     }
   }
   return total(sum);

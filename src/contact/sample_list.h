@@ -31,7 +31,7 @@ struct SurfacePoint {
 struct ContactSample : SurfacePoint {
   int solid = 0;  ///< index in SolidSet
   /// Offset added to the gap if the sample began the step inside a solid [m].
-  double raised = 0.0;
+  double gap_offset = 0.0;
   /// Gap at the start of the step beyond the range of contact [m].
   double clearance = 0.0;
   double friction_force = 0.0;  ///< μ times the normal force at the start of the step [N]

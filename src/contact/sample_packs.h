@@ -2,7 +2,7 @@
 #pragma once
 
 #include "contact/contact_law.h"
-#include "contact/solid_lanes.h"
+#include "shape/solid_lanes.h"
 #include "simd/pack.h"
 
 namespace haptic_cloth {
@@ -10,10 +10,10 @@ namespace haptic_cloth {
 /// Samples of one solid. Unused lanes have no area and refer to node 0.
 struct alignas(64) SamplePack {
   double weights[4][kPack];
-  double area[kPack];       ///< [m²]
-  double raised[kPack];     ///< see ContactSample [m]
-  double friction[kPack];   ///< limit of the friction force [N]
-  double clearance[kPack];  ///< distance that the sample can move before it may touch [m]
+  double area[kPack];        ///< [m²]
+  double gap_offset[kPack];  ///< see ContactSample [m]
+  double friction[kPack];    ///< limit of the friction force [N]
+  double clearance[kPack];   ///< distance that the sample can move before it may touch [m]
   double start[3][kPack], start_normal[3][kPack];
   // Results of the last evaluation:
   double normal[3][kPack];
@@ -40,15 +40,18 @@ struct ContactEnergy {
 };
 
 // Kernels:
-//   evaluateSamples  energy of packs begin..end; the gradients by the samples' positions go to
-//                    slots first, ..., kPack for each pack.
-//   sampleCurvature  quadratic form d · H⁺ d of packs begin..end at the last evaluation. `d_origin`
-//                    is the motion of the solid. With `whole_way` friction counts as over the whole
-//                    of d: its force is limited, however stiff it is at zero slip.
-//   largestStep      largest factor of d at which no sample uses up more than `share` of its gap.
-//   solidDistances   signed distances [m] and normals of points 0 .. count - 1; arrays are padded.
-//   patchMargins     gap below which points of each patch count: `range` plus the largest reach of
-//                    its corners; -1 if no point of the patch can be that near [m]. `gaps` and
-//                    `normals` are those of the nodes, from solidDistances().
+//   evaluateSamples      energy of packs begin..end; the gradients by the samples' positions go to
+//                        slots first, ..., kPack for each pack.
+//   sampleQuadraticForm  quadratic form d · H⁺ d of packs begin..end at the last evaluation [J].
+//                        `d_origin` is the motion of the solid. With `whole_motion` friction counts
+//                        as over the whole of d: its force is limited, however stiff it is at zero
+//                        slip.
+//   largestStep          largest factor of d at which no sample uses up more than `share` of its
+//                        gap.
+//   solidDistances       signed distances [m] and normals of points 0 .. count - 1; arrays are
+//                        padded.
+//   patchMargins         gap below which points of each patch count: `range` plus the largest reach
+//                        of its corners; -1 if no point of the patch can be that near [m]. `gaps`
+//                        and `normals` are those of the nodes, from solidDistances().
 
 }  // namespace haptic_cloth

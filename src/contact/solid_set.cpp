@@ -26,10 +26,10 @@ void SolidSet::advance() {
     before_[k] = solid;
     const Pose& target = targets_[k];
     const Quat turned(solid.rotation());
-    const double way = (target.position - solid.position()).norm() +
-                       solid.extent() * turned.angularDistance(target.orientation);
-    if (!(way > 0.0)) continue;
-    const double share = std::min(1.0, kShareOfWidth * solid.halfWidth() / way);
+    const double distance = (target.position - solid.position()).norm() +
+                            solid.extent() * turned.angularDistance(target.orientation);
+    if (!(distance > 0.0)) continue;
+    const double share = std::min(1.0, kShareOfWidth * solid.halfWidth() / distance);
     if (share < 1.0) {
       solid.place(solid.position() + share * (target.position - solid.position()));
       solid.turn(turned.slerp(share, target.orientation));

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "contact/shape.h"
+#include "contact/solid.h"
 
 namespace haptic_cloth {
 

@@ -31,9 +31,9 @@ void BendEnergy::evaluate(const PackRun& run, const Surface& at, const MutableAr
                                         memory_.packs(), at.x.arrays(), at.normals.nodes(), slots, run.slot);
 }
 
-void BendEnergy::addCurvature(const PackRun& run, const Field& d, const SurfaceNormals& normals,
-                              double& sum) const {
-  sum += kernels().tripleCurvature(packs_.data(), run.begin, run.end, d.arrays(), normals.nodes());
+void BendEnergy::addQuadraticForm(const PackRun& run, const Field& d, const SurfaceNormals& normals,
+                                  double& sum) const {
+  sum += kernels().tripleQuadraticForm(packs_.data(), run.begin, run.end, d.arrays(), normals.nodes());
 }
 
 void BendEnergy::addBlocks(int begin, int end, const SurfaceNormals& normals, BlockField& blocks) const {

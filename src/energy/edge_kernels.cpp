@@ -51,7 +51,7 @@ void edgeStrains(const EdgePack* packs, int begin, int end, const ConstArrays& x
   }
 }
 
-double edgeCurvature(const EdgePack* packs, int begin, int end, const ConstArrays& d) {
+double edgeQuadraticForm(const EdgePack* packs, int begin, int end, const ConstArrays& d) {
   Lanes sum{};
   for (int p = begin; p < end; ++p) {
     const EdgePack& pack = packs[p];

@@ -39,7 +39,7 @@ struct PackRun {
 /// and the verbs that call kernels or know the mesh:
 ///   resize()               adapts to a rebuilt mesh; new elements have no memory until recall()
 ///   evaluate()             stores forces and stiffness of a run, and adds its energy
-///   addCurvature()         adds the quadratic form d · H⁺ d of a run at the last evaluation
+///   addQuadraticForm()         adds the quadratic form d · H⁺ d of a run at the last evaluation
 ///   addBlocks()            adds the blocks of H⁺ of packs begin..end at their nodes
 ///   remember(), recall()   record forces before a mesh change, and give them to new elements
 template <class Kind, class Element, class Pack>

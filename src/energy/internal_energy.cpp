@@ -61,10 +61,10 @@ InternalEnergy::Energy InternalEnergy::evaluate(int begin, int end, const Field&
   return sum;
 }
 
-double InternalEnergy::curvature(int begin, int end, const Field& d) const {
+double InternalEnergy::quadraticForm(int begin, int end, const Field& d) const {
   double sum = 0.0;
   forRuns(*this, begin, end,
-          [&](const auto& energy, const PackRun& run) { energy.addCurvature(run, d, normals_, sum); });
+          [&](const auto& energy, const PackRun& run) { energy.addQuadraticForm(run, d, normals_, sum); });
   return sum;
 }
 

@@ -65,7 +65,7 @@ class InternalEnergy {
   /// Number of elements; laws that are zero everywhere have none.
   int elements() const { return stretch_.elements() + bend_.elements() + shear_.elements(); }
 
-  /// Number of padded places: length of the range that evaluate() and curvature() divide in
+  /// Number of padded places: length of the range that evaluate() and quadraticForm() divide in
   /// multiples of kPack.
   int size() const { return gather_.firstPatch() + gather_.patches().size(); }
 
@@ -99,7 +99,7 @@ class InternalEnergy {
   Energy evaluate(int begin, int end, const Field& x);
 
   /// Quadratic form d · H⁺ d of that part at the last evaluation.
-  double curvature(int begin, int end, const Field& d) const;
+  double quadraticForm(int begin, int end, const Field& d) const;
 
   /// Adds the energy gradient [N] at nodes begin..end. @pre begin is a multiple of kPack
   void addGradient(int begin, int end, Field& gradient) const { gather_.add(begin, end, slots_, gradient); }

@@ -115,16 +115,16 @@ JointEnergy::Costs JointEnergy::evaluate(int begin, int end, const Field& x, con
 }
 
 double JointEnergy::linearise(int begin, int end, const Field& x, const Field& d, const double* d_forces) {
-  double curvature = 0.0;
+  double quadratic_form = 0.0;
   for (int k = begin; k < end; ++k) {
     const Element& element = elements_[k];
     const Slope change = slopeChange(k, x, d);
     const double load = element.area * element.force, more = element.area * d_forces[k];
     put(k, {load * change[0] + more * element.slope[0], load * change[1] + more * element.slope[1]}, d);
     const double missing = d_forces[k] - element.rise * rate(k, d);
-    curvature += element.scale * missing * missing;
+    quadratic_form += element.scale * missing * missing;
   }
-  return curvature;
+  return quadratic_form;
 }
 
 void JointEnergy::gradient(int begin, int end, const Field& x, const Field& u, double* gradient) {

@@ -48,15 +48,16 @@ struct alignas(64) PatchPack {
 };
 
 // Kernels over packs begin..end:
-//   evaluate…     energy [J]. Forces go to slots first, first + 1, ..., kPack for each pack.
-//                 `steps` is the memory of the packs, null if the law has none. The falling side of
-//                 a shear lies `stride` slots after its rising side.
-//   edgeStrains,  deformation at x as in evaluate…: [-], [1/m], [rad]; kPack values for each pack.
-//   …Curvatures,  Values of unused lanes have no meaning.
+//   evaluate…       energy [J]. Forces go to slots first, first + 1, ..., kPack for each pack.
+//                   `steps` is the memory of the packs, null if the law has none. The falling side
+//                   of a shear lies `stride` slots after its rising side.
+//   edgeStrains,    deformation at x as in evaluate…: [-], [1/m], [rad]; kPack values for each
+//   …Curvatures,    pack. Values of unused lanes have no meaning.
 //   shearAngles
-//   patchNormals  normals of `count` packs of cells, with twice the area as length; kPack for each
-//                 pack. normalise scales `count` vectors to length 1, except those of length zero.
-//   …Curvature    quadratic form d · H⁺ d at the last evaluation.
-//   add…Blocks    adds the packs' part of H⁺ at their nodes [N/m], from the last evaluation.
+//   patchNormals    normals of `count` packs of cells, with twice the area as length; kPack for
+//                   each pack. normalise scales `count` vectors to length 1, except those of length
+//                   zero.
+//   …QuadraticForm  quadratic form d · H⁺ d at the last evaluation [J].
+//   add…Blocks      adds the packs' part of H⁺ at their nodes [N/m], from the last evaluation.
 
 }  // namespace haptic_cloth

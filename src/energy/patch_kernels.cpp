@@ -125,7 +125,7 @@ void normalise(int count, const MutableArrays& vectors) {
   }
 }
 
-double shearCurvature(const PatchPack* packs, int begin, int end, const ConstArrays& d) {
+double shearQuadraticForm(const PatchPack* packs, int begin, int end, const ConstArrays& d) {
   Lanes sum{};
   for (int p = begin; p < end; ++p) {
     const PatchPack& pack = packs[p];
@@ -156,8 +156,8 @@ double evaluateTwists(const PatchPack* packs, int begin, int end, double rigidit
   return total(energy);
 }
 
-double twistCurvature(const PatchPack* packs, int begin, int end, double rigidity, const ConstArrays& d,
-                      const ConstArrays& normals) {
+double twistQuadraticForm(const PatchPack* packs, int begin, int end, double rigidity, const ConstArrays& d,
+                          const ConstArrays& normals) {
   Lanes sum{};
   for (int p = begin; p < end; ++p) {
     for (int l = 0; l < kPack; l += kLanes) {

@@ -27,11 +27,12 @@ void ShearEnergy::evaluate(const PackRun& run, const Surface& at, const MutableA
   }
 }
 
-void ShearEnergy::addCurvature(const PackRun& run, const Field& d, const SurfaceNormals& normals,
-                               double& sum) const {
-  if (!isZero()) sum += kernels().shearCurvature(packs_.data(), run.begin, run.end, d.arrays());
+void ShearEnergy::addQuadraticForm(const PackRun& run, const Field& d, const SurfaceNormals& normals,
+                                   double& sum) const {
+  if (!isZero()) sum += kernels().shearQuadraticForm(packs_.data(), run.begin, run.end, d.arrays());
   if (twist_ > 0.0) {
-    sum += kernels().twistCurvature(packs_.data(), run.begin, run.end, twist_, d.arrays(), normals.patches());
+    sum += kernels().twistQuadraticForm(packs_.data(), run.begin, run.end, twist_, d.arrays(),
+                                        normals.patches());
   }
 }
 

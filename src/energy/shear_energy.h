@@ -20,7 +20,7 @@ class ShearEnergy : public ElementEnergy<ShearEnergy, Patch, PatchPack> {
 
   void resize(const PackedRange& places);
   void evaluate(const PackRun& run, const Surface& at, const MutableArrays& slots, ElasticEnergy& sum);
-  void addCurvature(const PackRun& run, const Field& d, const SurfaceNormals& normals, double& sum) const;
+  void addQuadraticForm(const PackRun& run, const Field& d, const SurfaceNormals& normals, double& sum) const;
   void addBlocks(int begin, int end, const SurfaceNormals& normals, BlockField& blocks) const;
   void remember(const Surface& at, ForceHistory& history) const;
   void recall(const Followed<Patch>& change, const Surface& at, ForceHistory& history);

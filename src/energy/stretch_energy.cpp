@@ -32,9 +32,9 @@ void StretchEnergy::evaluate(const PackRun& run, const Surface& at, const Mutabl
                                          memory_.packs(), at.x.arrays(), slots, run.slot);
 }
 
-void StretchEnergy::addCurvature(const PackRun& run, const Field& d, const SurfaceNormals& /*normals*/,
-                                 double& sum) const {
-  sum += kernels().edgeCurvature(packs_.data(), run.begin, run.end, d.arrays());
+void StretchEnergy::addQuadraticForm(const PackRun& run, const Field& d, const SurfaceNormals& /*normals*/,
+                                     double& sum) const {
+  sum += kernels().edgeQuadraticForm(packs_.data(), run.begin, run.end, d.arrays());
 }
 
 void StretchEnergy::addBlocks(int begin, int end, const SurfaceNormals& /*normals*/,

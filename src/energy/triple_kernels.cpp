@@ -42,8 +42,8 @@ void tripleCurvatures(const TriplePack* packs, int begin, int end, const ConstAr
   }
 }
 
-double tripleCurvature(const TriplePack* packs, int begin, int end, const ConstArrays& d,
-                       const ConstArrays& normals) {
+double tripleQuadraticForm(const TriplePack* packs, int begin, int end, const ConstArrays& d,
+                           const ConstArrays& normals) {
   Lanes sum{};
   for (int p = begin; p < end; ++p) {
     for (int l = 0; l < kPack; l += kLanes) {

@@ -1,7 +1,7 @@
 #include "haptics/haptic_options.h"
 
 #include "haptic_cloth/error.h"
-#include "sim/scene_options.h"
+#include "scene/scene_options.h"
 #include "state/number_text.h"
 
 namespace haptic_cloth {

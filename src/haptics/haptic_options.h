@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "haptic_cloth/haptics.h"
-#include "sim/option.h"
+#include "scene/option.h"
 
 namespace haptic_cloth {
 

@@ -46,9 +46,10 @@ ProbeSnapshot ProbeTracker::update(const ProbeReport& probe, const DeviceSample&
 void ProbeTracker::learn(const Vec3& device_moved, const Vec3& proxy_moved) {
   const Vec3 wrong = proxy_moved - follow_ * device_moved;
   const double length = device_moved.squaredNorm();
-  const Vec3 way = device_moved / (length + kTrustedMove * kTrustedMove);
-  const Mat3 change = wrong * way.transpose();
-  const Mat3 secant = follow_ + change + change.transpose() - wrong.dot(way) * device_moved * way.transpose();
+  const Vec3 direction = device_moved / (length + kTrustedMove * kTrustedMove);
+  const Mat3 change = wrong * direction.transpose();
+  const Mat3 secant =
+      follow_ + change + change.transpose() - wrong.dot(direction) * device_moved * direction.transpose();
   if (!secant.allFinite()) return;
   Eigen::SelfAdjointEigenSolver<Mat3> solver;
   solver.computeDirect(secant);

@@ -61,7 +61,7 @@ class Cloth {
   void move(const ClothObjective& solved, const std::vector<char>& jumped);
 
   /// Stops cloth that obstacles eject: it is not thrown.
-  void stopEjected(const ContactSet& contacts) { contacts.calm(velocities_); }
+  void stopEjected(const ContactSet& contacts) { contacts.stopEjected(velocities_); }
   void scaleVelocities(double factor);
 
   /// Completes an accepted step: stores the state by particle, and loads the fabric's memory.

@@ -235,12 +235,13 @@ void ClothObjective::setMotion(const Vector& d) {
 
 Objective::Along ClothObjective::along(const Vector& d) {
   setMotion(d);
-  return {curvature(false, true).sum(), present_ > 0 ? contacts_.maxStep(motion_, proxy_motions_) : 1e300};
+  return {formAlongMotion(false, true).sum(),
+          present_ > 0 ? contacts_.maxStep(motion_, proxy_motions_) : 1e300};
 }
 
-ClothObjective::Curvature ClothObjective::curvatureOfWay(const Vector& d, bool deforms) {
+ClothObjective::QuadraticForm ClothObjective::quadraticForm(const Vector& d, bool deforms) {
   setMotion(d);
-  return curvature(true, deforms);
+  return formAlongMotion(true, deforms);
 }
 
 double ClothObjective::maxStep(const Vector& d) {
@@ -249,15 +250,16 @@ double ClothObjective::maxStep(const Vector& d) {
   return contacts_.maxStep(motion_, proxy_motions_);
 }
 
-ClothObjective::Curvature ClothObjective::curvature(bool whole_way, bool deforms) {
+ClothObjective::QuadraticForm ClothObjective::formAlongMotion(bool whole_motion, bool deforms) {
   const int internal = internal_.size();
   const Sums elements = team_.sum(awake_.elements().size(), [&](int from, int to) {
     Sums sums = Sums::Zero();
     awake_.elements().forPart(from, to, [&](int begin, int end) {
       if (deforms)
-        sums[0] += internal_.curvature(std::min(begin, internal), std::min(end, internal), motion_);
-      sums[1] += contacts_.curvature(std::max(begin, internal) - internal, std::max(end, internal) - internal,
-                                     motion_, proxy_motions_, whole_way);
+        sums[0] += internal_.quadraticForm(std::min(begin, internal), std::min(end, internal), motion_);
+      sums[1] +=
+          contacts_.quadraticForm(std::max(begin, internal) - internal, std::max(end, internal) - internal,
+                                  motion_, proxy_motions_, whole_motion);
     });
     return sums;
   });
@@ -266,7 +268,7 @@ ClothObjective::Curvature ClothObjective::curvature(bool whole_way, bool deforms
       [&](int from, int to) {
         Sums sums = Sums::Zero();
         awake_.nodes().forPart(from, to, [&](int begin, int end) {
-          sums[0] += kernels().motionCurvature(motion(), begin, end, motion_.arrays());
+          sums[0] += kernels().motionQuadraticForm(motion(), begin, end, motion_.arrays());
         });
         return sums;
       },

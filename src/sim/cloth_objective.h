@@ -72,14 +72,14 @@ class ClothObjective : public Objective {
   Along along(const Vector& d) override;
 
   /// Quadratic form d · H⁺ d [J]: part of the fabric, and of everything else.
-  struct Curvature {
+  struct QuadraticForm {
     double fabric, others;
     double sum() const { return fabric + others; }
   };
 
   /// Quadratic form d · H⁺ d at the last evaluated point, with friction as over the whole of d.
   /// @param deforms false: leaves out the fabric, since all nodes move alike
-  Curvature curvatureOfWay(const Vector& d, bool deforms = true);
+  QuadraticForm quadraticForm(const Vector& d, bool deforms = true);
 
   /// Tells whether a direction over all free nodes moves every node.
   bool allFree() const { return mesh_.pinned == 0 && held_.empty() && awake_.all(); }
@@ -178,7 +178,7 @@ class ClothObjective : public Objective {
   Sums evaluateElements(int begin, int end);
   double gatherNodes(int begin, int end);
   void setMotion(const Vector& d);
-  Curvature curvature(bool whole_way, bool deforms);
+  QuadraticForm formAlongMotion(bool whole_motion, bool deforms);
   Motion motion() const;
 
   const ActiveMesh& mesh_;

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <climits>
 
-#include "sim/scene_identity.h"
+#include "scene/scene_identity.h"
 
 namespace haptic_cloth {
 namespace {
@@ -60,7 +60,7 @@ void ClothWorld::takeStep(StepReport& report) {
   } else {
     accept(report);
   }
-  energy_.account(scene_, solver_.objective(), contacts_, probes_);
+  energy_.update(scene_, solver_.objective(), contacts_, probes_);
   ++steps_;
   report.time = time();
   report.active_particles = cloth_.mesh().active();
@@ -167,7 +167,7 @@ void ClothWorld::markJumped() {
 void ClothWorld::markEjected() {
   const ActiveMesh& mesh = cloth_.mesh();
   ejected_.assign(mesh.nodes(), 0);
-  contacts_.markLetOut(ejected_);
+  contacts_.markEjected(ejected_);
   mesh.markMasters(ejected_);
 }
 

@@ -26,9 +26,9 @@ void ContactReach::estimate() {
     // Cloth usually keeps holding back a proxy whose device is far ahead. Without a time limit the
     // reach therefore leaves out most of that distance: if the cloth lets go, the step is solved
     // again.
-    double way = (probe.device - probe.proxy).norm();
-    if (scene_.solver.minimizer.time_budget == 0.0) way = std::min(way, scene_.probes[k].radius);
-    proxies_[k] = way + 2.0 * h * probes_.reports()[k].velocity.norm();
+    double distance = (probe.device - probe.proxy).norm();
+    if (scene_.solver.minimizer.time_budget == 0.0) distance = std::min(distance, scene_.probes[k].radius);
+    proxies_[k] = distance + 2.0 * h * probes_.reports()[k].velocity.norm();
   }
 }
 

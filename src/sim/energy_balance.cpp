@@ -32,8 +32,8 @@ double EnergyBalance::guard(double kinetic_before, double gravity_work, const Cl
   return scale;
 }
 
-void EnergyBalance::account(const Scene& scene, const ClothObjective& solved, const ContactSet& contacts,
-                            Probes& probes) {
+void EnergyBalance::update(const Scene& scene, const ClothObjective& solved, const ContactSet& contacts,
+                           Probes& probes) {
   for (int k = 0; k < probes.count(); ++k) {
     const ProbeStep& made = solved.probeSteps()[k];
     supplied_ -= probes.replaceCouplingEnergy(k, made.present ? solved.couplingEnergy(k) : 0.0);
@@ -44,7 +44,7 @@ void EnergyBalance::account(const Scene& scene, const ClothObjective& solved, co
                  options.coupling_damping * scene.solver.time_step * slip.dot(made.device_velocity);
   }
   supplied_ += contacts.obstacleWork() + ejection_work_;
-  ejection_work_ = contacts.letOutWork();
+  ejection_work_ = contacts.ejectionWork();
 }
 
 EnergyReport EnergyBalance::report(const Cloth& cloth, const ClothObjective& solved) const {
@@ -62,7 +62,7 @@ EnergyReport EnergyBalance::report(const Cloth& cloth, const ClothObjective& sol
 
 void EnergyBalance::serialize(Archive& archive) {
   archive("supplied", supplied_);
-  archive("let_out", ejection_work_);
+  archive("ejection_work", ejection_work_);
 }
 
 }  // namespace haptic_cloth

@@ -42,7 +42,7 @@ class EnergyBalance {
   /// Adds the work of devices and obstacles. Devices work on spring and damper of their couplings;
   /// removing a device removes the energy of its spring. Obstacles work by moving and by ejecting
   /// cloth.
-  void account(const Scene& scene, const ClothObjective& solved, const ContactSet& contacts, Probes& probes);
+  void update(const Scene& scene, const ClothObjective& solved, const ContactSet& contacts, Probes& probes);
 
   EnergyReport report(const Cloth& cloth, const ClothObjective& solved) const;
 
@@ -57,7 +57,7 @@ class EnergyBalance {
   double created_by_mesh_ = 0.0;     ///< in the current step [J]
   double created_by_samples_ = 0.0;  ///< in the current step [J]
   double contact_before_ = 0.0;      ///< contact energy at the end of the last step [J]
-  double ejection_work_ = 0.0;       ///< ContactSet::letOutWork() of the last step [J]
+  double ejection_work_ = 0.0;       ///< ContactSet::ejectionWork() of the last step [J]
   double energy_before_ = 0.0;       ///< energies in Φ(x⁰), minus created() if positive [J]
 };
 

@@ -153,16 +153,16 @@ double JointObjective::changeOfForces(const double* d_forces) {
   });
   mesh_.handOverGhosts(gradient_);
   takeHeld(gradient_);
-  double curvature = laws[0] + team_.sum(mesh_.free, [&](int begin, int end) {
+  double quadratic_form = laws[0] + team_.sum(mesh_.free, [&](int begin, int end) {
     Sums sums = Sums::Zero();
     for (int n = begin; n < end; ++n) sums[0] += weight_[n] * gradient_[n].squaredNorm();
     return sums;
   })[0];
   forPresent([&](int k, int) {
     const Vec3 change = step_.couplingStiffness(k) * proxy_motions_[k] + contacts_.proxyChange(k) + hold_[k];
-    curvature += proxy_weight_[k] * change.squaredNorm();
+    quadratic_form += proxy_weight_[k] * change.squaredNorm();
   });
-  return curvature;
+  return quadratic_form;
 }
 
 void JointObjective::fitPreconditioner() {

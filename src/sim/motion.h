@@ -17,6 +17,6 @@ struct Motion {
 };
 
 // Kernels: evaluateMotion writes the gradient of nodes begin..end at x and returns their energy
-// [J]; motionCurvature returns the quadratic form d · H d of these nodes.
+// [J]; motionQuadraticForm returns the quadratic form d · H d of these nodes.
 
 }  // namespace haptic_cloth

@@ -18,7 +18,7 @@ double evaluateMotion(const Motion& motion, int begin, int end, const ConstArray
   return total(energy);
 }
 
-double motionCurvature(const Motion& motion, int begin, int end, const ConstArrays& d) {
+double motionQuadraticForm(const Motion& motion, int begin, int end, const ConstArrays& d) {
   Lanes sum{};
   for (int n = begin; n < end; n += kLanes) {
     const Lanes3 change = load(d, n);

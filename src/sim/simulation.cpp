@@ -1,14 +1,13 @@
 #include "haptic_cloth/simulation.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <new>
 
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/machine.h"
+#include "scene/scene_options.h"
 #include "sim/cloth_world.h"
-#include "sim/scene_options.h"
 
 namespace haptic_cloth {
 namespace {
@@ -77,10 +76,10 @@ void Simulation::setOptions(const SolverOptions& solver, const AdaptOptions& ada
 }
 
 void Simulation::setCoupling(int probe, double stiffness, double damping) {
-  if (!std::isfinite(stiffness) || stiffness <= 0.0)
-    throw InputError("options", "probe.coupling_stiffness", std::to_string(stiffness), "must be > 0");
-  if (!std::isfinite(damping) || damping < 0.0)
-    throw InputError("options", "probe.coupling_damping", std::to_string(damping), "must be >= 0");
+  Options gains = couplingOptions(stiffness, damping);
+  for (Option& gain : gains)
+    gain.range.most = kInfinity;  // the limits of numbers in files are not those of code
+  checkOptions(gains, "probe.", [](const std::string&) { return "options"; });
   implementation_->world.setCoupling(probe, stiffness, damping);
 }
 

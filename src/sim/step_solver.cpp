@@ -163,9 +163,10 @@ void StepSolver::correctNetForce(MinimizerReport& report) {
   }
   const double slope = motion_.head(size).dot(gradient_.head(size));
   const Objective::Along along = objective_.along(motion_);
-  if (!(slope < 0.0) || !(along.curvature > 0.0)) return;
+  if (!(slope < 0.0) || !(along.quadratic_form > 0.0)) return;
   Vector& trial = directions_[0];
-  trial.head(size) = x_.head(size) + std::min(-slope / along.curvature, along.max_step) * motion_.head(size);
+  trial.head(size) =
+      x_.head(size) + std::min(-slope / along.quadratic_form, along.max_step) * motion_.head(size);
   const double moved = objective_.evaluate(trial, gradient_);
   const double left = gradient_.head(size).dot(motion_.head(size));
   if (moved <= value + kRounding * std::abs(value) && std::abs(left) <= -slope) {
@@ -218,9 +219,9 @@ std::array<double, 2> StepSolver::stepsAlongDirections() {
   // If no node is held, gravity's direction deforms nothing, and the sum deforms like inertia's
   // direction.
   const bool deforms = !objective_.allFree();
-  const ClothObjective::Curvature inertial = objective_.curvatureOfWay(directions_[0]);
-  const double a = inertial.sum(), b = objective_.curvatureOfWay(directions_[1], deforms).sum(),
-               both = objective_.curvatureOfWay(motion_, deforms).sum() + (deforms ? 0.0 : inertial.fabric),
+  const ClothObjective::QuadraticForm inertial = objective_.quadraticForm(directions_[0]);
+  const double a = inertial.sum(), b = objective_.quadraticForm(directions_[1], deforms).sum(),
+               both = objective_.quadraticForm(motion_, deforms).sum() + (deforms ? 0.0 : inertial.fabric),
                mixed = 0.5 * (both - a - b);
   const double p = -gradient_.head(size).dot(directions_[0].head(size)),
                q = -gradient_.head(size).dot(directions_[1].head(size));

@@ -45,11 +45,11 @@ struct TriplePack;
   KERNEL(void, patchNormals,                                                                                 \
          (const PatchCorners* corners, int count, const ConstArrays& x, const MutableArrays& normals))       \
   KERNEL(void, normalise, (int count, const MutableArrays& vectors))                                         \
-  KERNEL(double, edgeCurvature, (const EdgePack* packs, int begin, int end, const ConstArrays& d))           \
-  KERNEL(double, tripleCurvature,                                                                            \
+  KERNEL(double, edgeQuadraticForm, (const EdgePack* packs, int begin, int end, const ConstArrays& d))       \
+  KERNEL(double, tripleQuadraticForm,                                                                        \
          (const TriplePack* packs, int begin, int end, const ConstArrays& d, const ConstArrays& normals))    \
-  KERNEL(double, shearCurvature, (const PatchPack* packs, int begin, int end, const ConstArrays& d))         \
-  KERNEL(double, twistCurvature,                                                                             \
+  KERNEL(double, shearQuadraticForm, (const PatchPack* packs, int begin, int end, const ConstArrays& d))     \
+  KERNEL(double, twistQuadraticForm,                                                                         \
          (const PatchPack* packs, int begin, int end, double rigidity, const ConstArrays& d,                 \
           const ConstArrays& normals))                                                                       \
   KERNEL(void, addEdgeBlocks, (const EdgePack* packs, int begin, int end, const BlockArrays& blocks))        \
@@ -65,13 +65,13 @@ struct TriplePack;
           const ConstArrays& slots, const MutableArrays& nodes))                                             \
   KERNEL(double, evaluateMotion,                                                                             \
          (const Motion& motion, int begin, int end, const ConstArrays& x, const MutableArrays& gradient))    \
-  KERNEL(double, motionCurvature, (const Motion& motion, int begin, int end, const ConstArrays& d))          \
+  KERNEL(double, motionQuadraticForm, (const Motion& motion, int begin, int end, const ConstArrays& d))      \
   KERNEL(ContactEnergy, evaluateSamples,                                                                     \
          (SamplePack * packs, int begin, int end, const SampleContext& context, const ConstArrays& x,        \
           const MutableArrays& slots, int first))                                                            \
-  KERNEL(double, sampleCurvature,                                                                            \
+  KERNEL(double, sampleQuadraticForm,                                                                        \
          (const SamplePack* packs, int begin, int end, const ConstArrays& d, const double* d_origin,         \
-          bool whole_way))                                                                                   \
+          bool whole_motion))                                                                                \
   KERNEL(double, largestStep,                                                                                \
          (const SamplePack* packs, int begin, int end, double share, const ConstArrays& d,                   \
           const double* d_origin))                                                                           \

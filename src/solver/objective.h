@@ -22,11 +22,11 @@ class Objective {
   struct Along {
     /// Quadratic form d · H⁺ d; H⁺ is the positive part of the second derivative, element by
     /// element.
-    double curvature;
+    double quadratic_form;
     double max_step;  ///< largest admissible factor of d
   };
 
-  /// Curvature and admissible step along d at the last evaluated point.
+  /// Quadratic form and admissible step along d at the last evaluated point.
   virtual Along along(const Vector& d) = 0;
 
   /// Fits P ≈ H⁻¹, symmetric positive definite, to the last evaluated point.

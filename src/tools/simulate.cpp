@@ -14,7 +14,7 @@
 #include "haptic_cloth/scene.h"
 #include "haptic_cloth/simulation.h"
 #include "haptic_cloth/state_file.h"
-#include "sim/scene_options.h"
+#include "scene/scene_options.h"
 #include "state/new_file.h"
 #include "tools/command_line.h"
 #include "tools/outputs.h"

@@ -28,7 +28,7 @@ double gradientError(const Potential& potential, const Gradient& gradient, const
   return (exact - difference).lpNorm<Eigen::Infinity>() / std::max(exact.lpNorm<Eigen::Infinity>(), floor);
 }
 
-double differenceCurvature(const Gradient& gradient, const VectorXd& x, const VectorXd& d, double step) {
+double differenceQuadraticForm(const Gradient& gradient, const VectorXd& x, const VectorXd& d, double step) {
   return d.dot(gradient(x + step * d) - gradient(x - step * d)) / (2.0 * step);
 }
 

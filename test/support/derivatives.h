@@ -19,8 +19,8 @@ double gradientError(const Potential& potential, const Gradient& gradient, const
                      double step, double floor = 1e-12);
 
 /// Quadratic form d · H d by central differences of the gradient along d.
-double differenceCurvature(const Gradient& gradient, const Eigen::VectorXd& x, const Eigen::VectorXd& d,
-                           double step);
+double differenceQuadraticForm(const Gradient& gradient, const Eigen::VectorXd& x, const Eigen::VectorXd& d,
+                               double step);
 
 /// Uniform random numbers in [-1, 1], equal for equal seeds on every machine.
 Eigen::VectorXd fixedRandom(int size, unsigned seed);

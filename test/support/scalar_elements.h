@@ -37,7 +37,7 @@ inline EdgeResult evaluateEdge(const Vec3& a, const Vec3& b, double length, doub
 }
 
 /// Quadratic form d · H⁺ d for the relative motion d = d_b - d_a.
-inline double edgeCurvature(const Vec3& axis, double along, double across, const Vec3& d) {
+inline double edgeQuadraticForm(const Vec3& axis, double along, double across, const Vec3& d) {
   const double s = axis.dot(d);
   return along * s * s + across * (d.squaredNorm() - s * s);
 }

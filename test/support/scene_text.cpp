@@ -1,8 +1,10 @@
 #include "support/scene_text.h"
 
+#include <algorithm>
 #include <sstream>
 
-#include "sim/scene_options.h"
+#include "scene/scene_options.h"
+#include "shape/shapes.h"
 #include "support/scenes.h"
 
 namespace haptic_cloth {
@@ -38,12 +40,15 @@ void writeCloth(std::ostream& out, const ClothOptions& cloth, const std::string&
 }
 
 void writeObstacle(std::ostream& out, const Obstacle& obstacle) {
-  const Shape shape = obstacle.shape;
-  out << "  - {shape: " << nameOf(shapeNames(), shape);
+  Obstacle copy = obstacle;  // rows point to members that could be written
+  out << "  - {shape: " << nameOf(shapeNames(), obstacle.shape);
   if (!obstacle.name.empty()) out << ", name: " << obstacle.name;
-  if (shape == Shape::Box) out << ", size: " << obstacle.size;
-  if (shape != Shape::Box && shape != Shape::Plane) out << ", radius: " << obstacle.radius;
-  if (shape == Shape::Cylinder || shape == Shape::Capsule) out << ", length: " << obstacle.length;
+  for (const Option& option : optionsOf(copy)) {
+    const std::vector<std::string> dimensions = dimensionsOf(obstacle.shape);
+    if (std::count(dimensions.begin(), dimensions.end(), option.key) > 0) {
+      out << ", " << option.key << ": " << valueText(option);
+    }
+  }
   out << ", position: " << obstacle.pose.position << ", orientation: " << obstacle.pose.orientation
       << ", friction: " << obstacle.friction;
   if (!obstacle.path.empty()) writePath(out << ",\n      ", obstacle.path);

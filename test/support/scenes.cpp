@@ -87,6 +87,25 @@ Scene boxDrape(int particles) {
   return scene;
 }
 
+Scene capsuleOnStrip(Strategy strategy) {
+  using Strip = CapsuleOnStrip;
+  LinearFabric linear;
+  linear.stiffness = Strip::kStiffness;
+  linear.thickness = Strip::kThickness;
+  Scene scene = sheetScene(makeFabric(linear), 81, 21, 2.0 * Strip::kHalfSpan, Strip::kWidth);
+  setStrategy(scene, strategy, 2);
+  pin(scene, 0, 0, 0, 20);
+  pin(scene, 80, 80, 0, 20);
+  scene.gravity.setZero();
+  ProbeOptions& probe = scene.probes[0];
+  probe.radius = Strip::kRadius;
+  probe.length = 2.0 * Strip::kWidth;
+  probe.friction = 0.0;
+  probe.coupling_stiffness = 5000.0;
+  quasiStatic(scene, 20.0, 2e-3, 1e-3);
+  return scene;
+}
+
 Settled settle(Simulation& simulation, double rest_speed, double max_time, const Vec3* device) {
   constexpr int kQuietSteps = 20;
   Settled settled;

@@ -42,6 +42,15 @@ std::string name(Strategy strategy);
 /// test.
 Scene boxDrape(int particles);
 
+/// Weightless strip of finest spacing 2 mm, pinned at both ends, for a frictionless capsule that
+/// lies across it and is longer than the strip is wide.
+struct CapsuleOnStrip {
+  static constexpr double kHalfSpan = 0.08, kWidth = 0.04, kThickness = 2e-4;  ///< of the strip [m]
+  static constexpr double kStiffness = 500.0;                                  ///< of the strip [N/m]
+  static constexpr double kRadius = 0.01;                                      ///< of the capsule [m]
+};
+Scene capsuleOnStrip(Strategy strategy);
+
 /// Result of a run until rest.
 struct Settled {
   bool at_rest = false;

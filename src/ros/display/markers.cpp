@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "ros/node/conversions.h"
+#include "shape/shapes.h"
 
 namespace haptic_cloth {
 namespace {
@@ -73,7 +74,7 @@ MarkerBuilder::MarkerBuilder(const Scene& scene, const std::string& frame_id, co
 }
 
 void MarkerBuilder::addProbe(const ProbeOptions& probe) {
-  const Obstacle solid = shapeOf(probe);
+  const Obstacle solid = solidOf(probe);
   const SolidMarkers device(markers_, probe.name + "/device", solid, markerColor(0.9F, 0.9F, 0.2F, 0.4F),
                             frame_id_);
   const SolidMarkers proxy(markers_, probe.name + "/proxy", solid, graspColor(GraspState::Open), frame_id_);

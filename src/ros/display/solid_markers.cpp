@@ -1,6 +1,7 @@
 #include "ros/display/solid_markers.h"
 
 #include "ros/node/conversions.h"
+#include "shape/shapes.h"
 
 namespace haptic_cloth {
 namespace {
@@ -8,9 +9,19 @@ namespace {
 using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
 
-constexpr double kPlaneSide = 2.0;     ///< side length of the drawn part of a plane [m]
-constexpr double kPlaneDepth = 0.002;  ///< [m]
-constexpr double kNothing = 1e-6;      ///< size of a hidden marker [m]
+constexpr double kNothing = 1e-6;  ///< size of a hidden marker [m]
+
+int markerType(DrawnPart::Body body) {
+  switch (body) {
+    case DrawnPart::kSphere:
+      return Marker::SPHERE;
+    case DrawnPart::kCylinder:
+      return Marker::CYLINDER;
+    case DrawnPart::kCube:
+      break;
+  }
+  return Marker::CUBE;
+}
 
 }  // namespace
 
@@ -45,29 +56,9 @@ Marker& addMarker(MarkerArray& array, const std::string& name, int type, const s
 
 SolidMarkers::SolidMarkers(MarkerArray& array, const std::string& name, const Obstacle& solid,
                            const std_msgs::ColorRGBA& color, const std::string& frame_id) {
-  const auto part = [&](int type, const Vec3& offset, const Vec3& size) {
-    parts_.push_back({array.markers.size(), offset, size});
-    addMarker(array, name, type, frame_id).color = color;
-  };
-  const double diameter = 2.0 * solid.radius;
-  const Vec3 ball = Vec3::Constant(diameter), tube(diameter, diameter, solid.length);
-  switch (solid.shape) {
-    case Shape::Box:
-      part(Marker::CUBE, Vec3::Zero(), solid.size);
-      break;
-    case Shape::Sphere:
-      part(Marker::SPHERE, Vec3::Zero(), ball);
-      break;
-    case Shape::Cylinder:
-      part(Marker::CYLINDER, Vec3::Zero(), tube);
-      break;
-    case Shape::Capsule:
-      part(Marker::CYLINDER, Vec3::Zero(), tube);
-      for (const double side : {-0.5, 0.5}) part(Marker::SPHERE, side * solid.length * Vec3::UnitZ(), ball);
-      break;
-    case Shape::Plane:
-      part(Marker::CUBE, -0.5 * kPlaneDepth * Vec3::UnitZ(), Vec3(kPlaneSide, kPlaneSide, kPlaneDepth));
-      break;
+  for (const DrawnPart& part : drawing(solid)) {
+    parts_.push_back({array.markers.size(), part.offset, part.size});
+    addMarker(array, name, markerType(part.body), frame_id).color = color;
   }
   place(array, solid.pose);
   show(array, true);
@@ -89,15 +80,6 @@ void SolidMarkers::show(MarkerArray& array, bool visible) const {
     const Vec3 size = visible ? part.size : Vec3(Vec3::Constant(kNothing));
     setScale(array.markers[part.marker], size.x(), size.y(), size.z());
   }
-}
-
-Obstacle shapeOf(const ProbeOptions& probe) {
-  Obstacle solid;
-  solid.shape = probe.length > 0.0 ? Shape::Capsule : Shape::Sphere;
-  solid.radius = probe.radius;
-  solid.length = probe.length;
-  solid.pose.orientation = probe.orientation;
-  return solid;
 }
 
 }  // namespace haptic_cloth

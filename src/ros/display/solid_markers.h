@@ -1,4 +1,4 @@
-/// One solid in the picture: a marker, or three for a capsule.
+/// One solid in the picture: one marker for each part of its drawing.
 #pragma once
 
 #include <visualization_msgs/MarkerArray.h>
@@ -37,8 +37,5 @@ class SolidMarkers {
   };
   std::vector<Part> parts_;
 };
-
-/// The shape of a probe.
-Obstacle shapeOf(const ProbeOptions& probe);
 
 }  // namespace haptic_cloth

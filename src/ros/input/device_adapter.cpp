@@ -20,16 +20,21 @@ constexpr double kFlush = 0.05;       ///< time for the last message to leave th
 
 }  // namespace
 
-AdapterOptions readAdapterOptions(ParameterGroup group) {
-  AdapterOptions options;
-  ParameterGroup pose = group.group("pose"), force = group.group("force");
-  pose.read("frame_id", options.pose_frame);
-  pose.rejectRest();
-  force.read("type", options.force_type);
-  force.read("timeout", options.timeout, false);
-  force.rejectRest();
-  group.rejectRest();
-  return options;
+std::vector<OptionGroup> groupsOf(AdapterOptions& adapter) {
+  const std::string known = "no longer exists: the adapter knows the types in docs/guide/devices.md";
+  return {{"", "", {}},
+          {"pose/",
+           "device/pose",
+           {{"frame_id", field(adapter.pose_frame), kNoRange, "",
+             "frame of the poses; empty: that of the driver's header"}},
+           {{"field", known}}},
+          {"force/",
+           "device/force",
+           {{"type", field(adapter.force_type), kNoRange, "",
+             "package/Name; empty: the type that the driver subscribes to"},
+            {"timeout", field(adapter.timeout), kFinitePositive, "s",
+             "zeros go out after this silence of the node"}},
+           {{"field", known}, {"definition", known}}}};
 }
 
 std::optional<std::string> typeOnMaster(const std::string& topic) {

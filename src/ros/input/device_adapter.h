@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "ros/input/driver_messages.h"
-#include "ros/options/parameter_group.h"
+#include "scene/option.h"
 
 namespace haptic_cloth {
 
@@ -24,8 +24,7 @@ struct AdapterOptions {
   double timeout = 0.05;   ///< zero is sent after this silence of the node [s]
 };
 
-/// @throws InputError for an unknown key or an invalid value
-AdapterOptions readAdapterOptions(ParameterGroup group);
+std::vector<OptionGroup> groupsOf(AdapterOptions& adapter);
 
 /// Type of `topic` according to the master, if the master knows one.
 std::optional<std::string> typeOnMaster(const std::string& topic);

@@ -5,7 +5,7 @@
 
 #include "haptic_cloth/error.h"
 #include "ros/options/node_table.h"
-#include "sim/scene_options.h"
+#include "scene/scene_options.h"
 #include "state/number_text.h"
 
 namespace haptic_cloth {

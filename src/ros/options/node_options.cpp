@@ -4,26 +4,12 @@
 #include "ros/node/conversions.h"
 #include "ros/options/node_table.h"
 #include "ros/options/parameter_group.h"
-#include "sim/scene_options.h"
+#include "scene/scene_options.h"
 
 namespace haptic_cloth {
 namespace {
 
 using XmlRpc::XmlRpcValue;
-
-/// Reads the groups directly below `path`, and those below them.
-void readGroupsBelow(const std::string& path, const std::vector<OptionGroup>& groups,
-                     ParameterGroup& parent) {
-  for (const OptionGroup& group : groups) {
-    if (group.path.size() <= path.size() || group.path.rfind(path, 0) != 0) continue;
-    const std::string name = group.path.substr(path.size(), group.path.size() - path.size() - 1);
-    if (name.find('/') != std::string::npos) continue;
-    ParameterGroup parameters = parent.group(name);
-    parameters.read(group.options);
-    readGroupsBelow(group.path, groups, parameters);
-    parameters.rejectRest();
-  }
-}
 
 void readDevices(ParameterGroup devices, NodeOptions& options) {
   for (const ProbeOptions& probe : options.scene.probes) {
@@ -37,9 +23,7 @@ void readDevices(ParameterGroup devices, NodeOptions& options) {
 NodeOptions parseNodeOptions(const XmlRpcValue& parameters, const std::string& origin) {
   NodeOptions options;
   ParameterGroup root(parameters, origin, "");
-  const std::vector<OptionGroup> groups = groupsOf(options);
-  root.read(groups.front().options);
-  readGroupsBelow("", groups, root);
+  root.read(groupsOf(options));
   const ParameterGroup devices = root.group("devices");
   if (options.frame_id.empty()) throw InputError(origin, "frame_id", "''", "must not be empty");
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "ros/options/node_options.h"
-#include "sim/option.h"
+#include "scene/option.h"
 
 namespace haptic_cloth {
 

@@ -81,6 +81,30 @@ void ParameterGroup::read(const Options& options) {
   checkOptions(options, path_, [this](const std::string&) { return origin_; });
 }
 
+void ParameterGroup::read(const OptionGroup& group) {
+  for (const auto& [key, advice] : group.removed) {
+    if (has(key)) fail(key, advice);
+  }
+  read(group.options);
+}
+
+void ParameterGroup::read(const std::vector<OptionGroup>& groups) {
+  read(groups.front());
+  readBelow(groups.front().path, groups);
+}
+
+void ParameterGroup::readBelow(const std::string& path, const std::vector<OptionGroup>& groups) {
+  for (const OptionGroup& below : groups) {
+    if (below.path.size() <= path.size() || below.path.rfind(path, 0) != 0) continue;
+    const std::string name = below.path.substr(path.size(), below.path.size() - path.size() - 1);
+    if (name.find('/') != std::string::npos) continue;
+    ParameterGroup parameters = group(name);
+    parameters.read(below);
+    parameters.readBelow(below.path, groups);
+    parameters.rejectRest();
+  }
+}
+
 std::vector<double> ParameterGroup::numbers(const std::string& key, std::size_t count) const {
   const XmlRpcValue entry = tree_[key];
   if (count == 1) {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/option.h"
+#include "scene/option.h"
 
 namespace haptic_cloth {
 
@@ -25,15 +25,12 @@ class ParameterGroup {
   /// @throws InputError for a wrong type or value, like all functions below
   void read(const Options& options);
 
-  /// Reads one option. @param range used only for numbers
-  template <class Value>
-  void read(const std::string& key, Value& value, const Range& range = kPosition) {
-    read({{key, field(value), range, "", ""}});
-  }
-  /// @param zero_is_good whether 0 is allowed; otherwise the number must be positive
-  void read(const std::string& key, double& value, bool zero_is_good) {
-    read(key, value, zero_is_good ? kFiniteNotNegative : kFinitePositive);
-  }
+  /// Reads the options of a group, and refuses its removed keys.
+  void read(const OptionGroup& group);
+
+  /// Reads the first of the groups, which is this level, and the others from their levels below it.
+  /// Levels below have no other members; those of this one remain for the caller.
+  void read(const std::vector<OptionGroup>& groups);
 
   ParameterGroup group(const std::string& key);
 
@@ -50,6 +47,8 @@ class ParameterGroup {
  private:
   bool has(const std::string& key) const;
   struct Reader;
+  /// Reads the groups directly below `path`, the path of this level, and those below them.
+  void readBelow(const std::string& path, const std::vector<OptionGroup>& groups);
   /// Reads a number, or a list of `count` finite numbers.
   std::vector<double> numbers(const std::string& key, std::size_t count) const;
   [[noreturn]] void fail(const std::string& key, const std::string& rule) const;

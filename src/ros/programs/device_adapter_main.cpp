@@ -24,8 +24,7 @@ int run(int argc, char** argv) {
   haptic_cloth::answerShutdownCall(asked);
   if (!haptic_cloth::waitForMaster(signals)) return 0;
   ros::NodeHandle node, private_node("~");
-  const haptic_cloth::AdapterOptions options =
-      haptic_cloth::readAdapterOptions(haptic_cloth::ownParameters(private_node));
+  const auto options = haptic_cloth::ownOptions<haptic_cloth::AdapterOptions>(private_node);
 
   for (const auto& [ours, drivers] :
        {std::pair(haptic_cloth::topics::kPose, haptic_cloth::topics::kDevicePose),

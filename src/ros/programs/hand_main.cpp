@@ -27,8 +27,7 @@ struct Reaction {
 int run(int argc, char** argv) {
   ros::init(argc, argv, "hand");
   ros::NodeHandle node, private_node("~");
-  const haptic_cloth::HandOptions options =
-      haptic_cloth::readHandOptions(haptic_cloth::ownParameters(private_node));
+  const auto options = haptic_cloth::ownOptions<haptic_cloth::HandOptions>(private_node);
 
   haptic_cloth::Mailbox<Reaction> mailbox;
   const ros::Subscriber reaction = node.subscribe<geometry_msgs::WrenchStamped>(

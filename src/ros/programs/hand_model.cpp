@@ -6,25 +6,6 @@
 
 namespace haptic_cloth {
 
-HandOptions readHandOptions(ParameterGroup group) {
-  HandOptions options;
-  group.read("start", options.start);
-  group.read("press", options.press);
-  group.read("slide", options.slide);
-  group.read("delay", options.delay, true);
-  group.read("approach_time", options.approach_time, false);
-  group.read("hold_time", options.hold_time, true);
-  group.read("slide_time", options.slide_time, false);
-  group.read("lift_time", options.lift_time, false);
-  group.read("mass", options.mass, false);
-  group.read("stiffness", options.stiffness, false);
-  group.read("damping", options.damping, true);
-  group.read("rate", options.rate, false);
-  group.read("frame_id", options.frame_id);
-  group.rejectRest();
-  return options;
-}
-
 Vec3 handTarget(const HandOptions& options, double time) {
   struct Move {
     double duration;

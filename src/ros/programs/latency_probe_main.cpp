@@ -26,7 +26,6 @@
 #include "ros/node/real_time.h"
 #include "ros/node/steady_clock.h"
 #include "ros/node/topics.h"
-#include "ros/options/parameter_group.h"
 #include "ros/programs/parameters.h"
 
 namespace {
@@ -40,23 +39,6 @@ constexpr double kPeriod = 1e-3;  ///< period of the poses [s]
 constexpr double kTail = 0.2;
 constexpr double kPatience = 60.0;   ///< longest wait for the node [s]
 constexpr double kGoodRate = 950.0;  ///< a second with fewer wrenches counts as missed [Hz]
-
-struct Options {
-  std::string node = "/haptic_cloth", out;
-  bool nodelet = false;
-  double hang = 1.0, seconds = 30.0;  ///< [s]
-};
-
-Options readOptions(haptic_cloth::ParameterGroup group) {
-  Options options;
-  group.read("node", options.node);
-  group.read("out", options.out);
-  group.read("nodelet", options.nodelet);
-  group.read("hang", options.hang, true);
-  group.read("seconds", options.seconds, false);
-  group.rejectRest();
-  return options;
-}
 
 struct SentPose {
   ros::Time stamp;
@@ -269,7 +251,7 @@ nlohmann::json evaluate(const Sender& sender, const std::vector<ReceivedWrench>&
 int run(int argc, char** argv) {
   ros::init(argc, argv, "latency_probe");
   ros::NodeHandle node, private_node("~");
-  const Options options = readOptions(haptic_cloth::ownParameters(private_node));
+  const auto options = haptic_cloth::ownOptions<haptic_cloth::LatencyProbeOptions>(private_node);
   const haptic_cloth::NodeOptions served = haptic_cloth::optionsOf(node, options.node);
   const haptic_cloth::ProbeOptions& probe = served.scene.probes[0];
   if (probe.path.size() < 2)

@@ -11,31 +11,12 @@
 #include "ros/display/flow_meter.h"
 #include "ros/node/steady_clock.h"
 #include "ros/options/node_options.h"
-#include "ros/options/parameter_group.h"
 #include "ros/programs/parameters.h"
 #include "ros/programs/program.h"
 
 namespace {
 
-struct MonitorOptions {
-  std::string node = "haptic_cloth";  ///< node whose parameters name the probes
-  /// Duration of the measurement, once all topics flow [s]; 0: until interrupted.
-  double seconds = 0.0;
-  double patience = 30.0;        ///< longest wait for parameters, then for the first messages [s]
-  double reaction_rate = 900.0;  ///< lowest good rate [Hz]
-  double display_rate = 20.0;    ///< lowest good rate of markers and state [Hz]
-};
-
-MonitorOptions readOptions(haptic_cloth::ParameterGroup group) {
-  MonitorOptions options;
-  group.read("node", options.node);
-  group.read("seconds", options.seconds, true);
-  group.read("patience", options.patience, false);
-  group.read("reaction_rate", options.reaction_rate, true);
-  group.read("display_rate", options.display_rate, true);
-  group.rejectRest();
-  return options;
-}
+using haptic_cloth::MonitorOptions;
 
 /// Handles messages until `end` (steady clock [s]) or until ROS is shut down.
 void spinUntil(double end) {
@@ -76,7 +57,7 @@ std::vector<std::string> findProbes(const ros::NodeHandle& node, const MonitorOp
 int run(int argc, char** argv) {
   ros::init(argc, argv, "monitor", ros::init_options::AnonymousName);
   ros::NodeHandle node, private_node("~");
-  const MonitorOptions options = readOptions(haptic_cloth::ownParameters(private_node));
+  const auto options = haptic_cloth::ownOptions<MonitorOptions>(private_node);
 
   const std::vector<std::string> probes = findProbes(node, options);
   // One meter for the line, one for the whole time.

@@ -7,6 +7,7 @@
 
 #include "ros/display/solid_markers.h"
 #include "ros/node/conversions.h"
+#include "shape/shapes.h"
 
 namespace haptic_cloth {
 namespace {
@@ -58,9 +59,8 @@ InteractiveMarker probeHandle(const ProbeOptions& probe, const Pose& pose, const
   ball.always_visible = true;
   ball.orientation.w = 1.0;
   ball.interaction_mode = InteractiveMarkerControl::MOVE_3D;
-  Obstacle solid = shapeOf(probe);
+  Obstacle solid = solidOf(probe);
   solid.radius *= kHandleSize;
-  solid.pose = Pose();
   visualization_msgs::MarkerArray array;
   const SolidMarkers markers(array, probe.name, solid, markerColor(0.9F, 0.9F, 0.2F, 0.35F), "");
   ball.markers = array.markers;

@@ -24,21 +24,6 @@ using interactive_markers::InteractiveMarkerServer;
 using interactive_markers::MenuHandler;
 using Feedback = visualization_msgs::InteractiveMarkerFeedback;
 
-struct MouseOptions {
-  std::string node = "haptic_cloth";  ///< node whose parameters name the probes
-  double rate = 125.0;                ///< poses per second [Hz]
-  double time_constant = 0.03;        ///< time constant of the lag between marker and hand [s]
-};
-
-MouseOptions readMouseOptions(haptic_cloth::ParameterGroup group) {
-  MouseOptions options;
-  group.read("node", options.node);
-  group.read("rate", options.rate, false);
-  group.read("time_constant", options.time_constant, false);
-  group.rejectRest();
-  return options;
-}
-
 /// One probe and its marker. The thread of the marker server drags it, the main thread moves it.
 class MouseProbe {
  public:
@@ -100,7 +85,7 @@ class MouseProbe {
 int run(int argc, char** argv) {
   ros::init(argc, argv, "mouse_hand");
   ros::NodeHandle node, private_node("~");
-  const MouseOptions mouse = readMouseOptions(haptic_cloth::ownParameters(private_node));
+  const auto mouse = haptic_cloth::ownOptions<haptic_cloth::MouseHandOptions>(private_node);
   const std::string served = node.resolveName(mouse.node);
   const haptic_cloth::NodeOptions options = haptic_cloth::optionsOf(node, served);
 

@@ -7,14 +7,26 @@
 
 #include "ros/options/node_options.h"
 #include "ros/options/parameter_group.h"
+#include "ros/programs/program_options.h"
 
 namespace haptic_cloth {
 
 /// The program's own parameters.
-inline ParameterGroup ownParameters(const ros::NodeHandle& private_node) {
+/// @throws InputError for an unknown or removed key, a wrong type or an invalid value
+template <class ProgramOptions>
+ProgramOptions readProgramOptions(const XmlRpc::XmlRpcValue& parameters, const std::string& origin) {
+  ProgramOptions options;
+  ParameterGroup root(parameters, origin);
+  root.read(groupsOf(options));
+  root.rejectRest();
+  return options;
+}
+
+template <class ProgramOptions>
+ProgramOptions ownOptions(const ros::NodeHandle& private_node) {
   XmlRpc::XmlRpcValue tree;
   private_node.getParam(private_node.getNamespace(), tree);
-  return ParameterGroup(tree, private_node.getNamespace() + " (parameters)");
+  return readProgramOptions<ProgramOptions>(tree, private_node.getNamespace() + " (parameters)");
 }
 
 /// Options of the node whose resolved name is `node_name`.

@@ -26,19 +26,6 @@ namespace topics = haptic_cloth::topics;
 /// restarts [s].
 constexpr double kLead = 0.5;
 
-struct PathOptions {
-  std::string node = "haptic_cloth";  ///< node whose parameters name the probes
-  double rate = 1000.0;               ///< poses per second [Hz]
-};
-
-PathOptions readPathOptions(haptic_cloth::ParameterGroup group) {
-  PathOptions options;
-  group.read("node", options.node);
-  group.read("rate", options.rate, false);
-  group.rejectRest();
-  return options;
-}
-
 /// Estimates the time of the cloth between two state messages, at the pace of the last interval.
 class ClothClock {
  public:
@@ -119,7 +106,7 @@ class PathProbe {
 int run(int argc, char** argv) {
   ros::init(argc, argv, "path_hand");
   ros::NodeHandle node, private_node("~");
-  const PathOptions path = readPathOptions(haptic_cloth::ownParameters(private_node));
+  const auto path = haptic_cloth::ownOptions<haptic_cloth::PathHandOptions>(private_node);
   const std::string served = node.resolveName(path.node);
   const haptic_cloth::NodeOptions options = haptic_cloth::optionsOf(node, served);
 

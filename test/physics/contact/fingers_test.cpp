@@ -42,22 +42,9 @@ double pressedStrip(double a, double r, double depth) {
 class PressedStrip : public testing::TestWithParam<Strategy> {};
 
 TEST_P(PressedStrip, FeelsTheCapsuleAlongItsWholeSide) {
-  constexpr double kHalfSpan = 0.08, kWidth = 0.04, kRadius = 0.01, kThickness = 2e-4;
-  LinearFabric linear;
-  linear.stiffness = 500.0;
-  linear.thickness = kThickness;
-  Scene scene = sheetScene(makeFabric(linear), 81, 21, 2.0 * kHalfSpan, kWidth);
-  setStrategy(scene, GetParam(), 2);
-  pin(scene, 0, 0, 0, 20);
-  pin(scene, 80, 80, 0, 20);
-  scene.gravity.setZero();
-  ProbeOptions& probe = scene.probes[0];
-  probe.radius = kRadius;
-  probe.length = 2.0 * kWidth;
-  probe.friction = 0.0;
-  probe.coupling_stiffness = 5000.0;
-  quasiStatic(scene, 20.0, 2e-3, 1e-3);
-  Simulation simulation(scene);
+  using Strip = CapsuleOnStrip;
+  constexpr double kRadius = Strip::kRadius, kThickness = Strip::kThickness;
+  Simulation simulation(capsuleOnStrip(GetParam()));
   const Quat lying = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY());
   std::vector<Vec3> device{Vec3(0.0, 0.0, kRadius + 0.002)};
   move(simulation, device, {Vec3(0.0, 0.0, -0.1)}, 0.25, lying);
@@ -65,9 +52,9 @@ TEST_P(PressedStrip, FeelsTheCapsuleAlongItsWholeSide) {
   const ProbeReport report = simulation.probe();
   // The cloth lies on the capsule, at most its thickness away.
   const double depth = kRadius - report.proxy.z();
-  const double scale = linear.stiffness * kWidth;
-  const double least = pressedStrip(kHalfSpan, kRadius, depth) * scale,
-               most = pressedStrip(kHalfSpan, kRadius + kThickness, depth + kThickness) * scale;
+  const double scale = Strip::kStiffness * Strip::kWidth;
+  const double least = pressedStrip(Strip::kHalfSpan, kRadius, depth) * scale,
+               most = pressedStrip(Strip::kHalfSpan, kRadius + kThickness, depth + kThickness) * scale;
   const double expected = 0.5 * (least + most);
   record(
       {"strip under a cylinder", "force [N]", name(GetParam()), depth, report.force.z(), expected, expected});

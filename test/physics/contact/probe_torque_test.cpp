@@ -31,22 +31,8 @@ class TorqueOfAStrip : public testing::TestWithParam<Strategy> {};
 /// A strip of 40 mm presses on a longer capsule across it, whose origin is 15 mm beside the middle
 /// of the strip. By symmetry the force acts in the middle of the strip.
 TEST_P(TorqueOfAStrip, IsTheForceAtTheStripsMiddle) {
-  constexpr double kHalfSpan = 0.08, kWidth = 0.04, kRadius = 0.01, kAside = 0.015;
-  LinearFabric linear;
-  linear.stiffness = 500.0;
-  linear.thickness = 2e-4;
-  Scene scene = sheetScene(makeFabric(linear), 81, 21, 2.0 * kHalfSpan, kWidth);
-  setStrategy(scene, GetParam(), 2);
-  pin(scene, 0, 0, 0, 20);
-  pin(scene, 80, 80, 0, 20);
-  scene.gravity.setZero();
-  ProbeOptions& probe = scene.probes[0];
-  probe.radius = kRadius;
-  probe.length = 2.0 * kWidth;
-  probe.friction = 0.0;
-  probe.coupling_stiffness = 5000.0;
-  quasiStatic(scene, 20.0, 2e-3, 1e-3);
-  Simulation simulation(scene);
+  constexpr double kRadius = CapsuleOnStrip::kRadius, kAside = 0.015;
+  Simulation simulation(capsuleOnStrip(GetParam()));
   const Quat lying = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY());
   Vec3 device(0.0, kAside, kRadius + 0.002);
   move(simulation, device, Vec3(0.0, 0.0, -0.1), 0.25, lying);

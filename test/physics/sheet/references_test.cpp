@@ -87,7 +87,7 @@ TEST(Derivatives, CheckerKnowsRightFromWrong) {
   EXPECT_LT(gradientError(potential, right, x, 1e-5), tolerance(1e-8));
   EXPECT_GT(gradientError(potential, wrong, x, 1e-5), 1e-3);
   const Eigen::VectorXd d = fixedRandom(2, 2);
-  EXPECT_NEAR(differenceCurvature(right, x, d, 1e-5), 6.0 * x[0] * d[0] * d[0] + 2.0 * d[0] * d[1],
+  EXPECT_NEAR(differenceQuadraticForm(right, x, d, 1e-5), 6.0 * x[0] * d[0] * d[0] + 2.0 * d[0] * d[1],
               tolerance(1e-8));
 }
 

@@ -142,7 +142,7 @@ TEST_P(ElementTest, RigidMotionChangesNothing) {
 
 INSTANTIATE_TEST_SUITE_P(All, ElementTest, ::testing::Values(0, 1, 2));
 
-TEST(EdgeTest, CurvatureIsTheSecondDerivativeInTension) {
+TEST(EdgeTest, QuadraticFormIsTheSecondDerivativeInTension) {
   const Curve law = Curve::linear(50.0);
   const Element e{"edge", 2, points({{0, 0, 0}, {1.2, 0.1, 0}}), {}, [&](const VectorXd& x) {
                     const Vec3 g = evaluateEdge(point(x, 0), point(x, 1), 1.0, 0.7, law).gradient;
@@ -151,8 +151,8 @@ TEST(EdgeTest, CurvatureIsTheSecondDerivativeInTension) {
   const EdgeResult r = evaluateEdge(point(e.rest, 0), point(e.rest, 1), 1.0, 0.7, law);
   for (unsigned seed = 1; seed <= 10; ++seed) {
     const VectorXd d = fixedRandom(6, seed);
-    const double exact = differenceCurvature(e.gradient, e.rest, d, 1e-6);
-    EXPECT_NEAR(edgeCurvature(r.axis, r.along, r.across, point(d, 1) - point(d, 0)), exact,
+    const double exact = differenceQuadraticForm(e.gradient, e.rest, d, 1e-6);
+    EXPECT_NEAR(edgeQuadraticForm(r.axis, r.along, r.across, point(d, 1) - point(d, 0)), exact,
                 tolerance(1e-6) * exact);
   }
 }

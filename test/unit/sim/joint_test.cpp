@@ -93,7 +93,7 @@ TEST_F(JointTest, FollowsTheLawsWhereForcesDo) {
   EXPECT_NEAR(joint_.residual(gradient), residual, tolerance(1e-12 * residual));
 }
 
-TEST_F(JointTest, AGraspKeepsGradientLawsAndCurvature) {
+TEST_F(JointTest, AGraspKeepsGradientLawsAndQuadraticForm) {
   ASSERT_NO_FATAL_FAILURE(grasp());
   const std::size_t held = objective_.held().size();
   Vector gradient = Vector::Zero(joint_.capacity());
@@ -124,11 +124,11 @@ TEST_F(JointTest, AGraspKeepsGradientLawsAndCurvature) {
   d.segment(positions_, forces_) = fixedRandom(forces_, 3);
   const double ahead = value(unknowns_ + d), behind = value(unknowns_ - d);
   value(unknowns_);
-  const double curvature = joint_.along(d).curvature;
-  EXPECT_NEAR(curvature, ahead - 2.0 * joint + behind, tolerance(1e-9 * curvature));
+  const double form = joint_.along(d).quadratic_form;
+  EXPECT_NEAR(form, ahead - 2.0 * joint + behind, tolerance(1e-9 * form));
 }
 
-TEST_F(JointTest, CurvatureIsThatOfTheSquares) {
+TEST_F(JointTest, QuadraticFormIsThatOfTheSquares) {
   // The Gauss-Newton form d · JᵀJ d equals the second difference of the cost along forces alone,
   // because the cost is quadratic there.
   Vector d = Vector::Zero(joint_.capacity()), x = unknowns_;
@@ -136,10 +136,10 @@ TEST_F(JointTest, CurvatureIsThatOfTheSquares) {
   const double middle = value(x);
   const double ahead = value(x + d), behind = value(x - d);
   value(x);
-  const double curvature = joint_.along(d).curvature;
-  EXPECT_NEAR(curvature, ahead - 2.0 * middle + behind, tolerance(1e-9 * curvature));
+  const double form = joint_.along(d).quadratic_form;
+  EXPECT_NEAR(form, ahead - 2.0 * middle + behind, tolerance(1e-9 * form));
   d.head(positions_) = 1e-4 * fixedRandom(positions_, 4);
-  EXPECT_GT(joint_.along(d).curvature, 0.0);
+  EXPECT_GT(joint_.along(d).quadratic_form, 0.0);
 }
 
 }  // namespace

@@ -68,12 +68,12 @@ TEST_F(ObjectiveTest, ProbeAndClothFeelOppositeForces) {
   EXPECT_LT((on_cloth - contacts_.obstacleForce() + on_probe).norm(), tolerance(1e-13) * on_probe.norm());
 }
 
-TEST_F(ObjectiveTest, CurvatureIsPositiveAndBoundsTheStep) {
+TEST_F(ObjectiveTest, QuadraticFormIsPositiveAndBoundsTheStep) {
   Vector gradient = Vector::Zero(objective_.capacity()), d = gradient;
   objective_.evaluate(start_, gradient);
   for (unsigned seed = 1; seed <= 10; ++seed) {
     d.head(objective_.size()) = fixedRandom(objective_.size(), seed);
-    EXPECT_GT(objective_.along(d).curvature, 0.0);
+    EXPECT_GT(objective_.along(d).quadratic_form, 0.0);
   }
   // Straight at the cloth the probe may use nine tenths of the gap of the sample below it.
   d.setZero();

@@ -15,13 +15,16 @@
 #include "contact/contact_law.h"
 #include "contact/friction_law.h"
 #include "contact/sample_packs.h"
-#include "contact/shape.h"
+#include "contact/solid.h"
 #include "energy/internal_energy.h"
 #include "energy/law_table.h"
 #include "energy/shear.h"
 #include "energy/twist.h"
+#include "scene/option.h"
+#include "shape/shapes.h"
 #include "simd/kernels.h"
 #include "support/derivatives.h"
+#include "support/scalar_distances.h"
 #include "support/scalar_elements.h"
 #include "support/scenes.h"
 #include "support/tolerance.h"
@@ -38,9 +41,9 @@ constexpr double kSingle = 1e-6;
 
 std::vector<Obstacle> solids() {
   std::vector<Obstacle> all;
-  for (const Shape shape : {Shape::Box, Shape::Sphere, Shape::Cylinder, Shape::Capsule, Shape::Plane}) {
+  for (const auto& entry : shapeNames()) {
     Obstacle obstacle;
-    obstacle.shape = shape;
+    obstacle.shape = entry.second;
     obstacle.size = Vec3(0.5, 0.25, 0.125);
     obstacle.radius = 0.25;
     obstacle.length = 0.5;
@@ -50,15 +53,16 @@ std::vector<Obstacle> solids() {
 }
 
 /// @param digits error of the coordinates, which matters where distances are small [m]
-void expectSame(const Solid& solid, const std::vector<Vec3>& points, double digits, int shape) {
+void expectSame(const Obstacle& solid, const std::vector<Vec3>& points, double digits) {
+  const std::string shape = nameOf(shapeNames(), solid.shape);
   const int count = static_cast<int>(points.size());
   const Field at(points);
   Field normals;
   normals.clear(count);
   std::vector<double> values(padded(count));
-  kernels().solidDistances(solid.lanes(), count, at.arrays(), values.data(), normals.arrays());
+  kernels().solidDistances(Solid(solid).lanes(), count, at.arrays(), values.data(), normals.arrays());
   for (int l = 0; l < count; ++l) {
-    const Distance one = solid.distance(points[l]);
+    const Distance one = scalarDistance(solid, points[l]);
     const Vec3 normal = normals[l];
     EXPECT_NEAR(values[l], one.value, tolerance(digits)) << shape << " at " << points[l].transpose();
     // A normal is an offset over its length, so its error is that of the offset over the length.
@@ -66,25 +70,27 @@ void expectSame(const Solid& solid, const std::vector<Vec3>& points, double digi
     EXPECT_LT((normal - one.normal).norm(), tolerance(digits) / length + tolerance(1e-14))
         << shape << " at " << points[l].transpose();
     EXPECT_NEAR(normal.norm(), 1.0, tolerance(1e-14));
+    const Distance alone = Solid(solid).distance(points[l]);  // by the same kernel: the same bits
+    EXPECT_EQ(alone.value, values[l]);
+    EXPECT_EQ(alone.normal, normal);
   }
 }
 
 TEST(SolidLanes, AreTheSolidsAnywhere) {
-  int shape = 0;
+  unsigned seed = 11;
   for (Obstacle obstacle : solids()) {
     obstacle.pose.position = Vec3(0.3, -0.2, 0.1);
     obstacle.pose.orientation = Quat(0.3, -0.5, 0.4, 0.7).normalized();
-    const Solid solid(obstacle);
     for (const double far : {0.3, 1.0, 1e3, 1e6}) {
       constexpr int kPoints = 317;  // not a multiple of a register
-      const Eigen::VectorXd noise = fixedRandom(3 * kPoints, 11 + shape);
+      const Eigen::VectorXd noise = fixedRandom(3 * kPoints, seed);
       std::vector<Vec3> points;
       for (int k = 0; k < kPoints; ++k) {
         points.push_back(obstacle.pose.position + far * noise.segment<3>(3 * k));
       }
-      expectSame(solid, points, 16 * kEpsilon * std::max(1.0, far), shape);
+      expectSame(obstacle, points, 16 * kEpsilon * std::max(1.0, far));
     }
-    ++shape;
+    ++seed;
   }
 }
 
@@ -98,8 +104,7 @@ TEST(SolidLanes, AreTheSolidsWhereTheyTurn) {
       for (const double z : at) points.emplace_back(x, y, z);
     }
   }
-  int shape = 0;
-  for (const Obstacle& obstacle : solids()) expectSame(Solid(obstacle), points, 4 * kEpsilon, shape++);
+  for (const Obstacle& obstacle : solids()) expectSame(obstacle, points, 4 * kEpsilon);
 }
 
 // ---- laws ----
@@ -360,7 +365,7 @@ TEST_P(PackTest, AddUpToTheElements) {
   // The quadratic form d · H⁺ d is a sum over all packs, too; entries past the last node must not
   // enter.
   Field d = x;
-  EXPECT_TRUE(std::isfinite(internal.curvature(0, internal.size(), d)));
+  EXPECT_TRUE(std::isfinite(internal.quadraticForm(0, internal.size(), d)));
 }
 
 INSTANTIATE_TEST_SUITE_P(Meshes, PackTest,
@@ -377,26 +382,25 @@ TEST(SamplePacks, AreTheLawsOfContactAndFriction) {
   int count = 0;
   for (Obstacle obstacle : solids()) {
     obstacle.pose.orientation = Quat(0.3, -0.5, 0.4, 0.7).normalized();
-    const Solid solid(obstacle);
-    const SampleContext context{solid.lanes(), {0.0, 0.0, 0.0}, false, kRange, kSlip};
+    const SampleContext context{Solid(obstacle).lanes(), {0.0, 0.0, 0.0}, false, kRange, kSlip};
     const Eigen::VectorXd noise = fixedRandom(7 * kPack, 17 + count++);
     std::vector<Vec3> points;
     SamplePack pack{};
     for (int l = 0; l < kPack; ++l) {
       // Gaps from beyond the range to beyond the switch, in the order of lanes.
       const Vec3 from = noise.segment<3>(3 * l);
-      const Distance there = solid.distance(from);
+      const Distance there = scalarDistance(obstacle, from);
       points.push_back(from - (there.value - (1.2 - 0.25 * l) * kRange) * there.normal);
       pack.nodes[0].index[l] = l;
       pack.weights[0][l] = 1.0;
-      const Distance here = solid.distance(points[l]);
+      const Distance here = scalarDistance(obstacle, points[l]);
       for (int c = 0; c < 3; ++c) {
         pack.start[c][l] = points[l][c] + (l < 4 ? 1.0 : 1e3) * 1e-7 * noise[3 * kPack + 3 * l + c];
         pack.start_normal[c][l] = here.normal[c];
       }
       pack.area[l] = 1e-6 * (1 + l);
       pack.friction[l] = 1e-3 * l;
-      pack.raised[l] = here.value < 0.0 ? 1e-5 - here.value : 0.0;
+      pack.gap_offset[l] = here.value < 0.0 ? 1e-5 - here.value : 0.0;
     }
     pack.at_nodes = true;
     pack.nodes[0].finish();
@@ -406,8 +410,8 @@ TEST(SamplePacks, AreTheLawsOfContactAndFriction) {
         kernels().evaluateSamples(&pack, 0, 1, context, x.arrays(), slots.arrays(), 0);
     double contact = 0.0, friction = 0.0;
     for (int l = 0; l < kPack; ++l) {
-      const Distance d = solid.distance(points[l]);
-      const ContactLaw::Point law = ContactLaw(kRange)(d.value + pack.raised[l]);
+      const Distance d = scalarDistance(obstacle, points[l]);
+      const ContactLaw::Point law = ContactLaw(kRange)(d.value + pack.gap_offset[l]);
       const Vec3 normal(pack.start_normal[0][l], pack.start_normal[1][l], pack.start_normal[2][l]);
       const Vec3 moved = points[l] - Vec3(pack.start[0][l], pack.start[1][l], pack.start[2][l]);
       const Vec3 slip = moved - normal.dot(moved) * normal;

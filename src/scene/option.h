@@ -123,6 +123,8 @@ struct OptionGroup {
   std::string path;     ///< such as "haptics/"
   std::string meaning;  ///< empty, or one sentence
   Options options;
+  /// Keys of earlier versions, and the rule by which they are refused.
+  std::vector<std::pair<std::string, std::string>> removed = {};
 };
 
 std::vector<std::string> keysOf(const Options& options);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "haptic_cloth/scene.h"
+#include "shape/solid_lanes.h"
 #include "state/archive.h"
 
 namespace haptic_cloth {
@@ -12,14 +13,13 @@ struct Distance {
   Vec3 normal;   ///< unit gradient, pointing outwards
 };
 
-struct SolidLanes;
-
 /// A solid placed in the world.
 class Solid {
  public:
   explicit Solid(const Obstacle& obstacle);
   explicit Solid(const ProbeOptions& probe);
 
+  /// Distance of one point, by the kernel that computes those of many.
   Distance distance(const Vec3& point) const;
 
   double friction() const { return friction_; }
@@ -35,20 +35,18 @@ class Solid {
   }
 
   /// Half of the smallest width [m]; infinite for a plane.
-  double halfWidth() const;
+  double halfWidth() const { return half_width_; }
 
   /// Largest distance of its surface from its centre [m]; zero for a plane.
-  double extent() const;
+  double extent() const { return extent_; }
 
   /// Description for the kernels.
   SolidLanes lanes() const;
 
  private:
-  Distance local(const Vec3& point) const;
-
   Shape shape_;
   Vec3 half_size_;
-  double radius_, half_length_, friction_;
+  double radius_, half_length_, half_width_, extent_, friction_;
   Vec3 position_;
   Eigen::Matrix3d rotation_;
 };

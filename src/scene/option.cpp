@@ -1,4 +1,4 @@
-#include "sim/option.h"
+#include "scene/option.h"
 
 #include <algorithm>
 #include <cmath>

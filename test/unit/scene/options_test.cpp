@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "sim/scene_options.h"
+#include "scene/scene_options.h"
 #include "support/reference_file.h"
 
 namespace haptic_cloth {

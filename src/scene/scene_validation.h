@@ -2,7 +2,7 @@
 #pragma once
 
 #include "haptic_cloth/scene.h"
-#include "sim/option.h"
+#include "scene/option.h"
 
 namespace haptic_cloth {
 

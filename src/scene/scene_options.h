@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "haptic_cloth/scene.h"
-#include "sim/option.h"
+#include "scene/option.h"
 
 namespace haptic_cloth {
 
@@ -39,14 +39,6 @@ inline Names<StartMesh> startNames() {
   return {{"finest", StartMesh::Finest}, {"coarsest", StartMesh::Coarsest}};
 }
 
-inline Names<Shape> shapeNames() {
-  return {{"box", Shape::Box},
-          {"sphere", Shape::Sphere},
-          {"cylinder", Shape::Cylinder},
-          {"capsule", Shape::Capsule},
-          {"plane", Shape::Plane}};
-}
-
 Options optionsOf(ClothOptions& cloth);
 Options worldOptions(Scene& scene);
 /// Rows of all shapes.
@@ -58,9 +50,6 @@ Options optionsOf(StopOptions& stop);
 
 /// Rows of the virtual coupling, which are part of those of a probe.
 Options couplingOptions(double& stiffness, double& damping);
-
-/// Keys that only this shape has; all are required.
-std::vector<std::string> shapeKeys(Shape shape);
 
 /// Rows of the obstacle's own shape.
 Options ownOptions(Obstacle& obstacle);

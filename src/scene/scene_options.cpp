@@ -1,6 +1,8 @@
-#include "sim/scene_options.h"
+#include "scene/scene_options.h"
 
 #include <algorithm>
+
+#include "shape/shapes.h"
 
 namespace haptic_cloth {
 namespace {
@@ -121,28 +123,19 @@ Options optionsOf(StopOptions& stop) {
            "ends early after 0.1 s below this speed; 0: never"}};
 }
 
-std::vector<std::string> shapeKeys(Shape shape) {
-  switch (shape) {
-    case Shape::Box:
-      return {"size"};
-    case Shape::Sphere:
-      return {"radius"};
-    case Shape::Cylinder:
-    case Shape::Capsule:
-      return {"radius", "length"};
-    case Shape::Plane:
-      break;
-  }
-  return {};
-}
-
 Options ownOptions(Obstacle& obstacle) {
-  const std::vector<std::string> own = shapeKeys(obstacle.shape);
-  Options options = optionsOf(obstacle);
-  const auto foreign = [&own](const Option& option) {
-    const bool of_a_shape = option.key == "size" || option.key == "radius" || option.key == "length";
-    return of_a_shape && std::find(own.begin(), own.end(), option.key) == own.end();
+  const std::vector<std::string> own = dimensionsOf(obstacle.shape);
+  const auto has = [](const std::vector<std::string>& keys, const std::string& key) {
+    return std::find(keys.begin(), keys.end(), key) != keys.end();
   };
+  const auto foreign = [&](const Option& option) {
+    if (has(own, option.key)) return false;
+    for (const auto& entry : shapeNames()) {
+      if (has(dimensionsOf(entry.second), option.key)) return true;
+    }
+    return false;
+  };
+  Options options = optionsOf(obstacle);
   options.erase(std::remove_if(options.begin(), options.end(), foreign), options.end());
   return options;
 }

@@ -5,8 +5,9 @@
 #include "fabric/fabric_search.h"
 #include "fabric/yaml_reader.h"
 #include "haptic_cloth/scene.h"
-#include "sim/scene_options.h"
-#include "sim/scene_validation.h"
+#include "scene/scene_options.h"
+#include "scene/scene_validation.h"
+#include "shape/shapes.h"
 
 namespace haptic_cloth {
 namespace {
@@ -125,7 +126,7 @@ void readObstacle(const YamlValue& value, Obstacle& obstacle) {
 
   const Options options = ownOptions(obstacle);
   const YamlMap map(value, keysOf(options));
-  for (const std::string& key : shapeKeys(obstacle.shape)) map.require(key, "is required for this shape");
+  for (const std::string& key : dimensionsOf(obstacle.shape)) map.require(key, "is required for this shape");
   readOptions(map, options);
   if (const auto name = map.find("name")) obstacle.name = name->text();
   if (const auto path = map.find("path")) obstacle.path = readPath(*path);

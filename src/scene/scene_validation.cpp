@@ -1,4 +1,4 @@
-#include "sim/scene_validation.h"
+#include "scene/scene_validation.h"
 
 #include <algorithm>
 #include <cctype>
@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "haptic_cloth/error.h"
-#include "sim/scene_options.h"
+#include "scene/scene_options.h"
 #include "state/number_text.h"
 
 namespace haptic_cloth {

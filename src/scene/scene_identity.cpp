@@ -1,6 +1,7 @@
-#include "sim/scene_identity.h"
+#include "scene/scene_identity.h"
 
-#include "sim/scene_options.h"
+#include "scene/scene_options.h"
+#include "shape/shapes.h"
 
 namespace haptic_cloth {
 namespace {
