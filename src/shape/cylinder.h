@@ -12,8 +12,12 @@ namespace shapes {
 struct Cylinder {
   static constexpr const char* kName = "cylinder";
   static std::vector<std::string> dimensions() { return {"radius", "length"}; }
-  static double halfWidth(const Obstacle& cylinder) { return std::min(cylinder.radius, 0.5 * cylinder.length); }
-  static double extent(const Obstacle& cylinder) { return std::hypot(cylinder.radius, 0.5 * cylinder.length); }
+  static double halfWidth(const Obstacle& cylinder) {
+    return std::min(cylinder.radius, 0.5 * cylinder.length);
+  }
+  static double extent(const Obstacle& cylinder) {
+    return std::hypot(cylinder.radius, 0.5 * cylinder.length);
+  }
   static std::vector<DrawnPart> drawing(const Obstacle& cylinder) {
     const double diameter = 2.0 * cylinder.radius;
     return {{DrawnPart::kCylinder, Vec3::Zero(), Vec3(diameter, diameter, cylinder.length)}};

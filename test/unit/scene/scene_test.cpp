@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "haptic_cloth/error.h"
+#include "scene/option.h"
+#include "shape/shapes.h"
 
 namespace haptic_cloth {
 namespace {
@@ -226,6 +228,8 @@ TEST(Scene, MessagesAreOneLineWhateverTheFileHolds) {
 }
 
 TEST(Scene, WrongTypesAreNamed) {
+  std::vector<std::string> shapes;
+  for (const auto& entry : shapeNames()) shapes.push_back(entry.first);
   const std::string ok = kCloth;
   expectMessages(
       {{ok + "gravity: 9.81", "scene: gravity = 9.81: must be a list of 3 numbers"},
@@ -240,8 +244,7 @@ TEST(Scene, WrongTypesAreNamed) {
        {ok + "obstacles: [box]",
         "scene: obstacles[0] = box: must be a mapping with keys out of: name, shape, size, radius, "
         "length, position, orientation, friction, path"},
-       {ok + "obstacles: [{shape: cone}]",
-        "scene: obstacles[0].shape = cone: must be one of box, sphere, cylinder, capsule, plane"},
+       {ok + "obstacles: [{shape: brick}]", "scene: obstacles[0].shape = brick: " + oneOf(shapes)},
        {ok + "solver: 3",
         "scene: solver = 3: must be a mapping with keys out of: time_step, integrator, cost, preconditioner, "
         "tolerance, "
