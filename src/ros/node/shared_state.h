@@ -5,22 +5,24 @@
 
 #include <atomic>
 #include <cstdint>
+#include <deque>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "haptic_cloth/haptics.h"
+#include "haptic_cloth/haptic_session.h"
 #include "haptic_cloth/report.h"
 #include "haptic_cloth/simulation.h"
 #include "haptics/lateness.h"
-#include "haptics/solver_probe.h"
 #include "ros/node/solver_tasks.h"
 #include "ros/options/live_options.h"
 
 namespace haptic_cloth {
 
 /// A device pose with what the wrench that answers it needs: exact stamp and frame of its message.
-struct StampedSample {
-  DeviceSample sample;
+struct StampedPose {
+  double received = -1.0;  ///< steady clock [s]; < 0: none yet
+  Pose pose;               ///< in the cloth's frame
   ros::Time stamp;
   std::string frame_id;                    ///< of the message
   Vec3 frame_position = Vec3::Zero();      ///< of that frame in the cloth's [m]
@@ -29,10 +31,18 @@ struct StampedSample {
 
 /// A measured force with what its answer needs.
 struct StampedForce {
-  ForceSample sample;
+  double received = -1.0;     ///< steady clock [s]; < 0: none yet
+  Vec3 force = Vec3::Zero();  ///< of the hand on the device, in the cloth's frame [N]
   ros::Time stamp;
   std::string frame_id;                    ///< of the message
   Quat frame_rotation = Quat::Identity();  ///< of that frame in the cloth's
+};
+
+/// Values of a probe for display.
+struct ProbeView {
+  ProbeReport report;
+  Quat orientation = Quat::Identity();
+  GraspState grasp = GraspState::Open;
 };
 
 /// A copy of what is shown.
@@ -89,12 +99,19 @@ struct FeltForce {
   }
 };
 
-/// Values of one probe that the threads share. `device_for_solver` is written by the pose callback, or by the
-/// haptic thread where that moves a tool.
-struct SharedProbe : ProbeExchange {
-  Mailbox<StampedSample> device_for_haptics;  ///< pose callback → haptic thread
-  Mailbox<StampedForce> force;                ///< force callback → haptic thread; admittance devices
-  Mailbox<FeltForce> felt;                    ///< haptic thread → display thread
+/// One probe: its session, by which haptic and solver thread close the loop, and what the messages of its
+/// device bring.
+struct SharedProbe {
+  /// @param number of the probe in the scene
+  SharedProbe(const NodeOptions& options, std::size_t number);
+
+  ProbeSession& session() { return impedance ? static_cast<ProbeSession&>(*impedance) : *admittance; }
+
+  std::optional<HapticSession> impedance;       ///< of one of the two kinds of device
+  std::optional<AdmittanceSession> admittance;  ///< of the other
+  Mailbox<StampedPose> pose;                    ///< pose callback → haptic thread
+  Mailbox<StampedForce> force;                  ///< force callback → haptic thread; admittance devices
+  Mailbox<FeltForce> felt;                      ///< haptic thread → display thread
 };
 
 /// Target pose of an obstacle.
@@ -111,9 +128,9 @@ struct LiveReport {
 };
 
 struct SharedState {
-  explicit SharedState(const Scene& scene) : probes(scene.probes.size()), obstacles(scene.obstacles.size()) {}
+  explicit SharedState(const NodeOptions& options);
 
-  std::vector<SharedProbe> probes;                 ///< in the scene's order
+  std::deque<SharedProbe> probes;                  ///< in the scene's order
   std::vector<Mailbox<ObstacleTarget>> obstacles;  ///< pose callback → solver thread, in the scene's order
 
   Mailbox<DisplayFrame> frame;        ///< solver thread → display thread

@@ -27,12 +27,7 @@ SolverLoop::SolverLoop(const NodeOptions& options, SharedState& shared)
       shared_(shared),
       live_(shared.live_for_solver),
       simulation_(sceneFor(options.scene)),
-      targets_seen_(options.scene.obstacles.size(), 0),
-      pace_(time_step_) {
-  for (std::size_t k = 0; k < options.scene.probes.size(); ++k) {
-    probes_.emplace_back(static_cast<int>(k), options.probe_timeout, shared.probes[k]);
-  }
-}
+      targets_seen_(options.scene.obstacles.size(), 0) {}
 
 void SolverLoop::run() {
   while (!shared_.stop) {
@@ -41,19 +36,16 @@ void SolverLoop::run() {
     copyFrameWhenWanted();
     if (shared_.paused) {
       due_ = window_start_ = -1.0;
-      pace_.interrupt();
-      for (SolverProbe& probe : probes_) probe.open(simulation_);
+      for (SharedProbe& probe : shared_.probes) probe.session().pause(simulation_);
       sleepUntil(steadyNow() + kIdle);
       continue;
     }
     waitUntilDue();
     takeOptions();
     moveObstacles();
-    for (SolverProbe& probe : probes_) probe.takeDevice(simulation_, steadyNow());
+    for (SharedProbe& probe : shared_.probes) probe.session().beforeStep(simulation_, steadyNow());
     const StepReport report = simulation_.step();
-    for (SolverProbe& probe : probes_) {
-      probe.publishSnapshot(simulation_, pace_.seconds(), steadyNow());
-    }
+    for (SharedProbe& probe : shared_.probes) probe.session().afterStep(simulation_, steadyNow());
     record(report);
   }
 }
@@ -77,13 +69,12 @@ std::string SolverLoop::saveState() {
 void SolverLoop::loadState(const std::string& state, const std::string& origin) {
   skipRamps();
   simulation_.loadState(state, origin);
-  for (std::size_t k = 0; k < probes_.size(); ++k) simulation_.removeDevice(static_cast<int>(k));
   startAnew();
 }
 
 /// Forgets what probes and obstacles were told for another cloth.
 void SolverLoop::startAnew() {
-  for (SolverProbe& probe : probes_) probe.forget();
+  for (SharedProbe& probe : shared_.probes) probe.session().restart(simulation_);
   // Targets sent before are not used.
   for (std::size_t k = 0; k < targets_seen_.size(); ++k)
     targets_seen_[k] = shared_.obstacles[k].read().number;
@@ -94,26 +85,13 @@ void SolverLoop::startAnew() {
 
 /// Takes new live options between two steps. They were validated as a whole.
 void SolverLoop::takeOptions() {
-  const bool other = live_.readNew();
-  const LiveOptions& live = live_.newest();
-  if (other) {
-    const Scene& scene = live.options->scene;
-    simulation_.setOptions(scene.solver, scene.adapt, scene.air_damping);
-    for (SolverProbe& probe : probes_) probe.setTimeout(live.options->probe_timeout);
-    gains_move_ = true;
-  }
-  if (!gains_move_) return;
-  const double now = steadyNow();
-  gains_move_ = false;
-  for (std::size_t k = 0; k < live.gains.size(); ++k) {
-    const Gains gains = live.gains[k].at(now);
-    simulation_.setCoupling(static_cast<int>(k), gains.coupling_stiffness, gains.coupling_damping);
-    gains_move_ = gains_move_ || !live.gains[k].isDone(now);
-  }
+  if (!live_.readNew()) return;
+  const Scene& scene = live_.newest().options->scene;
+  simulation_.setOptions(scene.solver, scene.adapt, scene.air_damping);
 }
 
 /// Takes the newest options with couplings at the ends of their ramps. No step uses these
-/// couplings: the next step sets them again for its time.
+/// couplings: the sessions set those of the haptic thread before the next step.
 void SolverLoop::skipRamps() {
   takeOptions();
   const LiveOptions& live = live_.newest();
@@ -121,7 +99,6 @@ void SolverLoop::skipRamps() {
     const ProbeOptions& asked = live.options->scene.probes[k];
     simulation_.setCoupling(static_cast<int>(k), asked.coupling_stiffness, asked.coupling_damping);
   }
-  gains_move_ = !live.gains.empty();
 }
 
 void SolverLoop::copyFrameWhenWanted() {
@@ -131,7 +108,10 @@ void SolverLoop::copyFrameWhenWanted() {
   simulation_.cells(frame_.cells);
   simulation_.cellLoads(frame_.tension, frame_.bending);
   frame_.probes.clear();
-  for (const SolverProbe& probe : probes_) frame_.probes.push_back(probe.view(simulation_));
+  for (std::size_t k = 0; k < shared_.probes.size(); ++k) {
+    const ProbeSession& session = shared_.probes[k].session();
+    frame_.probes.push_back({simulation_.probe(static_cast<int>(k)), session.orientation(), session.grasp()});
+  }
   frame_.obstacles.clear();
   for (std::size_t k = 0; k < targets_seen_.size(); ++k) {
     frame_.obstacles.push_back(simulation_.obstaclePose(static_cast<int>(k)));
@@ -149,7 +129,6 @@ void SolverLoop::waitUntilDue() {
     now = steadyNow();
   }
   due_ += time_step_;
-  pace_.begin(now);
 }
 
 void SolverLoop::moveObstacles() {

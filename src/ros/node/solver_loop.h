@@ -5,8 +5,6 @@
 #include <vector>
 
 #include "haptic_cloth/simulation.h"
-#include "haptics/solver_probe.h"
-#include "haptics/step_pace.h"
 #include "ros/node/shared_state.h"
 #include "ros/options/node_options.h"
 
@@ -44,12 +42,9 @@ class SolverLoop {
   SharedState& shared_;
   LiveReader live_;
   Simulation simulation_;
-  std::vector<SolverProbe> probes_;
   std::vector<std::uint64_t> targets_seen_;  ///< number of the last target of each obstacle
-  bool gains_move_ = false;
 
   double due_ = -1.0;  ///< start of the next step on the steady clock [s]; < 0: now
-  StepPace pace_;
   std::uint64_t resets_seen_ = 0;
 
   SolverStats window_;

@@ -263,7 +263,7 @@ TEST(LiveOptions, ForcesAreHeldToTheAgeThatPosesAre) {
   parameters["device"]["kind"] = "admittance";
   parameters["max_pose_age"] = 0.0;  // no pose is too old
   const NodeOptions options = parseNodeOptions(parameters, "test");
-  SharedState shared(options.scene);
+  SharedState shared(options);
   const tf2_ros::Buffer transforms;
   ForceInput input(options, 0, transforms, shared);
   geometry_msgs::WrenchStamped wrench;
