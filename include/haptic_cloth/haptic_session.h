@@ -43,7 +43,8 @@ class ProbeSession {
   /// Hands the newest pose, grasp and coupling to the simulation, just before step(). Without a pose
   /// for HapticOptions::probe_timeout the probe leaves the scene; if the device jumps (isJump()),
   /// the probe lets go and enters the scene again at the new place.
-  void beforeStep(Simulation& simulation, double now);
+  /// @param length of the step, as for Simulation::step()
+  void beforeStep(Simulation& simulation, double now, int length = 1);
 
   /// Publishes for the ticks what the step made of the probe, just after step().
   void afterStep(const Simulation& simulation, double now);

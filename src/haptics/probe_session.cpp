@@ -30,8 +30,8 @@ void ProbeSession::takeOptions(const HapticOptions& options) {
   options_for_solver_.write(options);
 }
 
-void ProbeSession::beforeStep(Simulation& simulation, double now) {
-  const double time_step = simulation.scene().solver.time_step;
+void ProbeSession::beforeStep(Simulation& simulation, double now, int length) {
+  const double time_step = length * simulation.scene().solver.time_step;
   const HapticOptions& options = options_for_solver_.read();
   pace_->begin(now, time_step, options.snapshot_timeout);
   simulation.setCoupling(number_, options.coupling_stiffness, options.coupling_damping);

@@ -34,6 +34,7 @@ struct Rung {
 // The tolerance costs no force and longer steps little. The mesh costs the shape (1 mm becomes 4 to 6 mm) but
 // hardly the force. Iterations that are cut off ruin folds, so they come last.
 constexpr int kAny = INT_MAX;
+constexpr double kMostAngle = 4.0, kMostStrain = 10.0;  ///< [rad], [-]
 constexpr std::array<Rung, 8> kRungs{{
     {2, 1.0, 1.0, 1.0, 0, kAny},
     {kAny, 1.0, 1.0, 1.0, 0, kAny},
@@ -54,10 +55,13 @@ Quality at(const Rung& rung, const Quality& asked, int longest_step) {
   AdaptOptions& adapt = quality.adapt;
   if (adapt.strategy == Strategy::Finest || adapt.strategy == Strategy::Coarsest) return quality;
   adapt.interval = std::max(adapt.interval, rung.interval);
-  adapt.refine_above *= rung.angles;
-  adapt.coarsen_below *= rung.angles;
-  adapt.refine_above_strain *= rung.strains;
-  adapt.coarsen_below_strain *= rung.strains;
+  // Thresholds that nothing reaches stay within the range of their options.
+  const double angles = adapt.refine_above < kMostAngle ? rung.angles : 1.0;
+  const double strains = adapt.refine_above_strain < kMostStrain ? rung.strains : 1.0;
+  adapt.refine_above *= angles;
+  adapt.coarsen_below *= angles;
+  adapt.refine_above_strain *= strains;
+  adapt.coarsen_below_strain *= strains;
   return quality;
 }
 

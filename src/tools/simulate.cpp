@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <optional>
@@ -118,15 +119,18 @@ int simulate(const Arguments& arguments) {
     const std::uint64_t most = haptic_cloth::largestState(simulation.scene());
     simulation.loadState(haptic_cloth::readStateFile(arguments.resume, most), arguments.resume);
   }
-  if (!arguments.save_state.empty()) haptic_cloth::checkStateFile(arguments.save_state);
-  if (!arguments.out.empty()) haptic_cloth::prepareDirectory(arguments.out, simulation.scene());
-
   std::ifstream recording;
   std::optional<haptic_cloth::Replay> replay;
   if (!arguments.replay.empty()) {
+    if (!std::filesystem::is_regular_file(arguments.replay)) {
+      throw haptic_cloth::InputError(arguments.replay, "", "", "must be a regular file");
+    }
     recording.open(arguments.replay);
     replay.emplace(recording, arguments.replay, simulation);
   }
+  if (!arguments.save_state.empty()) haptic_cloth::checkStateFile(arguments.save_state);
+  if (!arguments.out.empty()) haptic_cloth::prepareDirectory(arguments.out, simulation.scene());
+
   const bool rows = !arguments.out.empty();
   Progress progress(simulation.scene().stop.time);
   const auto show = [&](const Simulation& now, const RunTotals& totals) { progress.show(now, totals); };

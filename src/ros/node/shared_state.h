@@ -45,6 +45,14 @@ struct ProbeView {
   GraspState grasp = GraspState::Open;
 };
 
+/// What the solver gives up to keep the clock.
+struct QualityView {
+  int rung = 0;              ///< 0: the quality that the scene asks for
+  std::string given_up;      ///< empty: nothing
+  double step_length = 0.0;  ///< of the last step [s]
+  double slipped = 0.0;      ///< simulated time given up since the start [s]
+};
+
 /// A copy of what is shown.
 struct DisplayFrame {
   double time = 0.0;  ///< simulated [s]
@@ -53,6 +61,7 @@ struct DisplayFrame {
   std::vector<float> tension, bending;
   std::vector<ProbeView> probes;  ///< in the scene's order, as the obstacles
   std::vector<Pose> obstacles;
+  QualityView quality;
   bool valid = false;
 };
 
@@ -66,6 +75,7 @@ struct SolverStats {
   double iterations = 0.0;      ///< mean a step [-]
   std::uint64_t failed = 0;     ///< since start
   double kinetic = 0.0;         ///< [J]
+  QualityView quality;
   StepReport last;
 };
 

@@ -20,6 +20,12 @@ Options generalOptions(NodeOptions& node) {
        "a pose with an older stamp is dropped; 0: never", Live{0.0, 2.0}},
       {"step_budget", field(node.step_budget), kNotNegative, "s", "wall clock of one step; 0: no limit",
        Live{0.0, 0.1}},
+      {"keep_clock", field(node.keep_clock), kNoRange, "",
+       "a late solver gives up quality instead of simulated time", Live{0.0, 1.0}},
+      {"max_time_step", field(node.max_time_step), kFinitePositive, "s", "longest step of a late solver",
+       Live{0.001, 0.02}},
+      {"record", field(node.record), kNoRange, "",
+       "file for a recording that `simulate` replays; empty: none"},
       {"gain_ramp", field(node.gain_ramp), kFiniteNotNegative, "s", "time in which changed gains are reached",
        Live{0.0, 5.0}},
       {"devices", OwnReader{"{}", "map"}, kNoRange, "", "other values of `device` for a probe, by its name"}};
