@@ -70,7 +70,7 @@ int main(int argc, char** argv) {
   const double period = 1.0 / options.rate;
 
   haptic_cloth::Simulation simulation(makeScene());
-  haptic_cloth::HapticSession session(simulation, 0, options);
+  haptic_cloth::HapticSession session(simulation.scene(), 0, options);
   std::atomic<bool> stop{false};
   std::thread solver([&] {
     for (auto due = Clock::now(); !stop; waitForNext(due, simulation.scene().solver.time_step)) {

@@ -1,6 +1,7 @@
-/// A haptic loop of two threads: one steps the simulation, the other drives the device at 1 kHz.
+/// Haptic loops of two threads: one steps the simulation, the other drives the device at 1 kHz.
 #pragma once
 
+#include <atomic>
 #include <memory>
 
 #include "haptic_cloth/haptics.h"
@@ -8,7 +9,16 @@
 
 namespace haptic_cloth {
 
-/// Connects one probe of a Simulation with an impedance device (pose in, force out).
+class AdmittanceLoop;
+class ProbeTracker;
+class StepPace;
+class VelocityFilter;
+
+/// Grasp of a probe on the cloth that it touches.
+enum class GraspState { Open, Closed, Holding };
+
+/// Connects one probe of a Simulation with its device. This class is the part that both kinds of
+/// device share; HapticSession and AdmittanceSession add the ticks.
 ///
 ///     solver's thread                        device's thread, every millisecond
 ///     ---------------                        ----------------------------------
@@ -16,38 +26,97 @@ namespace haptic_cloth {
 ///     simulation.step();                     wrench = session.tick(pose, now);
 ///     session.afterStep(simulation, now);    send wrench.force to the device
 ///
-/// Each function belongs to one of these two threads; setGrasp() may be called from any. The
-/// threads share values through mailboxes: neither waits for the other, and after construction
-/// nothing is allocated. The Simulation belongs to the solver's thread alone. A scene with several
-/// probes has a session for each.
+/// Each function belongs to the thread that its section names. The threads share values through
+/// mailboxes: neither waits for the other, and after construction nothing is allocated. The
+/// Simulation belongs to the solver's thread alone. A scene with several probes has a session for
+/// each.
 ///
 /// Units are SI, poses and wrenches are in the world frame of the scene. `now` is in seconds on one
 /// steady clock (std::chrono::steady_clock) for both threads.
-class HapticSession {
+class ProbeSession {
  public:
-  /// Takes the coupling's stiffness and damping from the scene, not from `options`.
-  /// @param simulation is not kept
-  /// @param probe number in the scene, from 0
-  /// @param options rate of the ticks, limits of the force, time limits, passivity
-  /// @throws InputError if there is no such probe or an option is not valid
-  HapticSession(const Simulation& simulation, int probe, const HapticOptions& options = HapticOptions());
-  ~HapticSession();
-  HapticSession(const HapticSession&) = delete;
-  HapticSession& operator=(const HapticSession&) = delete;
+  ProbeSession(const ProbeSession&) = delete;
+  ProbeSession& operator=(const ProbeSession&) = delete;
 
   // ---- on the solver's thread ----
 
-  /// Hands the newest pose of the device to the simulation, just before step(). Without a pose for
-  /// one second the probe leaves the scene; if the device jumps (isJump()), the probe lets go and
-  /// enters the scene again at the new place.
-  void beforeStep(Simulation& simulation, double now);
+  /// Hands the newest pose, grasp and coupling to the simulation, just before step(). Without a pose
+  /// for HapticOptions::probe_timeout the probe leaves the scene; if the device jumps (isJump()),
+  /// the probe lets go and enters the scene again at the new place.
+  /// @param length of the step, as for Simulation::step()
+  void beforeStep(Simulation& simulation, double now, int length = 1);
 
-  /// Publishes for tick() what the step made of the probe, just after step().
+  /// Publishes for the ticks what the step made of the probe, just after step().
   void afterStep(const Simulation& simulation, double now);
+
+  /// Lets go of the cloth. Call it when no steps are made for a while.
+  void pause(Simulation& simulation);
 
   /// Starts again after Simulation::reset() or loadState(): the probe lets go of the cloth, and the
   /// force starts softly.
   void restart(Simulation& simulation);
+
+  /// Orientation of the device in the last step.
+  const Quat& orientation() const { return step_device_.orientation; }
+
+  // ---- on the device's thread ----
+
+  /// Options in use, with the coupling.
+  const HapticOptions& options() const { return options_; }
+
+  // ---- on any thread ----
+
+  /// Closes or opens the probe. A closed one holds the cloth it touches. It opens by itself if the
+  /// device jumps or falls silent, at pause() and at restart().
+  void setGrasp(bool closed) { grasp_wanted_ = closed; }
+
+  GraspState grasp() const { return grasp_; }
+
+  /// Tells whether the last step had a pose of the device.
+  bool isPresent() const { return present_; }
+
+ protected:
+  ProbeSession(const Scene& scene, int probe, const HapticOptions& options);
+  ~ProbeSession();
+
+  // On the device's thread.
+  void takeOptions(const HapticOptions& options);
+  void sendDevice(const DeviceSample& device) { device_for_solver_.write(device); }
+  const ProbeSnapshot& newestSnapshot() { return snapshot_.read(); }
+
+ private:
+  void takeDevice(Simulation& simulation, double timeout, double time_step, double now);
+  void leave(Simulation& simulation);
+  void open(Simulation& simulation);
+
+  int number_;  ///< of the probe in the scene
+
+  Mailbox<HapticOptions> options_for_solver_;  ///< device's thread → solver's thread
+  Mailbox<DeviceSample> device_for_solver_;    ///< device's thread → solver's thread
+  Mailbox<ProbeSnapshot> snapshot_;            ///< solver's thread → device's thread
+  std::atomic<bool> grasp_wanted_{false};      ///< set from any thread; the solver opens it
+  std::atomic<bool> present_{false};           ///< written by the solver's thread
+  std::atomic<GraspState> grasp_{GraspState::Open};
+
+  HapticOptions options_;  ///< device's thread
+
+  // Solver's thread.
+  bool closed_ = false;
+  int cloth_ = 0;             ///< see ProbeSnapshot
+  DeviceSample step_device_;  ///< of the current step
+  std::unique_ptr<ProbeTracker> tracker_;
+  std::unique_ptr<StepPace> pace_;
+};
+
+/// Session with an impedance device: pose in, force out.
+class HapticSession : public ProbeSession {
+ public:
+  /// Takes stiffness and damping of the coupling from the scene, not from `options`.
+  /// @param probe number in the scene, from 0
+  /// @param options rate of the ticks, limits of the force, time limits, passivity
+  /// @throws InputError if there is no such probe or an option is not valid
+  HapticSession(const Scene& scene, int probe, const HapticOptions& options = HapticOptions());
+  ~HapticSession();
 
   // ---- on the device's thread ----
 
@@ -60,19 +129,74 @@ class HapticSession {
   /// coming (HapticOptions)
   Wrench tick(const Pose& pose, double now, bool paused = false);
 
-  /// The same without a new pose, for a device that is slower than the ticks.
+  /// Does the same without a new pose, for a device that is slower than the ticks.
   Wrench tick(double now, bool paused = false);
 
-  /// Why the last tick gave a force, or none.
-  HapticStatus status() const;
+  /// Sets the pose for the next ticks, for a device whose poses come over a network.
+  /// @param pose [m]; ignored if it is not finite
+  /// @param received when it arrived [s]; ignored if that is not later than the one before
+  void setPose(const Pose& pose, double received);
 
-  /// Closes or opens the probe. A closed one holds the cloth it touches. It opens by itself if
-  /// the device jumps or falls silent, and at restart(). May be called from any thread.
-  void setGrasp(bool closed);
+  /// Changes options from the next tick on, the coupling from the next step on too. The force
+  /// continues within max_force_rate.
+  /// @param unit see HapticLoop::setOptions() [-]
+  /// @pre the options are valid (validateHapticOptions())
+  void setOptions(const HapticOptions& options, double unit = 1.0);
+
+  /// Tells why the last tick gave a force, or none.
+  HapticStatus status() const { return loop_.status(); }
+
+  /// See HapticLoop::energy() [J].
+  double energy() const { return loop_.energy(); }
 
  private:
-  class Implementation;
-  std::unique_ptr<Implementation> implementation_;
+  HapticLoop loop_;
+  std::unique_ptr<VelocityFilter> filter_;
+  DeviceSample device_;
+};
+
+/// Session with an admittance device: force in, pose out. A virtual tool (AdmittanceOptions) moves
+/// under the force of the hand and that of the cloth; the device follows it.
+class AdmittanceSession : public ProbeSession {
+ public:
+  /// See HapticSession.
+  AdmittanceSession(const Scene& scene, int probe, const HapticOptions& options = HapticOptions());
+  ~AdmittanceSession();
+
+  // ---- on the device's thread ----
+
+  /// Takes the measured force and returns where the device should go.
+  /// @param force of the hand on the device [N]; one that is not finite counts as missing
+  /// @param now when the force was measured [s]
+  /// @param paused brings the tool to rest
+  /// @return pose of the tool [m]. The tool starts with the first force, stays in its workspace and
+  /// below its limits of speed and acceleration. It stops if forces or steps stop coming
+  Pose tick(const Vec3& force, double now, bool paused = false);
+
+  /// Does the same without a new force.
+  Pose tick(double now, bool paused = false);
+
+  /// Sets the force for the next ticks, for a sensor whose values come over a network.
+  /// @param received when it arrived [s]
+  void setForce(const Vec3& force, double received);
+
+  /// Sets the pose of a device that reports it. The tool starts at this position [m]
+  /// (otherwise at AdmittanceOptions::start) and turns with the device (otherwise it has the
+  /// orientation of the scene's probe). Ignored if it is not finite.
+  void setPose(const Pose& pose);
+
+  /// Does the same as HapticSession::setOptions(). The tool keeps its state, mass, damping and limits.
+  void setOptions(const HapticOptions& options, double unit = 1.0);
+
+  bool hasStarted() const;      ///< whether there was a force
+  bool isAtRest() const;        ///< whether the tool stands still
+  Wrench reaction() const;      ///< of the cloth on the tool at the last tick [N], [N·m]
+  HapticStatus status() const;  ///< why the tool moves, or stands still
+
+ private:
+  std::unique_ptr<AdmittanceLoop> loop_;
+  ForceSample hand_;
+  Quat orientation_;
 };
 
 }  // namespace haptic_cloth

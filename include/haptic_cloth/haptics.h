@@ -34,7 +34,6 @@ struct ProbeSnapshot {
 /// A device pose as received.
 struct DeviceSample {
   double received = -1.0;               ///< steady clock [s]; < 0: none yet
-  double stamp = 0.0;                   ///< of the message [s]
   Vec3 position = Vec3::Zero();         ///< in the cloth's frame [m]
   Vec3 velocity = Vec3::Zero();         ///< filtered [m/s]
   Quat orientation = Quat::Identity();  ///< in the cloth's frame; see DeviceState
@@ -76,6 +75,8 @@ struct HapticOptions {
   double pose_timeout = 0.05;     ///< an older device pose ramps the force to zero [s]
   double snapshot_timeout = 0.1;  ///< an older snapshot ramps the force to zero [s]
   double ramp_time = 0.02;        ///< from full force to zero [s]
+  double probe_timeout = 1.0;     ///< without poses or forces this long the probe leaves the scene [s]
+  double velocity_time_constant = 0.005;  ///< low-pass filter of the device's velocity [s]
   PassivityOptions passivity;
   AdmittanceOptions admittance;       ///< for devices of that kind
   double coupling_stiffness = 400.0;  ///< [N/m], the scene's

@@ -3,8 +3,10 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "haptic_cloth/report.h"
@@ -58,9 +60,11 @@ class Simulation {
   /// @throws InputError, with nothing changed, if a value is invalid
   void setCoupling(int probe, double stiffness, double damping);
 
-  /// Advances by one time step: move obstacles, adapt the mesh, update grasps, find contacts,
-  /// minimise, accept or restore.
-  StepReport step();
+  /// Makes one step: move obstacles, adapt the mesh, update grasps, find contacts, minimise, accept
+  /// or restore.
+  /// @param length of the step in units of the scene's solver.time_step; at least 1. Options that
+  /// count steps count it as one.
+  StepReport step(int length = 1);
 
   /// Returns to the flat cloth at time 0, without probes, with the obstacles as in the scene.
   void reset();
@@ -88,6 +92,11 @@ class Simulation {
   double maxSpeed() const;    ///< largest speed of an active particle [m/s]
   Vec3 supportForce() const;  ///< force of pins and obstacles on the cloth [N]
 
+  /// Hands one line of text to `sink` for each call from now on that changes the simulation, except
+  /// loadState(). `simulate --replay` repeats them (docs/reference/recordings.md). Null: none.
+  using Sink = std::function<void(const std::string& line)>;
+  void record(Sink sink) { sink_ = std::move(sink); }
+
   /// Hash over the bits of the state: equal for equal bits.
   std::uint64_t stateHash() const;
 
@@ -108,11 +117,13 @@ class Simulation {
  private:
   class Implementation;
   std::unique_ptr<Implementation> implementation_;
+  Sink sink_;
 };
 
 /// Sends each probe and obstacle that has a path in the scene to where its path leads at the end of
 /// the next step, and opens and closes grasps at their times. Call it before each step(), as
 /// `simulate` does.
-void followPaths(Simulation& simulation);
+/// @param length of the next step, as for step()
+void followPaths(Simulation& simulation, int length = 1);
 
 }  // namespace haptic_cloth

@@ -6,7 +6,8 @@ namespace haptic_cloth {
 
 ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
                        const std::vector<ProbeOptions>& probes, const Options& options, Team& team)
-    : time_step_(options.time_step),
+    : slip_speed_(options.slip_speed),
+      time_step_(options.time_step),
       law_(options.range),
       solids_(obstacles, probes),
       finder_(grid, solids_, law_, team),
@@ -15,6 +16,12 @@ ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
   samples_.reserve(capacity, 2 * solids_.size());
   forces_.reserve(capacity);
   gather_.reserve(grid.particles(), capacity);
+}
+
+void ContactSet::advance(double time_step) {
+  time_step_ = time_step;
+  forces_.setSlip(slip_speed_ * time_step);
+  solids_.advance();
 }
 
 void ContactSet::collect(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,

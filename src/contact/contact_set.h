@@ -25,7 +25,7 @@ class ContactSet {
   struct Options {
     double range;       ///< gap at which contact begins [m]
     double slip_speed;  ///< speed below which friction is smoothed [m/s]
-    double time_step;   ///< [s]
+    double time_step;   ///< length of the first step [s]
   };
   using Reach = SampleFinder::Reach;
   using Energy = ContactEnergy;
@@ -35,8 +35,8 @@ class ContactSet {
   ContactSet(const ContactSet&) = delete;  // its parts refer to one another
   ContactSet& operator=(const ContactSet&) = delete;
 
-  /// Moves the obstacles one step towards their targets.
-  void advance() { solids_.advance(); }
+  /// Starts a step: moves the obstacles towards their targets. @param time_step its length [s]
+  void advance(double time_step);
   void moveObstacle(int obstacle, const Pose& pose) { solids_.moveObstacle(obstacle, pose); }
   bool obstaclesMove() const { return solids_.obstaclesMove(); }  ///< see SolidSet
   int obstacles() const { return solids_.obstacles(); }
@@ -157,7 +157,7 @@ class ContactSet {
   template <class Visit>
   void forSamples(int probe, const Visit& visit) const;
 
-  double time_step_;  ///< [s]
+  double slip_speed_, time_step_;  ///< [m/s], [s]
   ContactLaw law_;
   SolidSet solids_;
   SampleFinder finder_;

@@ -21,6 +21,7 @@ class SampleForces {
   SampleForces(const SolidSet& solids, const SampleList& samples, const ContactLaw& law, double slip);
 
   void reserve(int samples);
+  void setSlip(double slip) { slip_ = slip; }  ///< see the constructor [m]
 
   /// Adapts to new samples.
   void rebuild();

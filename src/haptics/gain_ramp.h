@@ -14,8 +14,8 @@ struct Gains {
   }
 };
 
-/// Straight line in time from one set of gains to the next. Solver and haptic thread follow the same
-/// line by the same clock, so both always use the same gains.
+/// Straight line in time from one set of gains to the next. The thread of the device follows it, and a
+/// session passes the coupling on to the solver.
 class GainRamp {
  public:
   GainRamp() = default;

@@ -79,10 +79,18 @@ std::vector<OptionGroup> groupsOf(HapticOptions& haptics) {
            admittanceOptions(haptics.admittance)}};
 }
 
+Options poseOptions(HapticOptions& haptics) {
+  return {{"probe_timeout", field(haptics.probe_timeout), kFinitePositive, "s",
+           "after this silence the probe leaves the scene", Live{0.1, 10.0}},
+          {"velocity_time_constant", field(haptics.velocity_time_constant), kFinitePositive, "s",
+           "low-pass filter of the device's velocity", Live{0.001, 0.05}}};
+}
+
 void validateHapticOptions(const HapticOptions& options, const std::string& origin) {
   HapticOptions haptics = options;  // rows point to members that could be written
   const auto locate = [&origin](const std::string&) { return origin; };
   for (const OptionGroup& group : groupsOf(haptics)) checkOptions(group.options, group.path, locate);
+  checkOptions(poseOptions(haptics), "", locate);
   checkOptions(couplingOptions(haptics.coupling_stiffness, haptics.coupling_damping), "probe.", locate);
   checkWorkspace(haptics.admittance, origin);
 }

@@ -5,29 +5,31 @@
 
 namespace haptic_cloth {
 
-/// Smoothed mean of the time between the starts of steps. The solver's thread calls it.
+/// Wall-clock time of the current step: its simulated time, times a smoothed mean of wall-clock over
+/// simulated time. The solver's thread calls it.
 class StepPace {
  public:
-  /// @param time_step simulated time of a step [s]: no step is counted as shorter
-  explicit StepPace(double time_step) : time_step_(time_step), seconds_(time_step) {}
-
-  /// A step starts. @param now steady clock [s]
-  void begin(double now) {
-    if (last_start_ >= 0.0) seconds_ += kSmoothing * (now - last_start_ - seconds_);
-    seconds_ = std::max(seconds_, time_step_);
+  /// A step starts.
+  /// @param now steady clock [s]
+  /// @param time_step simulated time of the step [s]: no step is counted as shorter
+  /// @param pause longer times between two starts do not count [s]
+  void begin(double now, double time_step, double pause) {
+    if (now - last_start_ <= pause) slowness_ += kSmoothing * ((now - last_start_) / time_step_ - slowness_);
+    slowness_ = std::max(slowness_, 1.0);
+    time_step_ = time_step;
     last_start_ = now;
   }
 
   /// The time until the next start is a pause and does not count.
-  void interrupt() { last_start_ = -1.0; }
+  void interrupt() { last_start_ = -1e30; }
 
-  double seconds() const { return seconds_; }  ///< [s]
+  double seconds() const { return slowness_ * time_step_; }  ///< [s]; 0 before the first step
 
  private:
   static constexpr double kSmoothing = 0.1;  ///< weight of the newest step [-]
-  double time_step_;
-  double seconds_;
-  double last_start_ = -1.0;  ///< steady clock [s]; < 0: none since the start or a pause
+  double slowness_ = 1.0;                    ///< wall-clock over simulated time [-]
+  double time_step_ = 0.0;                   ///< of the current step [s]
+  double last_start_ = -1e30;                ///< steady clock [s]; long ago: none since the start or a pause
 };
 
 }  // namespace haptic_cloth

@@ -5,9 +5,6 @@
 
 namespace haptic_cloth {
 
-/// τ unless the filter's user asks for another [s].
-constexpr double kVelocityTimeConstant = 0.005;
-
 /// First-order low pass on the difference quotient, for unevenly spaced samples. Its memory decays with time,
 /// not with samples, so two samples that arrive in one burst (dt near 0) add Δx/τ at most, never Δx/dt.
 class VelocityFilter {

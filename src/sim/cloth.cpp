@@ -158,6 +158,7 @@ void Cloth::serialize(Archive& archive) {
   archive("velocities", velocities_);
   if (archive.loads()) weight_.assign(mesh_.nodes(), 0.0);
   archive("weight", weight_);
+  archive("integrator", integrator_);
   archive("fabric", internal_);
 }
 

@@ -37,6 +37,8 @@ class Cloth {
   const Field& velocities() const { return velocities_; }  ///< [m/s]
 
   const TimeIntegrator& integrator() const { return integrator_; }
+  /// Starts a step. @param length [s]
+  void beginStep(double length) { integrator_.begin(length); }
   void setAirDamping(double air_damping) { integrator_.setAirDamping(air_damping); }
 
   /// Gravity minus acceleration of the nodes in the last step, along the surface normal [m/s²].

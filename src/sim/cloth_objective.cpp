@@ -26,7 +26,6 @@ ClothObjective::ClothObjective(const Scene& scene, const ActiveMesh& mesh, const
       team_(team),
       gravity_(scene.gravity),
       preconditioner_(scene.solver.minimizer.preconditioner),
-      h_(scene.solver.time_step),
       probes_(scene.probes.size()),
       awake_(mesh, internal, contacts) {
   for (const ProbeOptions& probe : scene.probes) {
@@ -78,7 +77,7 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
   double total_mass = 0.0;
   for (int n = 0; n < mesh_.free; ++n) total_mass += mesh_.mass[n];
   // The proxy has no mass. Over a step its coupling resists like this mass.
-  const auto proxy_mass = [this](int k) { return h_ * h_ * couplingStiffness(k); };
+  const auto proxy_mass = [this](int k) { return timeStep() * timeStep() * couplingStiffness(k); };
   if (mesh_.free == 0) forPresent([&](int k) { total_mass += proxy_mass(k); });
   const double g = referenceAcceleration(gravity_);
   reference_ = total_mass * g * g;
@@ -171,7 +170,7 @@ double ClothObjective::evaluateProbes(Vector& gradient) {
   forPresent([&](int k) {
     gradient.segment<3>(proxyAt(probes_[k])) =
         couplingGradient(k, proxies_[k]) + contacts_.proxyGradient(k) - hold_forces_[k];
-    value += couplingEnergy(k) + 0.5 * couplings_[k].damping * h_ * slip(k).squaredNorm();
+    value += couplingEnergy(k) + 0.5 * couplings_[k].damping * timeStep() * slip(k).squaredNorm();
   });
   return value;
 }
@@ -196,12 +195,12 @@ void ClothObjective::placeProbes() {
 
 /// Velocity of the proxy minus that of its device [m/s].
 Vec3 ClothObjective::slip(int probe) const {
-  return (proxies_[probe] - probes_[probe].proxy) / h_ - probes_[probe].device_velocity;
+  return (proxies_[probe] - probes_[probe].proxy) / timeStep() - probes_[probe].device_velocity;
 }
 
 Vec3 ClothObjective::couplingGradient(int probe, const Vec3& proxy) const {
   const ProbeStep& step = probes_[probe];
-  const Vec3 slip = (proxy - step.proxy) / h_ - step.device_velocity;
+  const Vec3 slip = (proxy - step.proxy) / timeStep() - step.device_velocity;
   return couplings_[probe].stiffness * (proxy - step.device) + couplings_[probe].damping * slip;
 }
 
@@ -351,7 +350,7 @@ double ClothObjective::couplingEnergy() const {
 /// Potential of friction and coupling dampers [J].
 double ClothObjective::lossPotential() const {
   double loss = energies_[kFriction];
-  forPresent([&](int k) { loss += 0.5 * couplings_[k].damping * h_ * slip(k).squaredNorm(); });
+  forPresent([&](int k) { loss += 0.5 * couplings_[k].damping * timeStep() * slip(k).squaredNorm(); });
   return loss;
 }
 
@@ -360,8 +359,9 @@ double ClothObjective::storedAndLost() const {
 }
 
 double ClothObjective::motionCost() const {
+  const double h = timeStep();
   double cost = 0.0;
-  for (int n = 0; n < mesh_.free; ++n) cost += 0.5 * h_ * h_ / mesh_.mass[n] * gradient_[n].squaredNorm();
+  for (int n = 0; n < mesh_.free; ++n) cost += 0.5 * h * h / mesh_.mass[n] * gradient_[n].squaredNorm();
   return cost;
 }
 

@@ -122,7 +122,7 @@ class ClothObjective : public Objective {
   /// Gradient of the coupling's energy by a proxy [N], and its stiffness [N/m].
   Vec3 couplingGradient(int probe, const Vec3& proxy) const;
   double couplingStiffness(int probe) const {
-    return couplings_[probe].stiffness + couplings_[probe].damping / h_;
+    return couplings_[probe].stiffness + couplings_[probe].damping / timeStep();
   }
 
   /// Saves or loads results of the last step that are queried later; begin() does not read them.
@@ -130,13 +130,13 @@ class ClothObjective : public Objective {
 
   Preconditioner preconditioner() const { return preconditioner_; }
 
-  double timeStep() const { return h_; }
+  double timeStep() const { return integrator_.stepLength(); }  ///< length of the step [s]
 
   /// Unit of residuals, |gravity| [m/s²].
   double accelerationUnit() const { return std::sqrt(reference_acceleration_); }
 
   /// residual() of a state with this motionCost() [J].
-  double residualOf(double cost) const { return std::sqrt(2.0 * cost / reference_) / h_; }
+  double residualOf(double cost) const { return std::sqrt(2.0 * cost / reference_) / timeStep(); }
 
   /// Values at the last evaluated point:
   const Field& nodes() const { return nodes_; }
@@ -188,7 +188,6 @@ class ClothObjective : public Objective {
   Team& team_;
   Vec3 gravity_;
   Preconditioner preconditioner_;
-  double h_;                             ///< time step [s]
   std::vector<Coupling> couplings_;      ///< one for each probe of the scene
   double reference_acceleration_ = 1.0;  ///< |gravity|² [m²/s⁴]
   /// Mass of the free nodes times |gravity|², the unit of squared residuals [kg m²/s⁴].

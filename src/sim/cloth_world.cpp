@@ -38,18 +38,20 @@ ClothWorld::ClothWorld(const Scene& scene)
   for (auto* flags : {&ejected_, &jumped_}) flags->reserve(cloth_.grid().particles());
 }
 
-StepReport ClothWorld::step() {
-  if (idle_.isIdle(probes_, contacts_)) return skipStep();
+StepReport ClothWorld::step(int length) {
+  if (idle_.isIdle(probes_, contacts_)) return skipStep(length);
   StepReport report;
-  team_.run(cloth_.mesh().active(), [&] { takeStep(report); });
+  team_.run(cloth_.mesh().active(), [&] { takeStep(length, report); });
   return report;
 }
 
 /// One step: move obstacles, adapt the mesh, find contacts and solve, accept or restore, balance energy.
-void ClothWorld::takeStep(StepReport& report) {
+void ClothWorld::takeStep(int length, StepReport& report) {
+  const double h = length * scene_.solver.time_step;
   solver_.startBudget();
   energy_.beginStep(solver_.objective());
-  contacts_.advance();
+  cloth_.beginStep(h);
+  contacts_.advance(h);
   adapt(report);
   grasps_.update(probes_, cloth_.mesh(), cloth_.state());
   report.minimizer = solver_.solve(grasps_.nodes());  // finds the contacts, too
@@ -62,6 +64,7 @@ void ClothWorld::takeStep(StepReport& report) {
   }
   energy_.update(scene_, solver_.objective(), contacts_, probes_);
   ++steps_;
+  ticks_ += length;
   report.time = time();
   report.active_particles = cloth_.mesh().active();
   report.awake_particles = solver_.objective().awake().count();
@@ -108,7 +111,7 @@ LoadEstimate::View ClothWorld::loadView() {
     const ProbeReport& probe = probes_.reports()[k];
     if (probe.contact) touches_.push_back({probe.proxy, scene_.probes[k].radius, probe.force.norm()});
   }
-  const double look_time = scene_.adapt.interval * scene_.solver.time_step;
+  const double look_time = scene_.adapt.interval * cloth_.integrator().stepLength();
   // The share of the force is that of the default threshold. One that allows cells twice as long
   // allows four times the load on a cell.
   const double usual = AdaptOptions().refine_above;
@@ -179,10 +182,11 @@ void ClothWorld::restore() {
 }
 
 /// Makes a step that changes nothing but the time.
-StepReport ClothWorld::skipStep() {
+StepReport ClothWorld::skipStep(int length) {
   StepReport report;
   report.minimizer.residual = idle_.residual();
   ++steps_;
+  ticks_ += length;
   report.time = time();
   report.active_particles = cloth_.mesh().active();
   return report;
@@ -239,6 +243,7 @@ void ClothWorld::setCoupling(int k, double stiffness, double damping) {
 void ClothWorld::serialize(Archive& archive) {
   serializeIdentity(archive, scene_);
   archive.within("steps", steps_, 0, LONG_MAX / 2);
+  archive.within("ticks", ticks_, 0, LONG_MAX / 2);
   cloth_.serialize(archive);
   if (archive.loads()) solver_.resize();
   adaptation_.serialize(archive, steps_);

@@ -31,6 +31,7 @@ class ClothWorld {
   void setDevice(int probe, const DeviceState& device);
   void removeDevice(int probe);
   void setGrasp(int probe, bool closed);
+  bool isClosed(int probe) const { return probes_.isClosed(probe); }
   void moveObstacle(int obstacle, const Pose& pose) { contacts_.moveObstacle(obstacle, pose); }
 
   /// Places the particles, see Cloth::setPositions().
@@ -42,7 +43,8 @@ class ClothWorld {
   void setAdaptOptions(const AdaptOptions& options);
   void setCoupling(int probe, double stiffness, double damping);
 
-  StepReport step();
+  /// @param length of the step in units of the scene's time_step  @pre >= 1
+  StepReport step(int length = 1);
 
   /// Saves or loads everything that later steps and queries read; the rest is scratch or part of
   /// the scene. @pre loading: a world of the same scene that has made no step. If loading throws,
@@ -56,7 +58,8 @@ class ClothWorld {
   const ClothObjective& objective() const { return solver_.objective(); }  ///< with the last solution
   const CostReport& cost() const { return solver_.cost(); }
   long steps() const { return steps_; }
-  double time() const { return steps_ * scene_.solver.time_step; }
+  long ticks() const { return ticks_; }  ///< simulated time in units of the scene's time_step
+  double time() const { return ticks_ * scene_.solver.time_step; }
   int threads() const { return team_.threads(); }
   Vec3 supportForce() const { return support_force_; }  ///< force of pins and obstacles [N]
   EnergyReport energy() const { return energy_.report(cloth_, solver_.objective()); }
@@ -70,7 +73,7 @@ class ClothWorld {
  private:
   friend class ClothCase;  // bench/kernel_times measures single passes
 
-  void takeStep(StepReport& report);
+  void takeStep(int length, StepReport& report);
   void adapt(StepReport& report);
   bool planMesh();
   bool solidsMove() const;
@@ -78,7 +81,7 @@ class ClothWorld {
   void markEjected();
   void markJumped();
   void restore();
-  StepReport skipStep();
+  StepReport skipStep(int length);
 
   Scene scene_;
   Cloth cloth_;
@@ -92,7 +95,7 @@ class ClothWorld {
   StepSolver solver_;
   EnergyBalance energy_;
   IdleTracker idle_;
-  long steps_ = 0;
+  long steps_ = 0, ticks_ = 0;
   Vec3 support_force_ = Vec3::Zero();
   FineRegions fine_;                          ///< scratch of planMesh()
   std::vector<LoadEstimate::Touch> touches_;  ///< scratch of loadView()

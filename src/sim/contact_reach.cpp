@@ -14,7 +14,7 @@ ContactReach::ContactReach(const Scene& scene, const Cloth& cloth, const Probes&
 }
 
 void ContactReach::estimate() {
-  const double h = scene_.solver.time_step;
+  const double h = cloth_.integrator().stepLength();
   const Grid& grid = cloth_.grid();
   nodes_.resize(cloth_.mesh().nodes());
   for (int n = 0; n < cloth_.mesh().nodes(); ++n) {

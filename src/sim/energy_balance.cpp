@@ -41,7 +41,7 @@ void EnergyBalance::update(const Scene& scene, const ClothObjective& solved, con
     const ProbeOptions& options = scene.probes[k];
     const Vec3 slip = made.device_velocity - probes.reports()[k].velocity;
     supplied_ += 0.5 * options.coupling_stiffness * (made.device - made.proxy).squaredNorm() +
-                 options.coupling_damping * scene.solver.time_step * slip.dot(made.device_velocity);
+                 options.coupling_damping * solved.timeStep() * slip.dot(made.device_velocity);
   }
   supplied_ += contacts.obstacleWork() + ejection_work_;
   ejection_work_ = contacts.ejectionWork();

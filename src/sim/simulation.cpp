@@ -8,6 +8,7 @@
 #include "haptic_cloth/machine.h"
 #include "scene/scene_options.h"
 #include "sim/cloth_world.h"
+#include "sim/recording.h"
 
 namespace haptic_cloth {
 namespace {
@@ -46,16 +47,24 @@ Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 
 void Simulation::setDevice(int probe, const DeviceState& device) {
+  if (sink_) sink_(recorded::device(probe, device));
   implementation_->world.setDevice(probe, device);
 }
 
-void Simulation::removeDevice(int probe) { implementation_->world.removeDevice(probe); }
+void Simulation::removeDevice(int probe) {
+  if (sink_) sink_(recorded::removal(probe));
+  implementation_->world.removeDevice(probe);
+}
 
-void Simulation::setGrasp(int probe, bool closed) { implementation_->world.setGrasp(probe, closed); }
+void Simulation::setGrasp(int probe, bool closed) {
+  if (sink_ && closed != implementation_->world.isClosed(probe)) sink_(recorded::grasp(probe, closed));
+  implementation_->world.setGrasp(probe, closed);
+}
 
 void Simulation::moveObstacle(int obstacle, const Pose& pose) {
   const Eigen::Vector4d turn = pose.orientation.coeffs();
   if (!pose.position.allFinite() || !turn.allFinite() || !(turn.norm() > 0.0)) return;
+  if (sink_) sink_(recorded::obstacle(obstacle, pose));
   implementation_->world.moveObstacle(obstacle, {pose.position, pose.orientation.normalized()});
 }
 
@@ -72,6 +81,7 @@ void Simulation::setOptions(const SolverOptions& solver, const AdaptOptions& ada
   requireFixed(optionsOf(now.solver), optionsOf(changed.solver), "solver.");
   requireFixed(optionsOf(now.adapt), optionsOf(changed.adapt), "adapt.");
   validateScene(changed, "options");
+  if (sink_) sink_(recorded::options(now, changed));
   implementation_->world.setOptions(solver, adapt, air_damping);
 }
 
@@ -80,12 +90,21 @@ void Simulation::setCoupling(int probe, double stiffness, double damping) {
   for (Option& gain : gains)
     gain.range.most = kInfinity;  // the limits of numbers in files are not those of code
   checkOptions(gains, "probe.", [](const std::string&) { return "options"; });
+  const ProbeOptions& now = scene().probes[probe];
+  const bool same = stiffness == now.coupling_stiffness && damping == now.coupling_damping;
+  if (sink_ && !same) sink_(recorded::coupling(probe, stiffness, damping));
   implementation_->world.setCoupling(probe, stiffness, damping);
 }
 
-StepReport Simulation::step() { return implementation_->world.step(); }
+StepReport Simulation::step(int length) {
+  if (sink_) sink_(recorded::step(length));
+  return implementation_->world.step(std::max(1, length));
+}
 
-void Simulation::reset() { implementation_ = std::make_unique<Implementation>(Scene(scene())); }
+void Simulation::reset() {
+  if (sink_) sink_(recorded::reset());
+  implementation_ = std::make_unique<Implementation>(Scene(scene()));
+}
 
 std::string Simulation::saveState() const {
   Archive archive;
@@ -132,8 +151,8 @@ std::uint64_t Simulation::stateHash() const {
     add(state.velocity[p].data(), 3 * sizeof(double));
   }
   for (const ProbeReport& probe : world.probes()) add(probe.proxy.data(), 3 * sizeof(double));
-  const long steps = world.steps();
-  add(&steps, sizeof(steps));
+  const long ticks = world.ticks();
+  add(&ticks, sizeof(ticks));
   return hash;
 }
 

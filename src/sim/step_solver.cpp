@@ -199,7 +199,7 @@ double StepSolver::chooseInitialGuess() {
 /// Minimum of Φ's quadratic model in the plane of the two directions; along their sum if they are
 /// parallel.
 std::array<double, 2> StepSolver::stepsAlongDirections() {
-  const double h = scene_.solver.time_step;
+  const double h = cloth_.integrator().stepLength();
   const int size = objective_.size(), free = cloth_.mesh().free;
   for (int n = 0; n < free; ++n) {
     const Vec3 inertial = cloth_.integrator().inertialMotion(n, cloth_.velocities()[n]);

@@ -8,27 +8,36 @@ namespace {
 // If less of the velocity is left, the step before says nothing about the next one [-].
 constexpr double kStillSmooth = 0.5;
 
+BackwardDifference formula(double share, double span, double air_damping) {
+  return {share, span, span / (1.0 + air_damping * span), (1.0 + air_damping * span) / (span * span)};
+}
+
 }  // namespace
 
-BackwardDifference::BackwardDifference(int order, double time_step, double air_damping)
-    : share(order == 1 ? 0.0 : 1.0 / 3.0),
-      span(order == 1 ? time_step : 2.0 * time_step / 3.0),
-      reach(span / (1.0 + air_damping * span)),
-      inertia((1.0 + air_damping * span) / (span * span)) {}
+BackwardDifference BackwardDifference::euler(double length, double air_damping) {
+  return formula(0.0, length, air_damping);
+}
+
+BackwardDifference BackwardDifference::bdf2(double length, double ratio, double air_damping) {
+  const double whole = 1.0 + 2.0 * ratio;
+  return formula(ratio * ratio / whole, length * (1.0 + ratio) / whole, air_damping);
+}
 
 TimeIntegrator::TimeIntegrator(Integrator kind, double time_step, double air_damping, const Grid& grid)
     : first_order_only_(kind == Integrator::Euler),
-      time_step_(time_step),
-      first_(1, time_step, air_damping),
-      second_(2, time_step, air_damping) {
+      length_(time_step),
+      air_damping_(air_damping),
+      first_(BackwardDifference::euler(time_step, air_damping)),
+      second_(BackwardDifference::bdf2(time_step, 1.0, air_damping)) {
   if (first_order_only_) return;
   for (Field* field : {&moved_, &gained_}) field->reserve(grid.particles());
   jumped_.reserve(grid.particles());
 }
 
-void TimeIntegrator::setAirDamping(double air_damping) {
-  first_ = BackwardDifference(1, time_step_, air_damping);
-  second_ = BackwardDifference(2, time_step_, air_damping);
+void TimeIntegrator::begin(double length) {
+  first_ = BackwardDifference::euler(length, air_damping_);
+  second_ = BackwardDifference::bdf2(length, length / length_, air_damping_);
+  length_ = length;
 }
 
 void TimeIntegrator::prepare(ParticleState& state) const {
@@ -70,13 +79,13 @@ void TimeIntegrator::setMeanVelocities(const Field& start, const Field& end, Fie
   for (int c = 0; c < 3; ++c) {
     const auto &x = end.coordinate(c), &before = start.coordinate(c);
     auto& velocity = velocities.coordinate(c);
-    for (int n = 0; n < velocities.size(); ++n) velocity[n] = (x[n] - before[n]) / time_step_;
+    for (int n = 0; n < velocities.size(); ++n) velocity[n] = (x[n] - before[n]) / length_;
   }
 }
 
 void TimeIntegrator::setVelocity(int n, const Vec3& moved, bool jumped, Field& velocities) {
   const BackwardDifference& f = formula(n);
-  const Vec3 velocity = jumped ? Vec3(moved / time_step_) : Vec3((moved - f.share * moved_[n]) / f.span);
+  const Vec3 velocity = jumped ? Vec3(moved / length_) : Vec3((moved - f.share * moved_[n]) / f.span);
   gained_.set(n, velocity - velocities[n]);
   moved_.set(n, moved);
   jumped_[n] = jumped ? 1 : 0;
@@ -104,6 +113,11 @@ void TimeIntegrator::slow(double factor, Field& velocities) {
     gained_.set(n, factor * gained_[n]);
     if (factor < kStillSmooth) jumped_[n] = 1;
   }
+}
+
+void TimeIntegrator::serialize(Archive& archive) {
+  archive("length", length_);
+  archive.check(length_ > 0.0, "length", "must be > 0");
 }
 
 }  // namespace haptic_cloth

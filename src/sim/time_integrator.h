@@ -8,6 +8,7 @@
 #include "mesh/active_mesh.h"
 #include "mesh/field.h"
 #include "mesh/transfer.h"
+#include "state/archive.h"
 
 namespace haptic_cloth {
 
@@ -16,14 +17,17 @@ namespace haptic_cloth {
 ///
 ///     x̂ = x⁰ + β Δx,   v̂ = v⁰ + β Δv,   x = x̂ + σ v,   v = v̂ + σ (F/m − c v)
 ///
-/// First order (backward Euler): β = 0, σ = h. Second order (BDF2): β = 1/3, σ = 2h/3.
+/// First order (backward Euler): β = 0, σ = h. Second order (BDF2), with r = h over the length of the
+/// step before: β = r²/(1 + 2r), σ = h (1 + r)/(1 + 2r); for equal steps 1/3 and 2h/3.
 struct BackwardDifference {
   double share;    ///< β [-]
   double span;     ///< σ [s]
   double reach;    ///< σ/(1 + c σ) [s]
   double inertia;  ///< (1 + c σ)/σ² [1/s²]
 
-  BackwardDifference(int order, double time_step, double air_damping);
+  static BackwardDifference euler(double length, double air_damping);
+  /// @param length of the step [s]  @param ratio r [-]
+  static BackwardDifference bdf2(double length, double ratio, double air_damping);
 
   Vec3 inertialMotion(const Vec3& velocity, const Vec3& moved, const Vec3& gained) const {
     return share * moved + reach * (velocity + share * gained);
@@ -34,9 +38,16 @@ struct BackwardDifference {
 /// formula takes a jump for smooth motion and would throw the node back.
 class TimeIntegrator {
  public:
+  /// @param time_step usual length of a step [s]
   TimeIntegrator(Integrator kind, double time_step, double air_damping, const Grid& grid);
 
-  void setAirDamping(double air_damping);
+  /// Takes effect with the next step.
+  void setAirDamping(double air_damping) { air_damping_ = air_damping; }
+
+  /// Starts a step. @param length [s]
+  void begin(double length);
+
+  double stepLength() const { return length_; }  ///< of the current or last step [s]
 
   /// Gives the particles what they keep of a step, as for a cloth that has made none.
   void prepare(ParticleState& state) const;
@@ -68,6 +79,8 @@ class TimeIntegrator {
   /// Multiplies velocities and what is kept of the step. @param factor within 0 to 1
   void slow(double factor, Field& velocities);
 
+  void serialize(Archive& archive);
+
  private:
   void setMeanVelocities(const Field& start, const Field& end, Field& velocities) const;
   void setVelocity(int node, const Vec3& moved, bool jumped, Field& velocities);
@@ -78,7 +91,7 @@ class TimeIntegrator {
   }
 
   bool first_order_only_;
-  double time_step_;
+  double length_, air_damping_;  ///< [s], [1/s]
   BackwardDifference first_, second_;
   Field moved_, gained_;      ///< Δx and Δv of the nodes [m], [m/s]
   std::vector<char> jumped_;  ///< one flag for each node

@@ -29,18 +29,14 @@ void add(const StepReport& report, double wall_time, RunTotals& totals) {
 
 }  // namespace
 
-RunRecord runScene(Simulation& simulation, bool keep_rows, const StepCallback& after_step) {
-  const StopOptions stop = simulation.scene().stop;
-  const double step = simulation.scene().solver.time_step;
+RunRecord runSteps(Simulation& simulation, bool keep_rows, const NextStep& next,
+                   const StepCallback& after_step) {
   RunRecord record;
   record.probes.resize(simulation.scene().probes.size());
   record.totals.start_time = simulation.time();
-  double slow_since = simulation.time();
-  // Half a step of slack: the sum of many time steps may end a rounding error short of stop.time.
-  while (simulation.time() < stop.time - 0.5 * step) {
-    followPaths(simulation);
+  for (int length = 1; next(simulation, length);) {
     const auto start = std::chrono::steady_clock::now();
-    const StepReport report = simulation.step();
+    const StepReport report = simulation.step(length);
     const double wall_time = secondsSince(start);
     add(report, wall_time, record.totals);
     if (keep_rows) {
@@ -51,12 +47,25 @@ RunRecord runScene(Simulation& simulation, bool keep_rows, const StepCallback& a
       }
     }
     if (after_step) after_step(simulation, record.totals);
-    if (!(simulation.maxSpeed() < stop.rest_speed)) slow_since = simulation.time();
-    if (stop.rest_speed > 0.0 && simulation.time() - slow_since >= kRestDuration - 0.5 * step) {
-      record.totals.at_rest = true;
-      break;
-    }
   }
+  return record;
+}
+
+RunRecord runScene(Simulation& simulation, bool keep_rows, const StepCallback& after_step) {
+  const StopOptions stop = simulation.scene().stop;
+  // Half a step of slack: the sum of many time steps may end a rounding error short of its limit.
+  const double slack = 0.5 * simulation.scene().solver.time_step;
+  double slow_since = simulation.time();
+  bool at_rest = false;
+  const auto next = [&](Simulation& now, int&) {
+    if (!(now.maxSpeed() < stop.rest_speed)) slow_since = now.time();
+    at_rest = stop.rest_speed > 0.0 && now.time() - slow_since >= kRestDuration - slack;
+    if (at_rest || !(now.time() < stop.time - slack)) return false;
+    followPaths(now);
+    return true;
+  };
+  RunRecord record = runSteps(simulation, keep_rows, next, after_step);
+  record.totals.at_rest = at_rest;
   return record;
 }
 

@@ -50,6 +50,14 @@ constexpr double kRestDuration = 0.1;
 /// Called after each step.
 using StepCallback = std::function<void(const Simulation&, const RunTotals&)>;
 
+/// Prepares the next step and sets its length. @return false: there is none
+using NextStep = std::function<bool(Simulation&, int& length)>;
+
+/// Runs the simulation step by step, as long as there is a next one.
+/// @param keep_rows fill `steps` and `probes` of the result
+RunRecord runSteps(Simulation& simulation, bool keep_rows, const NextStep& next,
+                   const StepCallback& after_step);
+
 /// Runs the simulation from its present time to its scene's stop rule. Devices and obstacles follow their
 /// paths: at each step they stand where the path is at the end of the step; devices have the step's mean
 /// velocity.

@@ -6,7 +6,10 @@
 #include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
+#include <fstream>
 #include <iostream>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +18,7 @@
 #include "haptic_cloth/simulation.h"
 #include "haptic_cloth/state_file.h"
 #include "scene/scene_options.h"
+#include "sim/recording.h"
 #include "state/new_file.h"
 #include "tools/command_line.h"
 #include "tools/outputs.h"
@@ -49,15 +53,16 @@ constexpr const char* kFooter =
     "simulate drape.yaml --resume drape.state --set stop.time=4. The files then describe the second run "
     "only.\n"
     "Exit status: 0 success; 2 bad input, nothing written; 3 the simulation failed (a final state\n"
-    "that is not finite, or more than 10 % of the steps failed), files are written; a state only where\n"
-    "it is finite; 4 output cannot be written, for instance because the disk is full: then none of the\n"
+    "that is not finite, more than 10 % of the steps failed, or a replay that ends in another state than\n"
+    "its recording), files are written; a state only where it is finite; 4 output cannot be written, for "
+    "instance because the disk is full: then none of the\n"
     "files of this run is there. They are whole where only the report cannot be printed.";
 
 struct Arguments {
   std::string scene;
   std::vector<std::string> overrides;
   std::string out;
-  std::string resume, save_state;
+  std::string resume, save_state, replay;
 };
 
 /// One line on a terminal, rewritten a few times a second; nothing when stderr is a file or pipe.
@@ -101,6 +106,8 @@ bool readArguments(int argc, char** argv, Arguments& arguments) {
   line.add("resume", arguments.resume, "FILE",
            "goes on from a saved state of this scene, as if it had never ended");
   line.add("save-state", arguments.save_state, "FILE", "writes the state at the end, for --resume");
+  line.add("replay", arguments.replay, "FILE",
+           "repeats a recording of the node (~record) in place of the scene's paths and stop");
   line.addPage("options", optionsPage(), "prints the keys of a scene as Markdown, and exits");
   line.setFooter(kFooter);
   return line.read(argc, argv);
@@ -112,13 +119,24 @@ int simulate(const Arguments& arguments) {
     const std::uint64_t most = haptic_cloth::largestState(simulation.scene());
     simulation.loadState(haptic_cloth::readStateFile(arguments.resume, most), arguments.resume);
   }
+  std::ifstream recording;
+  std::optional<haptic_cloth::Replay> replay;
+  if (!arguments.replay.empty()) {
+    if (!std::filesystem::is_regular_file(arguments.replay)) {
+      throw haptic_cloth::InputError(arguments.replay, "", "", "must be a regular file");
+    }
+    recording.open(arguments.replay);
+    replay.emplace(recording, arguments.replay, simulation);
+  }
   if (!arguments.save_state.empty()) haptic_cloth::checkStateFile(arguments.save_state);
   if (!arguments.out.empty()) haptic_cloth::prepareDirectory(arguments.out, simulation.scene());
 
+  const bool rows = !arguments.out.empty();
   Progress progress(simulation.scene().stop.time);
-  const RunRecord record = haptic_cloth::runScene(
-      simulation, !arguments.out.empty(),
-      [&](const Simulation& now, const RunTotals& totals) { progress.show(now, totals); });
+  const auto show = [&](const Simulation& now, const RunTotals& totals) { progress.show(now, totals); };
+  const auto next = [&](Simulation& now, int& length) { return replay->next(now, length); };
+  const RunRecord record = replay ? haptic_cloth::runSteps(simulation, rows, next, show)
+                                  : haptic_cloth::runScene(simulation, rows, show);
   progress.finish();
 
   const RunTotals& totals = record.totals;
@@ -135,7 +153,9 @@ int simulate(const Arguments& arguments) {
     std::cout << haptic_cloth::briefReport(simulation, totals) << '\n';
     haptic_cloth::requireStandardOutput();
   }
-  if (succeeded) return kSuccess;
+  const std::string difference = replay ? replay->difference(simulation) : "";
+  if (!difference.empty()) std::cerr << difference << std::endl;
+  if (succeeded) return difference.empty() ? kSuccess : kSimulationFailed;
   std::cerr << arguments.scene << ": simulation failed: "
             << (finite ? std::to_string(totals.failed_steps) + " of " + std::to_string(totals.steps) +
                              " steps were restored"

@@ -11,11 +11,13 @@ file(REMOVE_RECURSE "${WORK}")
 set(ENV{DESTDIR} "")
 run(${CMAKE_COMMAND} --install "${BUILD}" --prefix "${WORK}/prefix")
 file(COPY "${SOURCE}/test/consumer/CMakeLists.txt" "${SOURCE}/examples/hello_cloth.cpp"
+  "${SOURCE}/examples/haptic_loop.cpp"
   DESTINATION "${WORK}/source")
 run(${CMAKE_COMMAND} -S "${WORK}/source" -B "${WORK}/build" "-DCMAKE_PREFIX_PATH=${WORK}/prefix"
   "-DCMAKE_CXX_COMPILER=${COMPILER}" "-DCATKIN=${CATKIN}")
 run(${CMAKE_COMMAND} --build "${WORK}/build")
 run("${WORK}/build/by_target")
+run("${WORK}/build/haptic_loop" --seconds 1)
 if(CATKIN)
   run("${WORK}/build/by_variables")
 endif()

@@ -54,7 +54,7 @@ ProbeReport WallWorld::solve(const Vec3& device, const Vec3&) {
 LoopResult runLoop(const LoopRun& run, ProbeWorld& world) {
   const int steps_per_tick = static_cast<int>(std::lround(1.0 / (run.options.rate * kStep)));
   HapticLoop loop(run.options);
-  VelocityFilter filter(kVelocityTimeConstant, run.options.pose_timeout);
+  VelocityFilter filter(run.options.velocity_time_constant, run.options.pose_timeout);
   SolverThread solver(run.solver, world);
   DelayLine way_in(0.5 * run.device.delay), way_out(0.5 * run.device.delay);
   std::mt19937 random(1);

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "support/torture.h"
 
@@ -122,6 +123,28 @@ TEST_P(TortureTimeStep, DropAndPress) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Steps, TortureTimeStep, testing::Values(1e-4, 1e-3, 1e-2, 5e-2));
+
+class TortureStepLength : public testing::TestWithParam<Integrator> {};
+
+TEST_P(TortureStepLength, DrapeWithRandomLengths) {
+  // Each step is 1 to 8 ms long, so a step may be eight times or an eighth as long as the one before.
+  Torture sheet = tortureSheet(GetParam() == Integrator::Euler ? "step_lengths" : "step_lengths_bdf2",
+                               lightFabric(), 17, 17, 0.1, 0.1);
+  setStrategy(sheet.scene, Strategy::Amrc, 2);
+  Obstacle box;
+  box.shape = Shape::Box;
+  box.size = Vec3(0.05, 0.05, 0.04);
+  box.pose.position.z() = -0.022;
+  sheet.scene.obstacles = {box};
+  sheet.scene.probes[0].path = {{0.0, Vec3(0.0, 0.0, 0.03)}, {0.6, Vec3(0.0, 0.0, 0.006)}};
+  sheet.scene.solver.integrator = GetParam();
+  sheet.scene.stop.time = 1.0;
+  sheet.length = [](long step) { return 1 + static_cast<int>(std::mt19937(step)() % 8); };
+  torture(sheet);
+}
+
+INSTANTIATE_TEST_SUITE_P(Integrators, TortureStepLength,
+                         testing::Values(Integrator::Euler, Integrator::Bdf2));
 
 /// Three planes that meet like the corner of a cube standing on its tip.
 std::vector<Obstacle> corner(double depth) {

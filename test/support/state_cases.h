@@ -32,6 +32,8 @@ struct StateCase {
   std::vector<int> saves;  ///< steps after which the state is saved
   /// Tells whether the run exercised what the case is for.
   std::function<bool(const Exercised&)> exercises;
+  /// Length of a step in units of the scene's time_step; empty: 1.
+  std::function<int(int step)> length = {};
 };
 
 std::vector<StateCase> stateCases();

@@ -37,14 +37,14 @@ void writeText(const fs::path& file, const std::string& text) {
 }
 
 /// Drives the inputs as `simulate` does (src/tools/run.cpp).
-void followPaths(ClothWorld& world) {
+void followPaths(ClothWorld& world, int length) {
   const Scene& scene = world.scene();
-  const double h = scene.solver.time_step, end = world.time() + h;
+  const double h = length * scene.solver.time_step, end = world.time() + h;
   for (int k = 0; k < static_cast<int>(scene.probes.size()); ++k) {
     const ProbeOptions& probe = scene.probes[k];
     if (probe.path.empty()) continue;
     const Vec3 from = pathPosition(probe.path, world.time()), to = pathPosition(probe.path, end);
-    world.setDevice(k, {to, (to - from) / h, probe.orientation});
+    world.setDevice(k, {to, (to - from) / h, probe.orientation, h});
     bool closed = false;
     for (const auto& [close, open] : probe.grasp) closed = closed || (close <= end && end < open);
     world.setGrasp(k, closed);
@@ -99,8 +99,8 @@ class Run {
 
   TortureResult run() {
     const double h = world_.scene().solver.time_step;
-    const long steps = std::lround(world_.scene().stop.time / h);
-    while (result_.steps < steps && result_.finite) {
+    const long ticks = std::lround(world_.scene().stop.time / h);
+    while (world_.ticks() < ticks && result_.finite) {
       step();
       if (result_.steps % kTell == 0) tell();
     }
@@ -115,7 +115,7 @@ class Run {
   std::uint64_t hashAfter(long steps) {
     for (long step = 0; step < steps; ++step) {
       drive(step);
-      world_.step();
+      world_.step(length(step));
     }
     return hashOf(world_);
   }
@@ -137,15 +137,17 @@ class Run {
               << " cut short, " << result_.failed << " failed" << std::endl;
   }
 
+  int length(long step) const { return wanted_.length ? wanted_.length(step) : 1; }
+
   void drive(long step) {
-    followPaths(world_);
+    followPaths(world_, length(step));
     if (wanted_.before) wanted_.before(world_, step);
   }
 
   void step() {
     drive(result_.steps);
     const double turned = madeByTurning();
-    const StepReport report = world_.step();
+    const StepReport report = world_.step(length(result_.steps));
     const EnergyReport energy = world_.energy();
     ++result_.steps;
     result_.turned += turned;
@@ -188,7 +190,7 @@ class Run {
   /// Records the speed of the inputs in the step (except jumps), the depth of the cloth and its
   /// strain.
   void noteMotion() {
-    const double h = world_.scene().solver.time_step, g = world_.scene().gravity.norm();
+    const double h = world_.objective().timeStep(), g = world_.scene().gravity.norm();
     const std::vector<std::optional<Vec3>> now = inputs();
     for (std::size_t k = 0; k < now.size(); ++k) {
       if (!now[k] || !inputs_[k]) continue;
@@ -210,7 +212,7 @@ class Run {
   /// Records the force that the couplings cannot explain. The proxy has no mass but that of its
   /// residual, and the report holds the sum of all residuals.
   void noteForces(const StepReport& report) {
-    const double h = world_.scene().solver.time_step;
+    const double h = world_.objective().timeStep();
     const double residual = std::max(report.minimizer.residual, world_.scene().solver.minimizer.tolerance);
     for (std::size_t k = 0; k < world_.probes().size(); ++k) {
       const ProbeReport& probe = world_.probes()[k];
@@ -372,7 +374,7 @@ TortureResult torture(const Torture& wanted) {
             "time,probe,device_x,device_y,device_z,proxy_x,proxy_y,proxy_z,force_x,force_y,force_z\n" +
                 run.probeRows());
   std::cout << "  replay: simulate " << (directory / "scene.yaml").string()
-            << (wanted.before ? "   (the test did more than a scene can say)" : "") << '\n';
+            << (wanted.before || wanted.length ? "   (the test did more than a scene can say)" : "") << '\n';
   return result;
 }
 

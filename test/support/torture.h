@@ -63,6 +63,8 @@ struct Torture {
   long set_up = 0;
   std::function<void(ClothWorld&, long step)> before = {};       ///< before each step
   std::function<void(const ClothWorld&, long step)> after = {};  ///< after each step
+  /// Length of each step in units of the scene's time_step; empty: 1.
+  std::function<int(long step)> length = {};
 };
 
 /// Result of a run.

@@ -80,11 +80,16 @@ DiagnosticStatus solverStatus(const SolverStats& stats, bool paused, double now)
   } else if (stats.last.failed || stats.last.minimizer.why == Termination::NotFinite) {
     judge(status, DiagnosticStatus::WARN, "the last step failed; the last good state was restored");
   } else {
-    judge(status, DiagnosticStatus::OK, "running");
+    const std::string& given_up = stats.quality.given_up;
+    judge(status, DiagnosticStatus::OK, given_up.empty() ? "running" : "running with " + given_up);
   }
   add(status, "steps per second", stats.wall > 0.0 ? stats.steps / stats.wall : 0.0);
   add(status, "real-time factor", stats.real_time_factor);
   add(status, "simulated time [s]", stats.time);
+  add(status, "quality rung", static_cast<std::uint64_t>(stats.quality.rung));
+  add(status, "given up", stats.quality.given_up.empty() ? std::string("nothing") : stats.quality.given_up);
+  add(status, "step length [s]", stats.quality.step_length);
+  add(status, "slipped [s]", stats.quality.slipped);
   add(status, "active particles", static_cast<std::uint64_t>(stats.last.active_particles));
   add(status, "iterations per step", stats.iterations);
   add(status, "termination", std::string(toString(stats.last.minimizer.why)));

@@ -114,8 +114,8 @@ void DisplayThread::publishDiagnostics(double now) {
   for (std::size_t k = 0; k < sources_.probes.size(); ++k) {
     const ProbeTopics& probe = sources_.probes[k];
     SharedProbe& shared = shared_.probes[k];
-    array.status.push_back(
-        probeStatus(probe.name(), probe.counters(), shared.felt.read(), shared.grasp, now, probe.message()));
+    array.status.push_back(probeStatus(probe.name(), probe.counters(), shared.felt.read(),
+                                       shared.session().grasp(), now, probe.message()));
   }
   for (const ObstacleTopics& obstacle : sources_.obstacles) {
     array.status.push_back(obstacleStatus(obstacle.name(), obstacle.counters(), now));

@@ -46,6 +46,9 @@ FlowMeter::FlowMeter(ros::NodeHandle& node, const std::vector<std::string>& prob
       node.subscribe<ClothState>(topics::kState, 2, [this](const ClothState::ConstPtr& message) {
         state_.add(isFinite(message->positions) && isFinite(message->tension) && isFinite(message->bending));
         cells_ = message->levels.size();
+        rung_ = message->rung;
+        worst_rung_ = std::max(worst_rung_, rung_);
+        slipped_ = message->slipped;
         newest_ = {message->time, steadyNow()};
         if (state_.count == 1) first_ = newest_;
       });
@@ -88,6 +91,7 @@ void FlowMeter::clear() {
     probe.max_force = 0.0;
   }
   markers_.count = state_.count = 0;
+  worst_rung_ = rung_;
 }
 
 std::string FlowMeter::line(double seconds) const {
@@ -101,8 +105,10 @@ std::string FlowMeter::line(double seconds) const {
                   1e3 * probe.height);
     text += part;
   }
-  std::snprintf(part, sizeof part, "markers %4.1f Hz  state %4.1f Hz | cells %5zu  t %6.2f s  speed %4.2f",
-                markers_.count / seconds, state_.count / seconds, cells_, newest_.time, speed);
+  std::snprintf(
+      part, sizeof part,
+      "markers %4.1f Hz  state %4.1f Hz | cells %5zu  t %6.2f s  speed %4.2f  rung %d  slipped %.2f s",
+      markers_.count / seconds, state_.count / seconds, cells_, newest_.time, speed, rung_, slipped_);
   return text + part;
 }
 
@@ -119,9 +125,10 @@ std::string FlowMeter::verdict(double seconds, bool& passed) const {
   }
   double most = 0.0;
   for (const Probe& probe : probes_) most = std::max(most, probe.max_force);
-  char force[60];
-  std::snprintf(force, sizeof force, ", force up to %.2f N", most);
-  return (passed ? "PASS: " : "FAIL: ") + text.substr(2) + force;
+  char rest[100];
+  std::snprintf(rest, sizeof rest, ", force up to %.2f N, rung up to %d, slipped %.2f s", most, worst_rung_,
+                slipped_);
+  return (passed ? "PASS: " : "FAIL: ") + text.substr(2) + rest;
 }
 
 }  // namespace haptic_cloth

@@ -54,6 +54,8 @@ class FlowMeter {
   std::deque<Probe> probes_;  ///< a deque, because callbacks refer to the elements
   Flow markers_, state_;
   std::size_t cells_ = 0;
+  int rung_ = 0, worst_rung_ = 0;  ///< of the newest state, and the largest since clear
+  double slipped_ = 0.0;           ///< of the newest state [s]
   /// Simulated time of a state, and when it was received.
   struct Arrival {
     double time, received;  ///< [s]

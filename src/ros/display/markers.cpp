@@ -18,6 +18,7 @@ constexpr int kMaxTriangles = 20000;
 constexpr double kAmbient = 0.35;  ///< share of ambient light [-]
 /// Height of the mesh lines above the surface, against flicker [m].
 constexpr double kLineLift = 3e-4;
+constexpr double kTextHeight = 0.01, kTextLift = 0.08;  ///< of the text on quality [m]
 constexpr float kClothRed = 0.25F, kClothGreen = 0.50F, kClothBlue = 0.85F;
 
 std_msgs::ColorRGBA levelColor(int level) {
@@ -67,6 +68,9 @@ MarkerBuilder::MarkerBuilder(const Scene& scene, const std::string& frame_id, co
       frame_id_(frame_id) {
   addMarker(markers_, "surface", Marker::TRIANGLE_LIST, frame_id);
   addMarker(markers_, "mesh", Marker::LINE_LIST, frame_id).scale.x = 0.0005;
+  Marker& quality = addMarker(markers_, "quality", Marker::TEXT_VIEW_FACING, frame_id);
+  quality.color = markerColor(0.95F, 0.75F, 0.1F);
+  setScale(quality, 0.0, 0.0, kTextHeight);
   for (const ProbeOptions& probe : scene.probes) addProbe(probe);
   for (const Obstacle& obstacle : scene.obstacles) {
     obstacles_.emplace_back(markers_, "obstacles", obstacle, markerColor(0.55F, 0.55F, 0.58F), frame_id);
@@ -90,6 +94,7 @@ const visualization_msgs::MarkerArray& MarkerBuilder::build(const DisplayFrame& 
   updateNormals(frame);
   updateSurface(frame);
   updateMesh(frame);
+  updateQuality(frame);
   for (std::size_t k = 0; k < probes_.size(); ++k) updateProbe(probes_[k], frame.probes[k], forces[k]);
   for (std::size_t k = 0; k < obstacles_.size(); ++k) obstacles_[k].place(markers_, frame.obstacles[k]);
   for (Marker& marker : markers_.markers) marker.header.stamp = stamp;
@@ -174,6 +179,16 @@ void MarkerBuilder::updateMesh(const DisplayFrame& frame) {
   const geometry_msgs::Point last = mesh.points.empty() ? geometry_msgs::Point() : mesh.points.back();
   mesh.points.resize(2 * lines, last);
   mesh.colors.resize(2 * lines, levelColor(0));
+}
+
+/// Shows what is given up, above the middle of the cloth. Nothing is shown at the quality that the scene asks
+/// for.
+void MarkerBuilder::updateQuality(const DisplayFrame& frame) {
+  Marker& text = markers_.markers[kQuality];
+  text.text = frame.quality.given_up;
+  text.action = text.text.empty() ? Marker::DELETE : Marker::ADD;
+  const Vec3 middle = frame.positions[rows_ / 2 * columns_ + columns_ / 2];
+  text.pose.position = toPoint(middle + kTextLift * Vec3::UnitZ());
 }
 
 void MarkerBuilder::updateProbe(const ProbeMarkers& markers, const ProbeView& probe, const Vec3& force) {

@@ -37,6 +37,7 @@ class MarkerBuilder {
   void updateSurface(const DisplayFrame& frame);
   std_msgs::ColorRGBA lineColor(const DisplayFrame& frame, std::size_t cell) const;
   void updateMesh(const DisplayFrame& frame);
+  void updateQuality(const DisplayFrame& frame);
   void updateProbe(const ProbeMarkers& markers, const ProbeView& probe, const Vec3& force);
 
   int columns_, rows_;
@@ -45,10 +46,10 @@ class MarkerBuilder {
   std::string frame_id_;
   std::vector<Vec3> normals_;                ///< per finest particle
   std::vector<std_msgs::ColorRGBA> shade_;   ///< per finest particle
-  visualization_msgs::MarkerArray markers_;  ///< surface, mesh, then probes and obstacles
+  visualization_msgs::MarkerArray markers_;  ///< surface, mesh, quality, then probes and obstacles
   std::vector<ProbeMarkers> probes_;
   std::vector<SolidMarkers> obstacles_;
-  enum Index { kSurface, kMesh };
+  enum Index { kSurface, kMesh, kQuality };
 };
 
 }  // namespace haptic_cloth

@@ -3,7 +3,6 @@
 
 #include <ros/publisher.h>
 
-#include "haptics/admittance_loop.h"
 #include "ros/haptic/moving_gains.h"
 #include "ros/haptic/probe_tick.h"
 #include "ros/node/shared_state.h"
@@ -14,6 +13,7 @@ namespace haptic_cloth {
 class AdmittanceProbe : public ProbeTick {
  public:
   /// @param number of the probe in the scene  @param reaction for those who watch: what acts on the tool
+  /// @param shared has a session for an admittance device
   AdmittanceProbe(const NodeOptions& options, std::size_t number, const ros::Publisher& command,
                   const ros::Publisher& reaction, SharedProbe& shared);
 
@@ -24,19 +24,19 @@ class AdmittanceProbe : public ProbeTick {
   void sendLast() override;
   double heard() const override { return heard_; }
   bool isQuiet() const override {
-    return loop_.atRest() && felt_.force.isZero(0.0) && felt_.torque.isZero(0.0);
+    return session_.isAtRest() && felt_.force.isZero(0.0) && felt_.torque.isZero(0.0);
   }
 
  private:
-  void sendCommand(const StampedSample& device, const ros::Time& stamp);
+  void sendCommand(const StampedPose& device, const ros::Time& stamp);
   void sendReaction(const StampedForce& hand, const Wrench& wrench);
 
   std::string frame_id_;
   MovingGains gains_;
-  Quat orientation_;  ///< of a device that does not say how it stands
   ros::Publisher command_, reaction_;
   SharedProbe& shared_;
-  AdmittanceLoop loop_;
+  AdmittanceSession& session_;
+  Pose target_;          ///< of the last tick, in the cloth's frame
   double heard_ = -1.0;  ///< see ProbeTick
   FeltForce felt_;       ///< of the last tick
 };

@@ -12,21 +12,21 @@ HapticProbe::HapticProbe(const std::string& frame_id, const ProbeSettings& setti
       gains_(settings),
       reaction_(reaction),
       shared_(shared),
-      loop_(limitsAtProbe(settings.haptics, settings.device)) {}
+      session_(*shared.impedance) {}
 
 void HapticProbe::tick(double now, bool paused) {
-  gains_.move(now, [this](const HapticOptions& options, double unit) { loop_.setOptions(options, unit); });
-  const StampedSample& device = shared_.device_for_haptics.read();
-  heard_ = device.sample.received;
-  const Vec3 force = loop_.tick(device.sample, shared_.snapshot.read(), paused, now);
-  const Wrench wrench{force, loop_.torque()};
+  gains_.move(now, [this](const HapticOptions& options, double unit) { session_.setOptions(options, unit); });
+  const StampedPose& device = shared_.pose.read();
+  heard_ = device.received;
+  session_.setPose(device.pose, device.received);
+  const Wrench wrench = session_.tick(now, paused);
   // Stated in the frame, axes and scale of the pose it answers. With the pose's stamp the receiver can tell
   // how old the force is; without a pose, the clock's.
-  const bool answers = device.sample.received >= 0.0;
+  const bool answers = device.received >= 0.0;
   reaction_.publish(toWrench(wrenchForDriver(gains_.device(), device.frame_rotation, wrench),
                              answers ? device.stamp : ros::Time::now(),
                              answers ? device.frame_id : frame_id_));
-  felt_.note(loop_.status(), wrench);
+  felt_.note(session_.status(), wrench);
   shared_.felt.write(felt_);
 }
 

@@ -12,7 +12,7 @@ namespace haptic_cloth {
 /// From the newest pose and snapshot of a probe to its wrench. One thread calls it.
 class HapticProbe : public ProbeTick {
  public:
-  /// @param settings of the probe
+  /// @param settings of the probe  @param shared has a session for an impedance device
   HapticProbe(const std::string& frame_id, const ProbeSettings& settings, const ros::Publisher& reaction,
               SharedProbe& shared);
 
@@ -29,7 +29,7 @@ class HapticProbe : public ProbeTick {
   MovingGains gains_;
   ros::Publisher reaction_;
   SharedProbe& shared_;
-  HapticLoop loop_;
+  HapticSession& session_;
   double heard_ = -1.0;  ///< see ProbeTick
   FeltForce felt_;       ///< of the last tick
 };

@@ -52,8 +52,8 @@ void ProbeTopics::subscribe(ros::NodeHandle& node, ros::CallbackQueue& poses) {
 std::string ProbeTopics::grasp(bool closed) {
   // A grasp that closed by itself after a pause, or when a device comes, would surprise the hand.
   if (closed && paused_) return "paused";
-  if (closed && !shared_.present) return "no " + message();
-  shared_.grasp_wanted = closed;
+  if (closed && !shared_.session().isPresent()) return "no " + message();
+  shared_.session().setGrasp(closed);
   return "";
 }
 

@@ -37,12 +37,11 @@ DeviceInput::DeviceInput(const NodeOptions& options, std::size_t number, const t
       shared_(shared.probes[number]),
       live_(shared.live_for_poses),
       gate_(options.max_pose_age, options.probes[number].haptics.pose_timeout),
-      filter_(options.velocity_time_constant, options.probes[number].haptics.pose_timeout),
       units_(device_.workspace_radius),
       notice_("poses of " + options.scene.probes[number].name, frames_.clothFrame()) {}
 
 void DeviceInput::accept(const geometry_msgs::PoseStamped& pose, const std::string& sender) {
-  StampedSample sample;
+  StampedPose taken;
   const double received = steadyNow();
   ++counters_.received;
   takeOptions();
@@ -53,11 +52,11 @@ void DeviceInput::accept(const geometry_msgs::PoseStamped& pose, const std::stri
   takeOrientation(pose.pose.orientation);
   const Vec3 position = toVec3(pose.pose.position);
   checkUnits(position, received);
-  sample.frame_id = pose.header.frame_id.empty() ? frames_.clothFrame() : pose.header.frame_id;
-  const std::optional<Pose> frame = device_.use_tf ? frames_.find(sample.frame_id) : Pose();
+  taken.frame_id = pose.header.frame_id.empty() ? frames_.clothFrame() : pose.header.frame_id;
+  const std::optional<Pose> frame = device_.use_tf ? frames_.find(taken.frame_id) : Pose();
   if (!frame) {
     counters_.drop(counters_.unknown_frame, received);
-    warn(notice_.unknownFrame(sample.frame_id, received));
+    warn(notice_.unknownFrame(taken.frame_id, received));
     return;
   }
   const Pose there = composed(*frame, {placed(device_, position), placed(device_, orientation_)});
@@ -67,23 +66,18 @@ void DeviceInput::accept(const geometry_msgs::PoseStamped& pose, const std::stri
   }
   gate_.take(pose.header, sender, received);
   notice_.taken();
-  sample.frame_position = frame->position;
-  sample.frame_rotation = frame->orientation;
-  sample.sample.orientation = there.orientation.normalized();
-  sample.stamp = pose.header.stamp;
-  sample.sample.received = received;
-  sample.sample.stamp = pose.header.stamp.toSec();
-  sample.sample.position = there.position;
-  sample.sample.velocity = filter_.update(sample.sample.position, received);
-  shared_.device_for_haptics.write(sample);
-  if (device_.kind == DeviceKind::Impedance) shared_.device_for_solver.write(sample.sample);
+  taken.frame_position = frame->position;
+  taken.frame_rotation = frame->orientation;
+  taken.stamp = pose.header.stamp;
+  taken.received = received;
+  taken.pose = there;
+  shared_.pose.write(taken);
 }
 
 void DeviceInput::takeOptions() {
   if (!live_.readNew()) return;
   const LiveOptions& live = live_.newest();
   gate_.setTimes(live.options->max_pose_age, live.options->haptics.pose_timeout);
-  filter_.setTimes(live.options->velocity_time_constant, live.options->haptics.pose_timeout);
 }
 
 std::atomic<std::uint64_t>* DeviceInput::refused(const geometry_msgs::PoseStamped& pose,

@@ -1,4 +1,4 @@
-/// Input of device poses: checked, transformed into the cloth's frame, velocity filtered.
+/// Input of device poses: checked, transformed into the cloth's frame.
 #pragma once
 
 #include <geometry_msgs/PoseStamped.h>
@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <string>
 
-#include "haptics/velocity_filter.h"
 #include "ros/input/drop_notice.h"
 #include "ros/input/frame_lookup.h"
 #include "ros/input/pose_gate.h"
@@ -68,7 +67,6 @@ class DeviceInput {
   SharedProbe& shared_;
   LiveReader live_;
   PoseGate gate_;
-  VelocityFilter filter_;
   UnitCheck units_;
   Quat orientation_ = Quat::Identity();  ///< last good one, as given by the driver
   InputCounters counters_;

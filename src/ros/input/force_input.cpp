@@ -21,12 +21,11 @@ void ForceInput::takeOptions() {
 
 void ForceInput::accept(const geometry_msgs::WrenchStamped& wrench, const std::string& sender) {
   StampedForce force;
-  force.sample.received = steadyNow();
+  const double received = steadyNow();
   ++counters_.received;
   takeOptions();
   const auto& measured = wrench.wrench.force;
   const Vec3 given(measured.x, measured.y, measured.z);
-  const double received = force.sample.received;
   const ros::Time now = ros::Time::now();
   const PoseVerdict verdict = gate_.judge(wrench.header, given.allFinite(), sender, now, received);
   if (std::atomic<std::uint64_t>* counter = counters_.of(verdict)) {
@@ -46,7 +45,8 @@ void ForceInput::accept(const geometry_msgs::WrenchStamped& wrench, const std::s
   notice_.taken();
   force.frame_rotation = frame->orientation;
   force.stamp = wrench.header.stamp;
-  force.sample.force = forceAtProbe(device_, force.frame_rotation, given);
+  force.received = received;
+  force.force = forceAtProbe(device_, force.frame_rotation, given);
   shared_.force.write(force);
 }
 

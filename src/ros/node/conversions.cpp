@@ -143,6 +143,10 @@ void toClothState(const DisplayFrame& frame, int columns, int rows, std::vector<
   }
   message.tension = frame.tension;
   message.bending = frame.bending;
+  message.rung = static_cast<std::uint8_t>(frame.quality.rung);
+  message.given_up = frame.quality.given_up;
+  message.step_length = frame.quality.step_length;
+  message.slipped = frame.quality.slipped;
 }
 
 std::optional<double> toNumber(const XmlRpcValue& value) {

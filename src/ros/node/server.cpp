@@ -75,7 +75,7 @@ class HapticClothServer::Implementation {
  public:
   Implementation(const ros::NodeHandle& node, const ros::NodeHandle& private_node, const NodeOptions& options)
       : options_(options),
-        shared_(options_.scene),
+        shared_(options_),
         solver_(options_, shared_),
         node_(node),
         private_node_(private_node),
@@ -195,7 +195,7 @@ class HapticClothServer::Implementation {
   bool pause(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
     shared_.paused = request.data;
     if (request.data) {
-      for (SharedProbe& probe : shared_.probes) probe.grasp_wanted = false;
+      for (SharedProbe& probe : shared_.probes) probe.session().setGrasp(false);
     }
     response.success = true;
     response.message = request.data ? "paused" : "running";

@@ -5,22 +5,24 @@
 
 #include <atomic>
 #include <cstdint>
+#include <deque>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "haptic_cloth/haptics.h"
+#include "haptic_cloth/haptic_session.h"
 #include "haptic_cloth/report.h"
 #include "haptic_cloth/simulation.h"
 #include "haptics/lateness.h"
-#include "haptics/solver_probe.h"
 #include "ros/node/solver_tasks.h"
 #include "ros/options/live_options.h"
 
 namespace haptic_cloth {
 
 /// A device pose with what the wrench that answers it needs: exact stamp and frame of its message.
-struct StampedSample {
-  DeviceSample sample;
+struct StampedPose {
+  double received = -1.0;  ///< steady clock [s]; < 0: none yet
+  Pose pose;               ///< in the cloth's frame
   ros::Time stamp;
   std::string frame_id;                    ///< of the message
   Vec3 frame_position = Vec3::Zero();      ///< of that frame in the cloth's [m]
@@ -29,10 +31,26 @@ struct StampedSample {
 
 /// A measured force with what its answer needs.
 struct StampedForce {
-  ForceSample sample;
+  double received = -1.0;     ///< steady clock [s]; < 0: none yet
+  Vec3 force = Vec3::Zero();  ///< of the hand on the device, in the cloth's frame [N]
   ros::Time stamp;
   std::string frame_id;                    ///< of the message
   Quat frame_rotation = Quat::Identity();  ///< of that frame in the cloth's
+};
+
+/// Values of a probe for display.
+struct ProbeView {
+  ProbeReport report;
+  Quat orientation = Quat::Identity();
+  GraspState grasp = GraspState::Open;
+};
+
+/// What the solver gives up to keep the clock.
+struct QualityView {
+  int rung = 0;              ///< 0: the quality that the scene asks for
+  std::string given_up;      ///< empty: nothing
+  double step_length = 0.0;  ///< of the last step [s]
+  double slipped = 0.0;      ///< simulated time given up since the start [s]
 };
 
 /// A copy of what is shown.
@@ -43,6 +61,7 @@ struct DisplayFrame {
   std::vector<float> tension, bending;
   std::vector<ProbeView> probes;  ///< in the scene's order, as the obstacles
   std::vector<Pose> obstacles;
+  QualityView quality;
   bool valid = false;
 };
 
@@ -56,6 +75,7 @@ struct SolverStats {
   double iterations = 0.0;      ///< mean a step [-]
   std::uint64_t failed = 0;     ///< since start
   double kinetic = 0.0;         ///< [J]
+  QualityView quality;
   StepReport last;
 };
 
@@ -89,12 +109,19 @@ struct FeltForce {
   }
 };
 
-/// Values of one probe that the threads share. `device_for_solver` is written by the pose callback, or by the
-/// haptic thread where that moves a tool.
-struct SharedProbe : ProbeExchange {
-  Mailbox<StampedSample> device_for_haptics;  ///< pose callback → haptic thread
-  Mailbox<StampedForce> force;                ///< force callback → haptic thread; admittance devices
-  Mailbox<FeltForce> felt;                    ///< haptic thread → display thread
+/// One probe: its session, by which haptic and solver thread close the loop, and what the messages of its
+/// device bring.
+struct SharedProbe {
+  /// @param number of the probe in the scene
+  SharedProbe(const NodeOptions& options, std::size_t number);
+
+  ProbeSession& session() { return impedance ? static_cast<ProbeSession&>(*impedance) : *admittance; }
+
+  std::optional<HapticSession> impedance;       ///< of one of the two kinds of device
+  std::optional<AdmittanceSession> admittance;  ///< of the other
+  Mailbox<StampedPose> pose;                    ///< pose callback → haptic thread
+  Mailbox<StampedForce> force;                  ///< force callback → haptic thread; admittance devices
+  Mailbox<FeltForce> felt;                      ///< haptic thread → display thread
 };
 
 /// Target pose of an obstacle.
@@ -111,9 +138,9 @@ struct LiveReport {
 };
 
 struct SharedState {
-  explicit SharedState(const Scene& scene) : probes(scene.probes.size()), obstacles(scene.obstacles.size()) {}
+  explicit SharedState(const NodeOptions& options);
 
-  std::vector<SharedProbe> probes;                 ///< in the scene's order
+  std::deque<SharedProbe> probes;                  ///< in the scene's order
   std::vector<Mailbox<ObstacleTarget>> obstacles;  ///< pose callback → solver thread, in the scene's order
 
   Mailbox<DisplayFrame> frame;        ///< solver thread → display thread

@@ -1,16 +1,17 @@
 #include "ros/node/solver_loop.h"
 
+#include <ros/console.h>
+
 #include <algorithm>
 #include <thread>
 
 #include "ros/node/steady_clock.h"
+#include "sim/recording.h"
 
 namespace haptic_cloth {
 namespace {
 
-constexpr double kIdle = 1e-3;  ///< sleep while paused [s]
-/// Longest backlog in wall time that is caught up after a slow step [s].
-constexpr double kMaxBacklog = 0.02;
+constexpr double kIdle = 1e-3;   ///< sleep while paused [s]
 constexpr double kWindow = 1.0;  ///< window of the statistics [s]
 
 /// If the scene does not set the number of threads, one core is left for the haptic thread.
@@ -23,15 +24,16 @@ Scene sceneFor(Scene scene) {
 }  // namespace
 
 SolverLoop::SolverLoop(const NodeOptions& options, SharedState& shared)
-    : time_step_(options.scene.solver.time_step),
-      shared_(shared),
+    : shared_(shared),
       live_(shared.live_for_solver),
       simulation_(sceneFor(options.scene)),
       targets_seen_(options.scene.obstacles.size(), 0),
-      pace_(time_step_) {
-  for (std::size_t k = 0; k < options.scene.probes.size(); ++k) {
-    probes_.emplace_back(static_cast<int>(k), options.probe_timeout, shared.probes[k]);
-  }
+      clock_(options.scene.solver.time_step) {
+  makeLadder(options);
+  if (options.record.empty()) return;
+  recorder_.emplace(options.record);
+  recorder_->write(recorded::header(simulation_));
+  simulation_.record([this](const std::string& line) { recorder_->write(line); });
 }
 
 void SolverLoop::run() {
@@ -40,22 +42,27 @@ void SolverLoop::run() {
     shared_.tasks.work(*this);
     copyFrameWhenWanted();
     if (shared_.paused) {
-      due_ = window_start_ = -1.0;
-      pace_.interrupt();
-      for (SolverProbe& probe : probes_) probe.open(simulation_);
+      clock_.restart();
+      window_start_ = -1.0;
+      for (SharedProbe& probe : shared_.probes) probe.session().pause(simulation_);
       sleepUntil(steadyNow() + kIdle);
       continue;
     }
-    waitUntilDue();
+    sleepUntil(clock_.due(steadyNow()));
     takeOptions();
+    const ClockKeeper::Step next = clock_.begin(steadyNow());
+    setQuality(next.rung);
     moveObstacles();
-    for (SolverProbe& probe : probes_) probe.takeDevice(simulation_, steadyNow());
-    const StepReport report = simulation_.step();
-    for (SolverProbe& probe : probes_) {
-      probe.publishSnapshot(simulation_, pace_.seconds(), steadyNow());
+    for (SharedProbe& probe : shared_.probes) {
+      probe.session().beforeStep(simulation_, steadyNow(), next.length);
     }
+    const StepReport report = simulation_.step(next.length);
+    for (SharedProbe& probe : shared_.probes) probe.session().afterStep(simulation_, steadyNow());
+    clock_.end(steadyNow());
+    step_length_ = next.length * simulation_.scene().solver.time_step;
     record(report);
   }
+  if (recorder_) recorder_->end(recorded::end(simulation_));
 }
 
 void SolverLoop::resetWhenAsked() {
@@ -76,17 +83,20 @@ std::string SolverLoop::saveState() {
 /// holding cloth or on the other side of it, so probes enter the scene again as after silence.
 void SolverLoop::loadState(const std::string& state, const std::string& origin) {
   skipRamps();
+  const std::string end = recorded::end(simulation_);
   simulation_.loadState(state, origin);
-  for (std::size_t k = 0; k < probes_.size(); ++k) simulation_.removeDevice(static_cast<int>(k));
+  simulation_.record(nullptr);
+  if (recorder_ && recorder_->end(end)) ROS_WARN("the recording ends: a state was loaded");
   startAnew();
 }
 
 /// Forgets what probes and obstacles were told for another cloth.
 void SolverLoop::startAnew() {
-  for (SolverProbe& probe : probes_) probe.forget();
+  for (SharedProbe& probe : shared_.probes) probe.session().restart(simulation_);
   // Targets sent before are not used.
   for (std::size_t k = 0; k < targets_seen_.size(); ++k)
     targets_seen_[k] = shared_.obstacles[k].read().number;
+  clock_.restart();
   window_start_ = -1.0;
   shared_.frame_wanted = true;
   copyFrameWhenWanted();
@@ -94,34 +104,45 @@ void SolverLoop::startAnew() {
 
 /// Takes new live options between two steps. They were validated as a whole.
 void SolverLoop::takeOptions() {
-  const bool other = live_.readNew();
-  const LiveOptions& live = live_.newest();
-  if (other) {
-    const Scene& scene = live.options->scene;
-    simulation_.setOptions(scene.solver, scene.adapt, scene.air_damping);
-    for (SolverProbe& probe : probes_) probe.setTimeout(live.options->probe_timeout);
-    gains_move_ = true;
-  }
-  if (!gains_move_) return;
-  const double now = steadyNow();
-  gains_move_ = false;
-  for (std::size_t k = 0; k < live.gains.size(); ++k) {
-    const Gains gains = live.gains[k].at(now);
-    simulation_.setCoupling(static_cast<int>(k), gains.coupling_stiffness, gains.coupling_damping);
-    gains_move_ = gains_move_ || !live.gains[k].isDone(now);
-  }
+  if (live_.readNew()) makeLadder(*live_.newest().options);
 }
 
-/// Takes the newest options with couplings at the ends of their ramps. No step uses these
-/// couplings: the next step sets them again for its time.
+void SolverLoop::makeLadder(const NodeOptions& options) {
+  constexpr double kRounding = 1e-9, kMost = 1e6;  // in steps
+  SolverOptions solver = options.scene.solver;
+  solver.threads = simulation_.scene().solver.threads;
+  const double longest = std::min(options.max_time_step / solver.time_step + kRounding, kMost);
+  ladder_ = qualityLadder(solver, options.scene.adapt, std::max(1, static_cast<int>(longest)));
+  if (!options.keep_clock) ladder_.resize(1);
+  std::vector<int> longest_steps;
+  for (const Quality& rung : ladder_) longest_steps.push_back(rung.longest_step);
+  clock_.setRungs(longest_steps);
+  air_damping_ = options.scene.air_damping;
+  rung_ = -1;
+}
+
+/// Gives the simulation the options of a rung.
+void SolverLoop::setQuality(int rung) {
+  if (rung == rung_) return;
+  rung_ = rung;
+  simulation_.setOptions(ladder_[rung].solver, ladder_[rung].adapt, air_damping_);
+}
+
+QualityView SolverLoop::quality() const {
+  const int rung = std::max(0, rung_);
+  return {rung, ladder_[rung].given_up, step_length_, clock_.slipped()};
+}
+
+/// Takes the newest options as they were asked for, with couplings at the ends of their ramps. No step
+/// uses these: before the next step its quality and the couplings of the haptic thread are set.
 void SolverLoop::skipRamps() {
   takeOptions();
+  setQuality(0);
   const LiveOptions& live = live_.newest();
   for (std::size_t k = 0; k < live.gains.size(); ++k) {
     const ProbeOptions& asked = live.options->scene.probes[k];
     simulation_.setCoupling(static_cast<int>(k), asked.coupling_stiffness, asked.coupling_damping);
   }
-  gains_move_ = !live.gains.empty();
 }
 
 void SolverLoop::copyFrameWhenWanted() {
@@ -131,25 +152,17 @@ void SolverLoop::copyFrameWhenWanted() {
   simulation_.cells(frame_.cells);
   simulation_.cellLoads(frame_.tension, frame_.bending);
   frame_.probes.clear();
-  for (const SolverProbe& probe : probes_) frame_.probes.push_back(probe.view(simulation_));
+  for (std::size_t k = 0; k < shared_.probes.size(); ++k) {
+    const ProbeSession& session = shared_.probes[k].session();
+    frame_.probes.push_back({simulation_.probe(static_cast<int>(k)), session.orientation(), session.grasp()});
+  }
   frame_.obstacles.clear();
   for (std::size_t k = 0; k < targets_seen_.size(); ++k) {
     frame_.obstacles.push_back(simulation_.obstaclePose(static_cast<int>(k)));
   }
+  frame_.quality = quality();
   frame_.valid = true;
   shared_.frame.write(frame_);
-}
-
-void SolverLoop::waitUntilDue() {
-  double now = steadyNow();
-  if (due_ < 0.0) due_ = now;
-  due_ = std::max(due_, now - kMaxBacklog);
-  if (due_ > now) {
-    sleepUntil(due_);
-    now = steadyNow();
-  }
-  due_ += time_step_;
-  pace_.begin(now);
 }
 
 void SolverLoop::moveObstacles() {
@@ -179,6 +192,7 @@ void SolverLoop::record(const StepReport& report) {
   window_.time = simulation_.time();
   window_.real_time_factor = (window_.time - window_start_time_) / window_.wall;
   window_.iterations = window_iterations_ / window_.steps;
+  window_.quality = quality();
   window_.kinetic = simulation_.energy().kinetic;
   window_.last = report;
   shared_.solver_stats.write(window_);

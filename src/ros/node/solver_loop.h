@@ -1,12 +1,15 @@
-/// The solver thread: takes steps without pause, never ahead of wall time.
+/// The solver thread: takes steps without pause, never ahead of wall time. If it is late, ClockKeeper makes
+/// steps longer and lowers their quality.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "haptic_cloth/simulation.h"
-#include "haptics/solver_probe.h"
-#include "haptics/step_pace.h"
+#include "haptics/clock_keeper.h"
+#include "haptics/quality_ladder.h"
+#include "ros/node/record_writer.h"
 #include "ros/node/shared_state.h"
 #include "ros/options/node_options.h"
 
@@ -34,22 +37,25 @@ class SolverLoop {
   void resetWhenAsked();
   void startAnew();
   void takeOptions();
+  void makeLadder(const NodeOptions& options);
+  void setQuality(int rung);
+  QualityView quality() const;
   void skipRamps();
   void copyFrameWhenWanted();
-  void waitUntilDue();
   void moveObstacles();
   void record(const StepReport& report);
 
-  double time_step_;  ///< [s]
   SharedState& shared_;
   LiveReader live_;
   Simulation simulation_;
-  std::vector<SolverProbe> probes_;
   std::vector<std::uint64_t> targets_seen_;  ///< number of the last target of each obstacle
-  bool gains_move_ = false;
 
-  double due_ = -1.0;  ///< start of the next step on the steady clock [s]; < 0: now
-  StepPace pace_;
+  ClockKeeper clock_;
+  std::vector<Quality> ladder_;
+  double air_damping_ = 0.0;              ///< asked for [1/s]
+  int rung_ = -1;                         ///< whose options the simulation has; < 0: unknown
+  double step_length_ = 0.0;              ///< of the last step [s]
+  std::optional<RecordWriter> recorder_;  ///< set if a recording was asked for
   std::uint64_t resets_seen_ = 0;
 
   SolverStats window_;

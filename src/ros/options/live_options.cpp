@@ -40,6 +40,7 @@ LiveRows liveRows(NodeOptions& node) {
 }
 
 LiveValue valueOf(const Option& option) {
+  if (const auto* flag = std::get_if<bool*>(&option.field)) return **flag;
   if (const auto* whole = std::get_if<Numbers<int>>(&option.field)) return *whole->first;
   if (const auto* number = std::get_if<Numbers<double>>(&option.field)) return *number->first;
   return valueText(option);
@@ -48,6 +49,7 @@ LiveValue valueOf(const Option& option) {
 /// Value of the same type as the option's.
 LiveValue sliderEnd(const Option& option, double end) {
   const LiveValue value = valueOf(option);
+  if (std::holds_alternative<bool>(value)) return end > 0.0;
   if (std::holds_alternative<int>(value)) return static_cast<int>(end);
   if (std::holds_alternative<double>(value)) return end;
   return std::string();
@@ -60,11 +62,16 @@ std::vector<std::string> choicesOf(const Option& option) {
 
 /// Assigns a value to its option. @return the rule it breaks; empty if it is valid
 std::string assign(const Option& option, const LiveValue& value) {
-  if (const auto* whole = std::get_if<Numbers<int>>(&option.field)) {
+  if (const auto* flag = std::get_if<bool*>(&option.field)) {
+    if (!std::holds_alternative<bool>(value)) return "must be true or false";
+    **flag = std::get<bool>(value);
+  } else if (const auto* whole = std::get_if<Numbers<int>>(&option.field)) {
     if (!std::holds_alternative<int>(value)) return "must be a whole number";
     *whole->first = std::get<int>(value);
   } else if (const auto* number = std::get_if<Numbers<double>>(&option.field)) {
-    if (std::holds_alternative<std::string>(value)) return "must be a number";
+    if (!std::holds_alternative<int>(value) && !std::holds_alternative<double>(value)) {
+      return "must be a number";
+    }
     const int* const whole_value = std::get_if<int>(&value);
     *number->first = whole_value != nullptr ? *whole_value : std::get<double>(value);
   } else if (const auto* choice = std::get_if<Choice>(&option.field)) {
@@ -78,6 +85,7 @@ std::string assign(const Option& option, const LiveValue& value) {
 }
 
 std::string toText(const LiveValue& value) {
+  if (const bool* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
   if (const int* whole = std::get_if<int>(&value)) return std::to_string(*whole);
   if (const double* number = std::get_if<double>(&value)) return shortestText(*number);
   return std::get<std::string>(value);

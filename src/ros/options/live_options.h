@@ -15,14 +15,14 @@
 
 namespace haptic_cloth {
 
-using LiveValue = std::variant<int, double, std::string>;
+using LiveValue = std::variant<bool, int, double, std::string>;
 using LiveValues = std::map<std::string, LiveValue>;  ///< by name
 
 /// One live option for the tools. Its name is that of the private parameter with its initial value.
 struct LiveOption {
   std::string name;
   std::string description;
-  LiveValue low, high;               ///< ends of the slider; the rules may allow more
+  LiveValue low, high;               ///< ends of the slider, or false and true; the rules may allow more
   std::vector<std::string> choices;  ///< words that it accepts; empty if it takes a number
 };
 

@@ -54,6 +54,11 @@ void validateNodeOptions(const NodeOptions& options, const std::string& origin) 
   const auto locate = [&origin](const std::string&) { return origin; };
   NodeOptions node = options;  // rows point to members that could be written
   for (const OptionGroup& group : groupsOf(node)) checkOptions(group.options, group.path, locate);
+  const double budget = node.scene.solver.minimizer.time_budget;
+  if (!node.record.empty() && budget > 0.0) {
+    throw InputError(origin, "record", node.record,
+                     "needs step_budget 0 and solver/time_budget 0: a recording repeats no clock");
+  }
   node.scene.solver.minimizer.time_budget = node.time_budget;
   validateScene(node.scene, origin);
   for (std::size_t k = 0; k < node.probes.size(); ++k) {

@@ -8,8 +8,6 @@
 
 #include "haptic_cloth/haptics.h"
 #include "haptic_cloth/scene.h"
-#include "haptics/solver_probe.h"
-#include "haptics/velocity_filter.h"
 #include "ros/input/device_map.h"
 
 namespace haptic_cloth {
@@ -32,16 +30,17 @@ struct MarkerOptions {
 };
 
 struct NodeOptions {
-  std::string frame_id = "world";        ///< frame of the cloth and of all output
-  std::string scene_file;                ///< read first; scene parameters override its values
-  std::string scene_directory;           ///< without scene_file: folder of relative fabric paths
-  double max_pose_age = 0.2;             ///< a pose with an older stamp is dropped [s]; 0: never
-  double probe_timeout = kProbeTimeout;  ///< after this silence the probe leaves the scene [s]
-  double velocity_time_constant = kVelocityTimeConstant;  ///< low-pass filter of the device's velocity [s]
+  std::string frame_id = "world";  ///< frame of the cloth and of all output
+  std::string scene_file;          ///< read first; scene parameters override its values
+  std::string scene_directory;     ///< without scene_file: folder of relative fabric paths
+  double max_pose_age = 0.2;       ///< a pose with an older stamp is dropped [s]; 0: never
   /// Limit of wall time per step [s]; 0: none. The smaller of this and the scene's budget counts.
   /// Without it the force would time out during a hard step.
   double step_budget = 0.025;
-  double gain_ramp = 0.5;  ///< duration of gain ramps after a live change [s]; 0: at once
+  bool keep_clock = true;        ///< a late solver gives up quality instead of simulated time
+  double max_time_step = 0.004;  ///< longest step of a late solver [s]
+  std::string record;            ///< file for a recording; empty: none
+  double gain_ramp = 0.5;        ///< duration of gain ramps after a live change [s]; 0: at once
   MarkerOptions markers;
   double state_rate = 30.0;  ///< [Hz]
   DeviceOptions device;      ///< default of all probes

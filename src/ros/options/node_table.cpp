@@ -11,22 +11,26 @@ namespace {
 constexpr Range kDisplayRate{0.0, 1000.0, true};
 
 Options generalOptions(NodeOptions& node) {
-  return {
+  Options options{
       {"frame_id", field(node.frame_id), kNoRange, "", "frame of the cloth and of all output; not empty"},
       {"scene_file", field(node.scene_file), kNoRange, "", "read first; scene parameters override it"},
       {"scene_directory", field(node.scene_directory), kNoRange, "",
        "without `scene_file`: folder of relative fabric paths"},
       {"max_pose_age", field(node.max_pose_age), kFiniteNotNegative, "s",
        "a pose with an older stamp is dropped; 0: never", Live{0.0, 2.0}},
-      {"probe_timeout", field(node.probe_timeout), kFinitePositive, "s",
-       "after this silence the probe leaves the scene", Live{0.1, 10.0}},
-      {"velocity_time_constant", field(node.velocity_time_constant), kFinitePositive, "s",
-       "low-pass filter of the device's velocity", Live{0.001, 0.05}},
       {"step_budget", field(node.step_budget), kNotNegative, "s", "wall clock of one step; 0: no limit",
        Live{0.0, 0.1}},
+      {"keep_clock", field(node.keep_clock), kNoRange, "",
+       "a late solver gives up quality instead of simulated time", Live{0.0, 1.0}},
+      {"max_time_step", field(node.max_time_step), kFinitePositive, "s", "longest step of a late solver",
+       Live{0.001, 0.02}},
+      {"record", field(node.record), kNoRange, "",
+       "file for a recording that `simulate` replays; empty: none"},
       {"gain_ramp", field(node.gain_ramp), kFiniteNotNegative, "s", "time in which changed gains are reached",
        Live{0.0, 5.0}},
       {"devices", OwnReader{"{}", "map"}, kNoRange, "", "other values of `device` for a probe, by its name"}};
+  for (const Option& option : poseOptions(node.haptics)) options.push_back(option);
+  return options;
 }
 
 Options markerOptions(MarkerOptions& markers) {

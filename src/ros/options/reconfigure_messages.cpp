@@ -22,13 +22,15 @@ void add(Config& config, const std::string& name, const LiveValue& value) {
     list.back().name = name;
     list.back().value = v;
   };
+  if (const bool* flag = std::get_if<bool>(&value)) append(config.bools, *flag);
   if (const int* whole = std::get_if<int>(&value)) append(config.ints, *whole);
   if (const double* number = std::get_if<double>(&value)) append(config.doubles, *number);
   if (const std::string* text = std::get_if<std::string>(&value)) append(config.strs, *text);
 }
 
 const char* typeOf(const LiveValue& value) {
-  return std::holds_alternative<int>(value)      ? "int"
+  return std::holds_alternative<bool>(value)     ? "bool"
+         : std::holds_alternative<int>(value)    ? "int"
          : std::holds_alternative<double>(value) ? "double"
                                                  : "str";
 }
@@ -61,7 +63,7 @@ LiveValues toValues(const Config& config) {
   for (const auto& entry : config.ints) values[entry.name] = entry.value;
   for (const auto& entry : config.doubles) values[entry.name] = entry.value;
   for (const auto& entry : config.strs) values[entry.name] = entry.value;
-  for (const auto& entry : config.bools) values[entry.name] = std::string(entry.value ? "true" : "false");
+  for (const auto& entry : config.bools) values[entry.name] = entry.value != 0;
   return values;
 }
 

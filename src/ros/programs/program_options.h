@@ -10,7 +10,7 @@
 
 namespace haptic_cloth {
 
-/// Intended motion of the hand and properties of the arm. The defaults fit haptic_1khz.yaml and
+/// Intended motion of the hand and properties of the arm. The defaults fit demo.yaml and
 /// box_drape.yaml in config/scenes. Their draped top lies at about z = 0.055 m, so the probe's
 /// centre first touches it at about 0.063 m.
 struct HandOptions {

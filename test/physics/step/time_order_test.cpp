@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "support/record.h"
@@ -15,7 +16,9 @@ namespace haptic_cloth {
 namespace {
 
 /// Positions of a sheet that is held at a corner, after a swing of 0.16 s from the horizontal.
-std::vector<Vec3> swung(Integrator integrator, Strategy strategy, double time_step) {
+/// @param lengths of the steps, repeated, in units of time_step
+std::vector<Vec3> swung(Integrator integrator, Strategy strategy, double time_step,
+                        const std::vector<int>& lengths = {1}) {
   LinearFabric linear;
   linear.rigidity = 1e-5;
   Scene scene = sheetScene(makeFabric(linear), 9, 9, 0.2, 0.2);
@@ -27,8 +30,10 @@ std::vector<Vec3> swung(Integrator integrator, Strategy strategy, double time_st
   scene.solver.minimizer.tolerance = 1e-5;
   scene.solver.minimizer.max_iterations = 5000;
   Simulation simulation(scene);
-  const int steps = static_cast<int>(std::lround(0.16 / time_step));
-  for (int n = 0; n < steps; ++n) EXPECT_EQ(simulation.step().minimizer.why, Termination::Converged);
+  for (std::size_t n = 0; simulation.time() < 0.16 - 0.5 * time_step; ++n) {
+    EXPECT_EQ(simulation.step(lengths[n % lengths.size()]).minimizer.why, Termination::Converged);
+  }
+  EXPECT_NEAR(simulation.time(), 0.16, 1e-12);
   std::vector<Vec3> positions;
   simulation.positions(positions);
   return positions;
@@ -55,6 +60,28 @@ TEST(TimeOrder, IsOneForBackwardEulerAndTwoForBdf2) {
         EXPECT_GT(std::log2(before / error), tolerance(0.75) * (second ? 2.0 : 1.0)) << time_step;
       }
       before = error;
+    }
+  }
+}
+
+TEST(TimeOrder, HoldsForStepsOfVaryingLength) {
+  const std::vector<Vec3> exact = swung(Integrator::Bdf2, Strategy::Finest, 6.25e-5);
+  const std::vector<std::vector<int>> patterns{{1, 2}, {1, 3}, {1, 1, 2, 4, 4, 2, 1, 1}};
+  for (const std::vector<int>& lengths : patterns) {
+    const int sum = std::accumulate(lengths.begin(), lengths.end(), 0),
+              count = static_cast<int>(lengths.size());
+    for (const Integrator integrator : {Integrator::Euler, Integrator::Bdf2}) {
+      double before = 0.0;
+      for (const int steps : {160, 320, 640}) {  // means of 1, 0.5 and 0.25 ms
+        const int repeats = steps / count;
+        const double error = rms(swung(integrator, Strategy::Finest, 0.16 / (sum * repeats), lengths), exact);
+        // Three quarters of the order, as for equal steps.
+        const double order = integrator == Integrator::Bdf2 ? 2.0 : 1.0;
+        if (before > 0.0) {
+          EXPECT_GT(std::log2(before / error), tolerance(0.75) * order) << sum << ", " << steps;
+        }
+        before = error;
+      }
     }
   }
 }

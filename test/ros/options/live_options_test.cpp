@@ -33,6 +33,7 @@ XmlRpcValue twoProbes() {
 /// Another value that every rule allows.
 LiveValue another(const LiveOption& option, const NodeOptions& options) {
   const LiveValue value = liveValues(options).at(option.name);
+  if (const bool* flag = std::get_if<bool>(&value)) return !*flag;
   if (const int* whole = std::get_if<int>(&value)) return *whole + 1;
   if (const double* number = std::get_if<double>(&value)) return *number > 0.0 ? 0.75 * *number : 0.01;
   return option.choices.back();
@@ -195,7 +196,7 @@ TEST(ReconfigureMessages, SayAllThereIs) {
     SCOPED_TRACE(option.name);
     const LiveValue value = values.at(option.name);
     EXPECT_EQ(value, liveValues(options).at(option.name));
-    const char* const type[] = {"int", "double", "str"};
+    const char* const type[] = {"bool", "int", "double", "str"};
     EXPECT_EQ(types.at(option.name), type[value.index()]);
     ASSERT_EQ(low.at(option.name).index(), value.index());
     ASSERT_EQ(high.at(option.name).index(), value.index());
@@ -262,7 +263,7 @@ TEST(LiveOptions, ForcesAreHeldToTheAgeThatPosesAre) {
   parameters["device"]["kind"] = "admittance";
   parameters["max_pose_age"] = 0.0;  // no pose is too old
   const NodeOptions options = parseNodeOptions(parameters, "test");
-  SharedState shared(options.scene);
+  SharedState shared(options);
   const tf2_ros::Buffer transforms;
   ForceInput input(options, 0, transforms, shared);
   geometry_msgs::WrenchStamped wrench;

@@ -97,7 +97,11 @@ class LiveTest : public testing::Test {
   LiveValues set(const LiveValues& values) {
     dynamic_reconfigure::Reconfigure call;
     for (const auto& [name, value] : values) {
-      if (const int* whole = std::get_if<int>(&value)) {
+      if (const bool* flag = std::get_if<bool>(&value)) {
+        call.request.config.bools.emplace_back();
+        call.request.config.bools.back().name = name;
+        call.request.config.bools.back().value = *flag;
+      } else if (const int* whole = std::get_if<int>(&value)) {
         call.request.config.ints.emplace_back();
         call.request.config.ints.back().name = name;
         call.request.config.ints.back().value = *whole;

@@ -1,7 +1,7 @@
 /// The three threads of the node without ROS: poses, solver and haptic tick exchange values by
 /// mailboxes, while the solver divides its loops over two threads. Criteria: no value is followed
-/// by an older one; every force is finite and within max_force; every step is made; no race under
-/// the thread sanitizer (scripts/sanitize.sh thread).
+/// by an older one; every force is finite and within max_force, every tool in its workspace; every
+/// step is made; no race under the thread sanitizer (scripts/sanitize.sh thread).
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -23,30 +23,16 @@ double steadySeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// Shared values, as in the node's SharedProbe.
-struct Shared {
-  Mailbox<DeviceSample> for_haptics, for_solver;
-  Mailbox<ProbeSnapshot> snapshot;
-  std::atomic<bool> stop{false}, paused{false};
-};
+/// Path of the device: down through the cloth and up again, repeatedly. It creeps along x, which tells
+/// poses apart.
+Pose poseAt(int k) { return {Vec3(1e-7 * k, 0.0, 0.012 - 1e-4 * std::abs(k % 400 - 200)), Quat::Identity()}; }
 
-/// Sends poses that move down through the cloth and up again, repeatedly.
-void sendPoses(Shared& shared) {
-  for (int k = 0; !shared.stop; ++k) {
-    DeviceSample sample;
-    sample.received = sample.stamp = steadySeconds();
-    sample.position = Vec3(0.0, 0.0, 0.012 - 1e-4 * std::abs(k % 400 - 200));
-    sample.velocity = Vec3(0.0, 0.0, k % 400 < 200 ? 0.1 : -0.1);
-    shared.for_haptics.write(sample);
-    shared.for_solver.write(sample);
-    shared.paused = k % 500 > 480;
-    std::this_thread::sleep_for(std::chrono::microseconds(300));
-  }
+bool pausedAt(int k) { return k % 500 > 480; }
+
+/// The factor allows for rounding of the norm.
+bool isBad(const Vec3& force, const HapticOptions& options) {
+  return !(force.norm() <= options.max_force * (1.0 + 1e-12));
 }
-
-struct SolverResult {
-  int failed = 0, backwards = 0;
-};
 
 Scene sharedSheet() {
   LinearFabric linear;
@@ -58,26 +44,45 @@ Scene sharedSheet() {
   return scene;
 }
 
-SolverResult solve(Shared& shared) {
-  Simulation simulation(sharedSheet());
+/// Poses as another thread receives them, with the session they go to.
+struct Loop {
+  struct Received {
+    double when = -1.0;
+    Pose pose;
+  };
+  Simulation simulation{sharedSheet()};
+  HapticSession session{simulation.scene(), 0};
+  Mailbox<Received> poses;
+  std::atomic<bool> stop{false}, paused{false};
+
+  void sendPoses() {
+    for (int k = 0; !stop; ++k) {
+      poses.write({steadySeconds(), poseAt(k)});
+      paused = pausedAt(k);
+      std::this_thread::sleep_for(std::chrono::microseconds(300));
+    }
+  }
+};
+
+struct SolverResult {
+  int failed = 0, backwards = 0;
+};
+
+SolverResult solve(Loop& loop) {
   SolverResult result;
-  double newest = -1.0;
+  double newest = 0.0;
   for (int step = 0; step < kSteps; ++step) {
-    const DeviceSample sample = shared.for_solver.read();
-    result.backwards += sample.received < newest;
-    newest = sample.received;
-    if (sample.received >= 0.0) simulation.setDevice(sample.position, sample.velocity);
-    result.failed += simulation.step().failed;
-    const ProbeReport probe = simulation.probe();
-    ProbeSnapshot snapshot;
-    snapshot.taken = steadySeconds();
-    snapshot.device_received = sample.received;
-    snapshot.device = probe.device;
-    snapshot.proxy = probe.proxy;
-    snapshot.drift = probe.velocity;
-    snapshot.force = probe.force;
-    snapshot.contact = probe.contact;
-    shared.snapshot.write(snapshot);
+    if (step == kSteps / 2) {
+      loop.simulation.reset();
+      loop.session.restart(loop.simulation);
+    }
+    loop.session.beforeStep(loop.simulation, steadySeconds());
+    result.failed += loop.simulation.step().failed;
+    loop.session.afterStep(loop.simulation, steadySeconds());
+    if (!loop.session.isPresent()) continue;
+    const double x = loop.simulation.probe().device.x();
+    result.backwards += x < newest;
+    newest = x;
   }
   return result;
 }
@@ -86,62 +91,66 @@ struct HapticResult {
   int ticks = 0, backwards = 0, bad_forces = 0;
 };
 
-HapticResult feel(Shared& shared) {
-  const HapticOptions options;
-  HapticLoop loop(options);
+HapticResult feel(Loop& loop) {
   HapticResult result;
-  double newest_pose = -1.0, newest_snapshot = -1.0;
-  for (; !shared.stop; ++result.ticks) {
-    const DeviceSample& sample = shared.for_haptics.read();
-    const ProbeSnapshot& snapshot = shared.snapshot.read();
-    result.backwards += sample.received < newest_pose || snapshot.taken < newest_snapshot;
-    newest_pose = sample.received;
-    newest_snapshot = snapshot.taken;
-    const Vec3 force = loop.tick(sample, snapshot, shared.paused, steadySeconds());
-    // The factor allows for rounding of the norm.
-    result.bad_forces += !(force.norm() <= options.max_force * (1.0 + 1e-12));
+  double newest = -1.0;
+  for (; !loop.stop; ++result.ticks) {
+    const Loop::Received& received = loop.poses.read();
+    result.backwards += received.when < newest;
+    newest = received.when;
+    loop.session.setPose(received.pose, received.when);
+    const Vec3 force = loop.session.tick(steadySeconds(), loop.paused).force;
+    result.bad_forces += isBad(force, loop.session.options());
+    if (result.ticks % 50 == 0) {
+      HapticOptions options = loop.session.options();
+      options.coupling_stiffness = result.ticks % 100 == 0 ? 300.0 : 400.0;
+      loop.session.setOptions(options);
+    }
     std::this_thread::sleep_for(std::chrono::microseconds(100));
   }
   return result;
 }
 
 TEST(Exchange, PosesSolverAndTickShareWithoutLocks) {
-  Shared shared;
+  Loop loop;
   HapticResult felt;
   SolverResult solved;
-  std::thread poses([&] { sendPoses(shared); });
-  std::thread haptics([&] { felt = feel(shared); });
-  std::thread solver([&] { solved = solve(shared); });
+  std::thread poses([&] { loop.sendPoses(); });
+  std::thread haptics([&] { felt = feel(loop); });
+  std::thread solver([&] { solved = solve(loop); });
+  std::thread grasps([&] {
+    for (int k = 0; !loop.stop; ++k) {
+      loop.session.setGrasp(k % 2 == 0);
+      std::this_thread::sleep_for(std::chrono::milliseconds(15));
+    }
+  });
   solver.join();
-  shared.stop = true;
+  loop.stop = true;
   haptics.join();
   poses.join();
+  grasps.join();
   EXPECT_EQ(solved.failed, 0);
   EXPECT_EQ(solved.backwards + felt.backwards, 0);
   EXPECT_EQ(felt.bad_forces, 0);
   EXPECT_GT(felt.ticks, 0);
 }
 
-TEST(Exchange, ASessionSharesWithoutLocks) {
+TEST(Exchange, AnAdmittanceSessionSharesWithoutLocks) {
   Simulation simulation(sharedSheet());
-  const HapticOptions options;
-  HapticSession session(simulation, 0, options);
+  AdmittanceSession session(simulation.scene(), 0);
+  const AdmittanceOptions tool = session.options().admittance;
   std::atomic<bool> stop{false};
-  int failed = 0, bad_forces = 0;
+  int failed = 0, outside = 0;
   std::thread device([&] {
     for (int k = 0; !stop; ++k) {
-      const Pose pose{Vec3(0.0, 0.0, 0.012 - 1e-4 * std::abs(k % 400 - 200)), Quat::Identity()};
-      const Vec3 force = session.tick(pose, steadySeconds(), k % 500 > 480).force;
-      bad_forces += !(force.norm() <= options.max_force * (1.0 + 1e-12));
-      if (k % 50 == 0) session.setGrasp(k % 100 == 0);
+      const Pose pose =
+          session.tick(Vec3(0.0, 0.0, k % 400 < 200 ? -3.0 : 3.0), steadySeconds(), pausedAt(k));
+      const auto beyond = (pose.position - tool.workspace_low).cwiseMin(tool.workspace_high - pose.position);
+      outside += !(beyond.minCoeff() >= 0.0);
       std::this_thread::sleep_for(std::chrono::microseconds(300));
     }
   });
   for (int step = 0; step < kSteps; ++step) {
-    if (step == kSteps / 2) {
-      simulation.reset();
-      session.restart(simulation);
-    }
     session.beforeStep(simulation, steadySeconds());
     failed += simulation.step().failed;
     session.afterStep(simulation, steadySeconds());
@@ -149,7 +158,7 @@ TEST(Exchange, ASessionSharesWithoutLocks) {
   stop = true;
   device.join();
   EXPECT_EQ(failed, 0);
-  EXPECT_EQ(bad_forces, 0);
+  EXPECT_EQ(outside, 0);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// A session as its two threads drive it, on one thread and an artificial clock: a tick and a step
+/// Sessions as their two threads drive them, on one thread and an artificial clock: a tick and a step
 /// each millisecond. Criteria: the limits of HapticOptions, exact but for round-off; at rest the
 /// force is the coupling's, k (proxy - device).
 #include "haptic_cloth/haptic_session.h"
@@ -30,7 +30,7 @@ class HapticSessionTest : public ::testing::Test {
  protected:
   static constexpr double kTick = 1e-3;  ///< [s]
 
-  HapticSessionTest() : simulation_(pinnedSheet()), session_(simulation_, 0, options_) {}
+  HapticSessionTest() : simulation_(pinnedSheet()), session_(simulation_.scene(), 0, options_) {}
 
   /// One tick without a step. Checks what holds for every tick.
   void tick(const Vec3& position, bool paused = false) {
@@ -159,6 +159,62 @@ TEST_F(HapticSessionTest, AJumpLetsGoAndBeginsAnew) {
   EXPECT_GT(force(), 0.1);
 }
 
+TEST_F(HapticSessionTest, LetsGoInAPause) {
+  EXPECT_FALSE(session_.isPresent());
+  session_.setGrasp(true);
+  press();
+  EXPECT_TRUE(session_.isPresent());
+  EXPECT_EQ(session_.grasp(), GraspState::Holding);
+  session_.pause(simulation_);
+  EXPECT_EQ(session_.grasp(), GraspState::Open);
+  press(1);
+  EXPECT_FALSE(probe().grasps);
+  session_.setGrasp(true);
+  tick(Vec3(0.0, 0.0, 0.05));
+  step();
+  EXPECT_EQ(session_.grasp(), GraspState::Closed);  // with nothing in it
+}
+
+TEST_F(HapticSessionTest, TakesOtherOptionsWhileItRuns) {
+  press();
+  HapticOptions other = session_.options();
+  other.coupling_stiffness *= 0.5;
+  other.coupling_damping *= 2.0;
+  other.probe_timeout = 0.2;
+  session_.setOptions(other);
+  press();
+  const ProbeOptions& coupling = simulation_.scene().probes[0];
+  EXPECT_EQ(coupling.coupling_stiffness, other.coupling_stiffness);
+  EXPECT_EQ(coupling.coupling_damping, other.coupling_damping);
+  const double expected = other.coupling_stiffness * (probe().proxy - probe().device).norm();
+  EXPECT_NEAR(force(), expected, 0.02 * expected);  // the sheet still swings a little
+  const auto silent = [&](int ticks) {
+    for (int k = 0; k < ticks; ++k) {
+      tickWithoutPose();
+      step();
+    }
+  };
+  silent(190);
+  EXPECT_TRUE(session_.isPresent());
+  silent(20);
+  EXPECT_FALSE(session_.isPresent());
+}
+
+TEST_F(HapticSessionTest, APoseThatIsNotNewerIsNone) {
+  press();
+  const double sent = time_;
+  for (int k = 0; k < 10; ++k) {
+    session_.setPose({Vec3(0.0, 0.0, 0.05), Quat::Identity()}, sent - 1e-3 * k);
+    tickWithoutPose();
+    step();
+  }
+  EXPECT_EQ(probe().device, Vec3(0.0, 0.0, -0.005));
+  session_.setPose({Vec3(0.0, 0.0, 0.05), Quat::Identity()}, time_);
+  tickWithoutPose();
+  step();
+  EXPECT_EQ(probe().device, Vec3(0.0, 0.0, 0.05));
+}
+
 TEST_F(HapticSessionTest, BeginsAnewAfterAReset) {
   press();
   simulation_.reset();
@@ -172,23 +228,105 @@ TEST_F(HapticSessionTest, BeginsAnewAfterAReset) {
 }
 
 TEST_F(HapticSessionTest, RefusesWhatItCannotServe) {
-  EXPECT_THROW(HapticSession(simulation_, -1), InputError);
-  EXPECT_THROW(HapticSession(simulation_, 1), InputError);
+  EXPECT_THROW(HapticSession(simulation_.scene(), -1), InputError);
+  EXPECT_THROW(HapticSession(simulation_.scene(), 1), InputError);
   HapticOptions options;
   options.max_force = 0.0;
-  EXPECT_THROW(HapticSession(simulation_, 0, options), InputError);
+  EXPECT_THROW(HapticSession(simulation_.scene(), 0, options), InputError);
+}
+
+/// A hand that pushes an admittance device.
+class AdmittanceSessionTest : public ::testing::Test {
+ protected:
+  static constexpr double kTick = 1e-3;  ///< [s]
+  static constexpr double kPush = 1.0;   ///< [N]
+
+  AdmittanceSessionTest() : simulation_(pinnedSheet()), session_(simulation_.scene(), 0, options()) {}
+
+  static HapticOptions options() {
+    HapticOptions options;
+    options.admittance.start = Vec3(0.0, 0.0, 0.02);
+    options.admittance.workspace_low.z() = -0.1;
+    return options;
+  }
+
+  void step() {
+    session_.beforeStep(simulation_, time_);
+    simulation_.step();
+    session_.afterStep(simulation_, time_);
+  }
+
+  void push(int ticks) {
+    for (int k = 0; k < ticks; ++k) {
+      target_ = session_.tick(Vec3(0.0, 0.0, -kPush), time_ += kTick);
+      step();
+    }
+  }
+
+  void letGo(int ticks) {
+    for (int k = 0; k < ticks; ++k) {
+      target_ = session_.tick(time_ += kTick);
+      step();
+    }
+  }
+
+  Simulation simulation_;
+  AdmittanceSession session_;
+  Pose target_;
+  double time_ = 10.0;  ///< [s]
+};
+
+TEST_F(AdmittanceSessionTest, HandAndClothBalanceAtTheTool) {
+  push(3000);
+  EXPECT_EQ(session_.status(), HapticStatus::Contact);
+  EXPECT_NEAR(session_.reaction().force.z(), kPush, 0.02 * kPush);  // the sheet still swings a little
+  EXPECT_LT(target_.position.z(), 0.0);
+  // The simulation has the place at which the last tick began.
+  const double way = (simulation_.probe().device - target_.position).norm();
+  EXPECT_LE(way, options().admittance.max_speed * kTick);
+}
+
+TEST_F(AdmittanceSessionTest, StartsAndTurnsWithTheDevice) {
+  const Pose device{Vec3(0.01, 0.0, 0.03), Quat(Eigen::AngleAxisd(0.5, Vec3::UnitX()))};
+  session_.setPose(device);
+  letGo(10);
+  EXPECT_FALSE(session_.hasStarted());
+  EXPECT_FALSE(session_.isPresent());
+  EXPECT_EQ(session_.status(), HapticStatus::NoForce);
+  EXPECT_EQ(target_.position, device.position);
+  push(10);
+  EXPECT_TRUE(session_.hasStarted());
+  EXPECT_TRUE(session_.isPresent());
+  EXPECT_LT(target_.position.z(), device.position.z());
+  EXPECT_TRUE(session_.orientation().isApprox(device.orientation, kRoundOff));
+}
+
+TEST_F(AdmittanceSessionTest, StopsWithoutForcesAndLeavesTheScene) {
+  push(200);
+  EXPECT_FALSE(session_.isAtRest());
+  const AdmittanceOptions tool = options().admittance;
+  letGo(static_cast<int>((tool.force_timeout + tool.max_speed / tool.max_acceleration) / kTick) + 2);
+  EXPECT_TRUE(session_.isAtRest());
+  EXPECT_EQ(session_.status(), HapticStatus::ForceStale);
+  EXPECT_TRUE(session_.isPresent());
+  letGo(1000);  // probe_timeout: 1 s
+  EXPECT_FALSE(session_.isPresent());
 }
 
 TEST(StepPace, IsTheMeanOfTheTimeBetweenStepsWithoutPauses) {
-  StepPace pace(1e-3);
-  EXPECT_EQ(pace.seconds(), 1e-3);
+  StepPace pace;
   double now = 5.0;
-  for (int k = 0; k < 200; ++k) pace.begin(now += 3e-3);
-  EXPECT_NEAR(pace.seconds(), 3e-3, 1e-9);  // 0.9^199 of 2 ms
-  pace.interrupt();
-  pace.begin(now += 10.0);
+  const auto begin = [&](double passed) { pace.begin(now += passed, 1e-3, 0.1); };
+  begin(0.0);
+  EXPECT_EQ(pace.seconds(), 1e-3);
+  for (int k = 0; k < 200; ++k) begin(3e-3);
+  EXPECT_NEAR(pace.seconds(), 3e-3, 1e-9);  // 0.9^200 of 2 ms
+  begin(10.0);
   EXPECT_NEAR(pace.seconds(), 3e-3, 1e-9);
-  for (int k = 0; k < 200; ++k) pace.begin(now += 1e-5);
+  pace.interrupt();
+  begin(0.05);
+  EXPECT_NEAR(pace.seconds(), 3e-3, 1e-9);
+  for (int k = 0; k < 200; ++k) begin(1e-5);
   EXPECT_EQ(pace.seconds(), 1e-3);  // a solver that catches up is no faster than the clock
 }
 

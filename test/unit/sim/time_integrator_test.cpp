@@ -91,6 +91,22 @@ TEST(TimeIntegrator, Bdf2IsExactForConstantAcceleration) {
   }
 }
 
+TEST(TimeIntegrator, Bdf2IsExactForConstantAccelerationWithAnyLengths) {
+  constexpr double kAcceleration = 3.0;
+  const auto x = [](double t) { return 0.2 * t + 0.5 * kAcceleration * t * t; };
+  const auto v = [](double t) { return 0.2 + kAcceleration * t; };
+  Sheet sheet(Integrator::Bdf2, 0.0);
+  sheet.place(x, v, 1);
+  int ticks = 1;
+  for (const int length : {1, 2, 4, 4, 1, 8, 3, 1, 1}) {
+    sheet.integrator().begin(length * kStep);
+    sheet.step(kAcceleration);
+    ticks += length;
+    EXPECT_NEAR(sheet.position(), x(ticks * kStep), tolerance(kRounding)) << ticks;
+    EXPECT_NEAR(sheet.velocity(), v(ticks * kStep), tolerance(kRounding)) << ticks;
+  }
+}
+
 TEST(TimeIntegrator, SolvesItsFormulaWithAir) {
   constexpr double kAir = 40.0, kForce = 5.0;
   Sheet euler(Integrator::Euler, kAir), bdf2(Integrator::Bdf2, kAir);

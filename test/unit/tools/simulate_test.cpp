@@ -16,6 +16,9 @@
 #include <vector>
 
 #include "haptic_cloth/machine.h"
+#include "haptic_cloth/scene.h"
+#include "haptic_cloth/simulation.h"
+#include "sim/recording.h"
 #include "simd/path.h"
 
 namespace {
@@ -447,6 +450,36 @@ TEST_F(Simulate, GoesOnFromASavedStateToTheLastBit) {
   EXPECT_NEAR(factor * wall, 0.017, 1e-9);
   EXPECT_EQ(readText(folder_ / "whole/particles.csv"), readText(folder_ / "rest/particles.csv"));
   EXPECT_EQ(readLines(folder_ / "whole/probe.csv")[14], readLines(folder_ / "rest/probe.csv")[1]);
+}
+
+TEST_F(Simulate, ReplaysARecording) {
+  using namespace haptic_cloth;
+  Simulation simulation(loadScene((folder_ / "scene.yaml").string()));
+  std::string text = recorded::header(simulation) + '\n';
+  simulation.record([&text](const std::string& line) { text += line + '\n'; });
+  for (const int length : {1, 2, 4, 4, 2, 1}) {
+    followPaths(simulation, length);
+    simulation.step(length);
+  }
+  const std::string end = recorded::end(simulation);
+  write("session", text + end + '\n');
+  write("other", text + "end 0123456789abcdef\n");
+  write("cut", text);
+  const Outcome outcome = run("scene.yaml --replay session --set solver.threads=2 --out result");
+  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  const auto summary = nlohmann::json::parse(readText(folder_ / "result/summary.json"));
+  EXPECT_EQ("end " + summary["state_hash"].get<std::string>(), end);
+  EXPECT_EQ(summary["steps"], 6);
+  EXPECT_NEAR(summary["simulated_time"], 0.014, 1e-12);
+  for (const auto& [file, message] : {std::pair("other", "ends with the state"), {"cut", "cut off"}}) {
+    const Outcome differs = run("scene.yaml --replay " + std::string(file));
+    EXPECT_EQ(differs.status, 3);
+    EXPECT_NE(differs.error.find(message), std::string::npos) << differs.error;
+  }
+  fs::remove_all(folder_ / "result");
+  expectRefused("scene.yaml --replay linen.yaml", {"linen.yaml", "must be a recording"});
+  expectRefused("scene.yaml --replay /dev/zero", {"/dev/zero", "regular file"});
+  expectRefused("scene.yaml --replay session --set gravity='[0,0,-1]'", {"session", "scene at hand"});
 }
 
 TEST_F(Simulate, KesTestNamesTheWordsItKnows) {

@@ -1,0 +1,83 @@
+#include "haptics/clock_keeper.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptic_cloth {
+namespace {
+
+constexpr double kLongestLag = 0.1;  ///< [s]
+/// Time in which the lag must fall by a time step, or the rung is too slow [s].
+constexpr double kPatience = 0.03;
+/// Load below which a better rung is tried: one costs up to 1.7 times the next (quality_ladder.cpp), and a
+/// sixth is left for what varies.
+constexpr double kRoom = 0.5;
+constexpr double kSmoothing = 0.1;                    ///< simulated time over which the load is a mean [s]
+constexpr double kFirstWait = 0.5, kLastWait = 30.0;  ///< [s]
+constexpr double kSoon = 2.0;                         ///< a rung that was left sooner has failed [s]
+
+}  // namespace
+
+void ClockKeeper::setRungs(const std::vector<int>& longest_steps) {
+  longest_ = longest_steps;
+  rung_ = std::min(rung_, static_cast<int>(longest_.size()) - 1);
+  behind_ = roomy_ = false;
+}
+
+ClockKeeper::Step ClockKeeper::begin(double now) {
+  if (due_ < 0.0) due_ = now;
+  const double given_up = std::max(0.0, now - due_ - kLongestLag);
+  slipped_ += given_up;
+  due_ += given_up;
+  const double lag = now - due_;
+  chooseRung(lag, now);
+  const double steps = 1.0 + std::floor(std::max(0.0, lag) / h_);
+  const int wanted = static_cast<int>(std::min<double>(steps, longest_[rung_]));
+  length_ = std::clamp(wanted, (length_ + 1) / 2, 2 * length_);
+  due_ += length_ * h_;
+  begun_ = now;
+  return {length_, rung_};
+}
+
+void ClockKeeper::end(double now) {
+  const double simulated = length_ * h_;
+  load_ += std::min(1.0, simulated / kSmoothing) * ((now - begun_) / simulated - load_);
+}
+
+void ClockKeeper::restart() {
+  due_ = -1.0;
+  behind_ = roomy_ = false;
+}
+
+void ClockKeeper::chooseRung(double lag, double now) {
+  const bool was_behind = behind_, had_room = roomy_;
+  behind_ = lag > longest_[rung_] * h_;
+  roomy_ = !behind_ && load_ < kRoom && rung_ > 0;
+  if (behind_ && (!was_behind || now - behind_since_ >= kPatience)) {
+    const bool falls = !was_behind || lag <= behind_lag_ - h_;
+    behind_since_ = now;
+    behind_lag_ = lag;
+    if (!falls && rung_ + 1 < static_cast<int>(longest_.size())) fall(now);
+  }
+  if (roomy_ && !had_room) roomy_since_ = now;
+  if (roomy_ && now - roomy_since_ >= wait_) rise(now);
+}
+
+void ClockKeeper::fall(double now) {
+  ++rung_;
+  behind_ = false;
+  if (!risen_) return;
+  const bool failed = now - risen_at_ < std::max(kSoon, wait_);
+  wait_ = failed ? std::min(2.0 * wait_, kLastWait) : kFirstWait;
+  risen_ = false;
+}
+
+void ClockKeeper::rise(double now) {
+  --rung_;
+  roomy_ = false;
+  if (risen_) wait_ = kFirstWait;  // the rise before this one has held
+  risen_ = true;
+  risen_at_ = now;
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,70 @@
+/// Keeps simulated time at wall time: length and quality of each step.
+#pragma once
+
+#include <vector>
+
+namespace haptic_cloth {
+
+/// Plans the steps of a solver. It has no clock of its own: its caller says when steps start and end.
+///
+/// Length: a step is as long as simulated time lags behind, up to the limit of the rung in use. From step
+/// to step it changes by at most a factor of two.
+///
+/// Rung (qualityLadder()): down by one if the longest steps do not catch up within 30 ms. Up by one if the
+/// solver has been busy for less than half of the time for 0.5 s. If the better rung proves too slow, the
+/// next attempt waits twice as long, up to 30 s.
+///
+/// Lag beyond 0.1 s is given up: simulated time slips.
+class ClockKeeper {
+ public:
+  /// @param time_step unit of the steps' lengths [s]
+  explicit ClockKeeper(double time_step) : h_(time_step) {}
+
+  /// Sets the longest step of each rung, in time steps; the first rung is the best. The rung in use stays, or
+  /// becomes the last one.
+  void setRungs(const std::vector<int>& longest_steps);
+
+  /// Wall time before which the next step must not start [s]. @param now [s]
+  double due(double now) const { return due_ < 0.0 ? now : due_; }
+
+  struct Step {
+    int length;  ///< in time steps
+    int rung;    ///< 0: the best
+  };
+
+  /// A step starts. @param now wall time, not before due() [s]
+  Step begin(double now);
+
+  /// The step that was begun ends. @param now wall time [s]
+  void end(double now);
+
+  /// Forgets the lag, as after a pause: the next step is due at once.
+  void restart();
+
+  double slipped() const { return slipped_; }  ///< lag given up so far [s]
+
+ private:
+  void chooseRung(double lag, double now);
+  void fall(double now);
+  void rise(double now);
+
+  double h_;
+  std::vector<int> longest_{1};
+  int rung_ = 0, length_ = 1;
+  double due_ = -1.0;  ///< wall time at which simulated time is reached [s]; < 0: unknown
+  double slipped_ = 0.0;
+
+  double begun_ = 0.0;  ///< start of the current step [s]
+  double load_ = 1.0;   ///< time that a step takes over its length, smoothed [-]
+
+  bool behind_ = false;        ///< a step of the longest length would not catch up
+  double behind_since_ = 0.0;  ///< start of an interval in which that is so [s]
+  double behind_lag_ = 0.0;    ///< lag at that time [s]
+  bool roomy_ = false;         ///< the load leaves room for a better rung
+  double roomy_since_ = 0.0;   ///< [s]
+  bool risen_ = false;         ///< the last change was a rise, whose success is not known
+  double risen_at_ = 0.0;      ///< [s]
+  double wait_ = 0.5;          ///< time for which there must be room before a rise [s]
+};
+
+}  // namespace haptic_cloth

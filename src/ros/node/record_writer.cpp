@@ -1,0 +1,92 @@
+#include "ros/node/record_writer.h"
+
+#include <ros/console.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <utility>
+
+namespace haptic_cloth {
+namespace {
+
+constexpr auto kPeriod = std::chrono::milliseconds(200);  ///< between two writes
+constexpr std::size_t kMost = 64 << 20;                   ///< lines that may wait for the disk [bytes]
+constexpr char kBegin[] = "haptic_cloth recording";
+
+struct Close {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+
+}  // namespace
+
+RecordWriter::RecordWriter(std::string path) : path_(std::move(path)), thread_([this] { run(); }) {}
+
+RecordWriter::~RecordWriter() {
+  end("");
+  thread_.join();
+}
+
+bool RecordWriter::end(const std::string& line) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (phase_ != Phase::Open) return false;
+  phase_ = Phase::Ending;
+  if (!line.empty()) lines_ += line + '\n';
+  ending_.notify_one();
+  return true;
+}
+
+void RecordWriter::write(const std::string& line) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (phase_ != Phase::Open || lines_.size() > kMost) return;
+  lines_ += line;
+  lines_ += '\n';
+}
+
+void RecordWriter::run() {
+  const std::string error = writeAll();
+  if (error.empty()) return;
+  ROS_ERROR_STREAM("the recording ends: " << path_ << ": " << error);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  phase_ = Phase::Failed;
+  lines_.clear();
+}
+
+/// Writes all lines until the end. @return what went wrong; empty: nothing
+std::string RecordWriter::writeAll() {
+  const std::string refused = refusal();
+  if (!refused.empty()) return refused;
+  const std::unique_ptr<std::FILE, Close> file(std::fopen(path_.c_str(), "w"));
+  if (file == nullptr) return std::strerror(errno);
+  std::string lines;
+  for (bool more = true; more;) {
+    more = take(lines);
+    if (lines.size() > kMost) return "the disk is too slow";
+    const bool written = std::fwrite(lines.data(), 1, lines.size(), file.get()) == lines.size();
+    if (!written || std::fflush(file.get()) != 0) return std::strerror(errno);
+  }
+  return "";
+}
+
+/// Tells why the file may not be replaced; empty: it may.
+std::string RecordWriter::refusal() const {
+  std::ifstream file(path_);
+  std::string begin(sizeof(kBegin) - 1, ' ');
+  if (!file || file.peek() == std::ifstream::traits_type::eof()) return "";
+  file.read(&begin[0], static_cast<std::streamsize>(begin.size()));
+  return begin == kBegin ? "" : "is there and is no recording";
+}
+
+/// Waits for lines. @return false: these are the last ones
+bool RecordWriter::take(std::string& lines) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  const bool ends = ending_.wait_for(lock, kPeriod, [this] { return phase_ != Phase::Open; });
+  lines.clear();
+  lines.swap(lines_);
+  return !ends;
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,41 @@
+/// Writes a recording while the solver runs.
+#pragma once
+
+#include <condition_variable>
+#include <mutex>
+#include <string>
+#include <thread>
+
+namespace haptic_cloth {
+
+/// A file to which another thread writes lines. The solver never waits for the disk. A file that cannot be
+/// written ends the recording, with an error in the log, and never the node.
+class RecordWriter {
+ public:
+  /// @param path of a file that is new, empty, or another recording, which is replaced
+  explicit RecordWriter(std::string path);
+
+  /// Writes what is left.
+  ~RecordWriter();
+
+  /// Appends a line.
+  void write(const std::string& line);
+
+  /// Appends the last line; later ones are ignored. @return false: it had ended before
+  bool end(const std::string& line);
+
+ private:
+  void run();
+  std::string writeAll();
+  std::string refusal() const;
+  bool take(std::string& lines);
+
+  std::string path_;
+  std::mutex mutex_;  ///< of the two members below
+  std::string lines_;
+  enum class Phase { Open, Ending, Failed } phase_ = Phase::Open;
+  std::condition_variable ending_;
+  std::thread thread_;
+};
+
+}  // namespace haptic_cloth

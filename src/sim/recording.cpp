@@ -1,0 +1,231 @@
+#include "sim/recording.h"
+
+#include <cinttypes>
+#include <climits>
+#include <cstdio>
+#include <cstdlib>
+#include <sstream>
+#include <vector>
+
+#include "haptic_cloth/error.h"
+#include "haptic_cloth/machine.h"
+#include "scene/scene_options.h"
+#include "state/number_text.h"
+
+namespace haptic_cloth {
+namespace {
+
+constexpr char kTitle[] = "haptic_cloth recording 1";
+
+std::string join(const char* word, int number, std::initializer_list<const double*> vectors,
+                 std::initializer_list<int> sizes) {
+  std::string line = std::string(word) + ' ' + std::to_string(number);
+  auto size = sizes.begin();
+  for (const double* vector : vectors) {
+    for (int c = 0; c < *size; ++c) line += ' ' + shortestText(vector[c]);
+    ++size;
+  }
+  return line;
+}
+
+std::string hexadecimal(std::uint64_t number) {
+  char text[17];
+  std::snprintf(text, sizeof(text), "%016" PRIx64, number);
+  return text;
+}
+
+/// Hash of a new simulation: of everything in its scene that a state must fit, and of its start.
+std::string sceneHash(const Simulation& start) {
+  std::uint64_t hash = 14695981039346656037ull;  // FNV-1a, 64 bit
+  for (const char c : start.saveState()) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
+  return hexadecimal(hash);
+}
+
+/// Live options of solver and mesh, and the air damping, as "solver.tolerance".
+std::vector<std::pair<std::string, Option>> liveRows(Scene& scene) {
+  std::vector<std::pair<std::string, Option>> rows;
+  const auto append = [&rows](const std::string& prefix, const Options& options) {
+    for (const Option& option : options) {
+      if (option.live) rows.emplace_back(prefix + option.key, option);
+    }
+  };
+  append("", worldOptions(scene));
+  append("solver.", optionsOf(scene.solver));
+  append("adapt.", optionsOf(scene.adapt));
+  return rows;
+}
+
+}  // namespace
+
+namespace recorded {
+
+std::string device(int probe, const DeviceState& device) {
+  return join(
+      "device", probe,
+      {device.position.data(), device.velocity.data(), device.orientation.coeffs().data(), &device.elapsed},
+      {3, 3, 4, 1});
+}
+
+std::string removal(int probe) { return "remove " + std::to_string(probe); }
+
+std::string grasp(int probe, bool closed) {
+  return "grasp " + std::to_string(probe) + (closed ? " closed" : " open");
+}
+
+std::string obstacle(int obstacle, const Pose& target) {
+  return join("obstacle", obstacle, {target.position.data(), target.orientation.coeffs().data()}, {3, 4});
+}
+
+std::string options(const Scene& now, const Scene& changed) {
+  Scene before = now, after = changed;  // rows point to members that could be written
+  const auto then = liveRows(before), next = liveRows(after);
+  std::string line = "options";
+  for (std::size_t k = 0; k < next.size(); ++k) {
+    const std::string value = valueText(next[k].second);
+    if (value != valueText(then[k].second)) line += ' ' + next[k].first + ' ' + value;
+  }
+  return line;
+}
+
+std::string coupling(int probe, double stiffness, double damping) {
+  return join("coupling", probe, {&stiffness, &damping}, {1, 1});
+}
+
+std::string step(int length) { return "step " + std::to_string(length); }
+
+std::string reset() { return "reset"; }
+
+std::string header(const Simulation& start) {
+  return std::string(kTitle) + "\nscene " + sceneHash(start) + "\ninstructions " + instructionSet();
+}
+
+std::string end(const Simulation& end) { return "end " + hexadecimal(end.stateHash()); }
+
+}  // namespace recorded
+
+Replay::Replay(std::istream& recording, const std::string& origin, const Simulation& start)
+    : recording_(recording), origin_(origin) {
+  std::string title, scene;
+  std::getline(recording, title);
+  if (title != kTitle) throw InputError(origin, "", "", "must be a recording: it does not begin as one");
+  std::string word, hash;
+  line_ = 3;
+  if (!(recording >> word >> hash) || word != "scene") fail("must name the scene");
+  if (!(recording >> word >> instructions_) || word != "instructions") fail("must name the instructions");
+  std::getline(recording, word);
+  if (hash != sceneHash(start)) {
+    throw InputError(origin, "scene", hash, "must be that of the scene at hand, " + sceneHash(start));
+  }
+}
+
+bool Replay::next(Simulation& simulation, int& length) {
+  for (std::string line; std::getline(recording_, line);) {
+    ++line_;
+    if (line.rfind("end ", 0) == 0) {
+      end_ = line.substr(4);
+      return false;
+    }
+    if (apply(simulation, line, length)) return true;
+  }
+  return false;
+}
+
+/// Makes a change that the simulation may refuse.
+template <class Call>
+void Replay::change(const Call& call) const {
+  try {
+    call();
+  } catch (const InputError& error) {
+    fail(error.what());
+  }
+}
+
+/// Repeats one line. @return whether it is a step, which is left to the caller
+bool Replay::apply(Simulation& simulation, const std::string& line, int& length) {
+  std::istringstream text(line);
+  text.imbue(std::locale::classic());
+  std::string word;
+  text >> word;
+  const auto numbers = [&](double* first, int count) {
+    std::string number;
+    for (int c = 0; c < count; ++c) {
+      if (!(text >> number)) fail("is too short");
+      char* rest = nullptr;
+      first[c] = std::strtod(number.c_str(), &rest);
+      if (rest == number.c_str() || *rest != '\0') fail("has '" + number + "' for a number");
+    }
+  };
+  const auto index = [&](std::size_t count) {
+    int number = -1;
+    if (!(text >> number) || number < 0 || number >= static_cast<int>(count))
+      fail("has no such number in the scene");
+    return number;
+  };
+  const Scene& scene = simulation.scene();
+  if (word == "step") {
+    if (!(text >> length) || length < 1 || length > INT_MAX / 2) fail("must have a length of at least 1");
+  } else if (word == "device") {
+    const int probe = index(scene.probes.size());
+    DeviceState device;
+    numbers(device.position.data(), 3);
+    numbers(device.velocity.data(), 3);
+    numbers(device.orientation.coeffs().data(), 4);
+    numbers(&device.elapsed, 1);
+    simulation.setDevice(probe, device);
+  } else if (word == "remove") {
+    simulation.removeDevice(index(scene.probes.size()));
+  } else if (word == "grasp") {
+    const int probe = index(scene.probes.size());
+    text >> word;
+    if (word != "closed" && word != "open") fail("must be closed or open");
+    simulation.setGrasp(probe, word == "closed");
+  } else if (word == "obstacle") {
+    const int obstacle = index(scene.obstacles.size());
+    Pose target;
+    numbers(target.position.data(), 3);
+    numbers(target.orientation.coeffs().data(), 4);
+    simulation.moveObstacle(obstacle, target);
+  } else if (word == "coupling") {
+    const int probe = index(scene.probes.size());
+    double stiffness = 0.0, damping = 0.0;
+    numbers(&stiffness, 1);
+    numbers(&damping, 1);
+    change([&] { simulation.setCoupling(probe, stiffness, damping); });
+  } else if (word == "options") {
+    Scene changed = scene;
+    const auto rows = liveRows(changed);
+    for (std::string key; text >> key;) {
+      double value = 0.0;
+      numbers(&value, 1);
+      bool known = false;
+      for (const auto& [name, option] : rows) {
+        if (name != key) continue;
+        known = true;
+        if (const auto* number = std::get_if<Numbers<double>>(&option.field)) *number->first = value;
+        if (const auto* whole = std::get_if<Numbers<int>>(&option.field))
+          *whole->first = static_cast<int>(value);
+      }
+      if (!known) fail("has the unknown option '" + key + "'");
+    }
+    change([&] { simulation.setOptions(changed.solver, changed.adapt, changed.air_damping); });
+  } else if (word == "reset") {
+    simulation.reset();
+  } else {
+    fail("begins with the unknown word '" + word + "'");
+  }
+  return word == "step";
+}
+
+std::string Replay::difference(const Simulation& simulation) const {
+  if (end_.empty()) return origin_ + ": has no end: it is cut off";
+  const std::string hash = hexadecimal(simulation.stateHash());
+  if (hash == end_) return "";
+  return origin_ + ": ends with the state " + end_ + " (" + instructions_ + "), its replay with " + hash +
+         " (" + instructionSet() + ")";
+}
+
+void Replay::fail(const std::string& rule) const {
+  throw InputError(origin_ + ":" + std::to_string(line_), "", "", rule);
+}
+
+}  // namespace haptic_cloth

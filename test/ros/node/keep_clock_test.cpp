@@ -1,0 +1,206 @@
+/// A node that keeps the clock while programs take all cores and its scene asks for more than any machine can
+/// do. Criteria: quality goes down, and comes back when there is time; simulated over wall time is at least
+/// 0.95, unless the last rung is in use, which is all that the node can do on a machine that is too busy;
+/// simulated and slipped time make up wall time; a recording replays to the same state.
+#include <dynamic_reconfigure/Reconfigure.h>
+#include <gtest/gtest.h>
+#include <haptic_cloth/ClothState.h>
+#include <ros/ros.h>
+#include <signal.h>
+
+#include <deque>
+#include <filesystem>
+#include <mutex>
+#include <thread>
+
+#include "ros/node/steady_clock.h"
+#include "ros/options/reconfigure_messages.h"
+#include "ros/support/ros_test_support.h"
+
+namespace haptic_cloth {
+namespace {
+
+const Vec3 kAbove(0.0, 0.0, 0.125), kPressed(0.0, 0.0, 0.100);
+constexpr int kLastRung = 8;
+constexpr double kTimeStep = 5e-4, kLongest = 4e-3;  // of the scene and of the node [s]
+
+/// Newest state of the cloth, and when it came.
+class StateListener {
+ public:
+  explicit StateListener(ros::NodeHandle& node) {
+    subscriber_ = node.subscribe<ClothState>("cloth/state", 1, [this](const ClothState::ConstPtr& message) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      state_ = *message;
+      received_ = steadyNow();
+      worst_rung_ = std::max<int>(worst_rung_, message->rung);
+    });
+  }
+  struct Reading {
+    double wall, time, slipped;  ///< [s]
+    int rung, worst_rung;        ///< now, and since the last reading
+    double step_length;          ///< [s]
+    std::string given_up;
+  };
+  Reading read() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const Reading reading{received_,   state_.time,        state_.slipped, state_.rung,
+                          worst_rung_, state_.step_length, state_.given_up};
+    worst_rung_ = state_.rung;
+    return reading;
+  }
+  int rung() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return state_.rung;
+  }
+  bool heard() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return received_ > 0.0;
+  }
+
+ private:
+  std::mutex mutex_;
+  ClothState state_;
+  double received_ = 0.0;
+  int worst_rung_ = 0;
+  ros::Subscriber subscriber_;
+};
+
+class KeepClock : public testing::Test {
+ protected:
+  KeepClock() : spinner_(2), reaction_(node_, "probe/reaction"), state_(node_), diagnostics_(node_) {
+    spinner_.start();
+  }
+
+  void SetUp() override {
+    ASSERT_TRUE(waitFor([this] { return reaction_.count() > 0 && state_.heard(); }))
+        << "the node does not run";
+    device_ = std::make_unique<TestDevice>(node_, kAbove);
+    ASSERT_TRUE(waitFor([&] { return diagnostics_.value("probe", "status") == "free"; }));
+  }
+
+  void TearDown() override {
+    ask(0.1, 200, true);
+    EXPECT_TRUE(reaction_.finite());
+  }
+
+  void ask(double tolerance, int max_iterations, bool keep_clock) {
+    dynamic_reconfigure::Reconfigure call;
+    auto& config = call.request.config;
+    config.doubles.resize(1);
+    config.doubles[0].name = "solver/tolerance";
+    config.doubles[0].value = tolerance;
+    config.ints.resize(1);
+    config.ints[0].name = "solver/max_iterations";
+    config.ints[0].value = max_iterations;
+    config.bools.resize(1);
+    config.bools[0].name = "keep_clock";
+    config.bools[0].value = keep_clock;
+    ASSERT_TRUE(ros::service::call("/haptic_cloth/set_parameters", call));
+  }
+  /// Asks for solutions to the last bit.
+  void askForTooMuch(bool keep_clock) { ask(0.0, 2000, keep_clock); }
+
+  /// Moves the hand up and down on the cloth. The probe keeps touching.
+  void stir(double seconds) {
+    for (const double end = steadyNow() + seconds; steadyNow() < end;) {
+      for (const double z : {0.095, 0.100}) {
+        device_->moveTo(Vec3(0.0, 0.0, z));
+        waitFor([&] { return device_->arrived(); });
+      }
+    }
+  }
+
+  ros::NodeHandle node_;
+  ros::AsyncSpinner spinner_;
+  ReactionListener reaction_;
+  StateListener state_;
+  DiagnosticsListener diagnostics_;
+  std::unique_ptr<TestDevice> device_;
+};
+
+TEST_F(KeepClock, GivesUpQualityUnderLoadAndTakesItBack) {
+  std::deque<Process> burners;
+  for (unsigned k = 0; k < std::max(1U, std::thread::hardware_concurrency()); ++k) {
+    burners.emplace_back(std::vector<std::string>{"sh", "-c", "while :; do :; done"});
+  }
+  askForTooMuch(true);
+  stir(1.0);
+  EXPECT_TRUE(waitFor([&] { return state_.rung() > 0; })) << "quality does not go down";
+  const StateListener::Reading start = state_.read();
+  stir(8.0);
+  const StateListener::Reading end = state_.read();
+  const double wall = end.wall - start.wall, time = end.time - start.time,
+               slipped = end.slipped - start.slipped;
+  EXPECT_TRUE(time >= 0.95 * wall || end.worst_rung == kLastRung)
+      << time << " s of " << wall << " s, rung " << end.worst_rung;
+  // The lag of 0.1 s that may be left at either end, and states that come late.
+  EXPECT_NEAR(time + slipped, wall, 0.2 + 0.05 * wall);
+  EXPECT_GT(end.worst_rung, 0);
+  EXPECT_LE(end.step_length, 1.001 * kLongest);
+  EXPECT_TRUE(waitFor([&] { return diagnostics_.number("solver", "quality rung") > 0.0; }));
+  EXPECT_NE(diagnostics_.value("solver", "given up"), "nothing");
+
+  burners.clear();
+  ask(0.1, 200, true);
+  device_.reset();  // the cloth comes to rest, which takes no time
+  EXPECT_TRUE(waitFor([&] { return state_.rung() == 0; }, 4 * kPatience)) << "quality does not come back";
+  EXPECT_EQ(state_.read().given_up, "");
+}
+
+TEST_F(KeepClock, IsLeftAloneWhereSlowMotionIsAskedFor) {
+  ASSERT_TRUE(waitFor([&] { return state_.rung() == 0; }, 4 * kPatience));
+  askForTooMuch(false);
+  device_->moveTo(kPressed);
+  stir(2.0);
+  const StateListener::Reading slow = state_.read();
+  EXPECT_EQ(slow.rung, 0);
+  EXPECT_DOUBLE_EQ(slow.step_length, kTimeStep);
+  askForTooMuch(true);
+  stir(1.0);
+  EXPECT_TRUE(waitFor([&] { return state_.rung() > 0; })) << "keep_clock does not take effect";
+}
+
+/// A second node, whose inputs are recorded while a hand presses.
+TEST(Recording, ReplaysASessionToTheSameBits) {
+  const std::filesystem::path file =
+      std::filesystem::path(testing::TempDir()) / ("haptic_cloth_recording_" + std::to_string(getpid()));
+  const std::string scene = HAPTIC_CLOTH_SOURCE_DIR "/test/ros/node/keep_clock.yaml";
+  ros::NodeHandle node("recorded");
+  ros::AsyncSpinner spinner(2);
+  spinner.start();
+  ReactionListener reaction(node, "probe/reaction");
+  Process cloth({programDirectory() + "/haptic_cloth_node", "__ns:=recorded", "__name:=cloth",
+                 "_scene_file:=" + scene, "_record:=" + file.string(), "_step_budget:=0.0",
+                 "_solver/tolerance:=0.0001"});
+  ASSERT_TRUE(waitFor([&] { return reaction.count() > 0; })) << cloth.output();
+  {
+    TestDevice device(node, kAbove);
+    const long seen = reaction.count();
+    ASSERT_TRUE(waitFor([&] { return reaction.count() > seen + 1000; }));
+    device.moveTo(kPressed);
+    EXPECT_TRUE(waitFor([&] { return device.arrived() && reaction.force().z() > 0.05; })) << cloth.output();
+  }
+  cloth.signal(SIGINT);
+  EXPECT_EQ(cloth.wait(), 0) << cloth.output();
+  Process replay({programDirectory() + "/simulate", scene, "--set", "solver.tolerance=0.0001", "--replay",
+                  file.string()});
+  EXPECT_EQ(replay.wait(10 * kPatience), 0) << replay.output();
+  std::filesystem::remove(file);
+}
+
+TEST(Recording, IsRefusedWhereAClockTakesPart) {
+  Process cloth({programDirectory() + "/haptic_cloth_node", "__ns:=refused", "__name:=cloth",
+                 "_scene_file:=" HAPTIC_CLOTH_SOURCE_DIR "/test/ros/node/keep_clock.yaml",
+                 "_record:=/tmp/x"});
+  EXPECT_NE(cloth.wait(), 0);
+  EXPECT_NE(cloth.output().find("needs step_budget 0"), std::string::npos) << cloth.output();
+}
+
+}  // namespace
+}  // namespace haptic_cloth
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "keep_clock_test");
+  return RUN_ALL_TESTS();
+}
