@@ -1,57 +1,36 @@
-"""The picture of bench/realtime: error of the force over speed, and durations of steps."""
+"""The picture of bench/realtime: error of the force and quality given up, by scene, threads and load."""
 import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-THREADS = {1: ("o", "#1b4f8f"), 2: ("s", "#d1721c")}
-OTHER = ("^", "#2f8f4e")
-LIMIT_MS = 1.0  # the scene's time step
+COLOURS = ("#1b4f8f", "#d1721c", "#2f8f4e")  # by load
+LEAST_PERCENT = 0.1  # drawn for less
 
 
-def draw_errors(axes, rows, known_to):
-    """Draws one point per row; its number is that of a line below."""
-    for k, row in enumerate(rows):
-        if row["force_percent"] is None:
-            continue
-        marker, colour = THREADS.get(row["threads"], OTHER)
-        axes.plot(row["real_time_factor"], row["force_percent"], marker, color=colour, ms=6, mew=0)
-        axes.annotate(str(k + 1), (row["real_time_factor"], row["force_percent"]), fontsize=7,
-                      xytext=(4, 3), textcoords="offset points")
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    axes.axvline(1.0, color="0.4", lw=0.8, ls="--")
-    if known_to:
-        axes.axhline(known_to, color="0.4", lw=0.8, ls=":")
-    axes.grid(True, lw=0.3)
-    axes.set_xlabel("real-time factor: right is quicker, dashed: real time", fontsize=9)
-    axes.set_ylabel("probe force error, rms [%]", fontsize=9)
-
-
-def draw_steps(axes, rows):
-    """Draws p50, p99 and the longest step."""
-    for k, row in enumerate(rows):
-        _, colour = THREADS.get(row["threads"], OTHER)
-        axes.plot([row["p50_ms"], row["max_ms"]], [k, k], color=colour, lw=1)
-        axes.plot(row["p50_ms"], k, "o", color=colour, ms=5)
-        axes.plot(row["p99_ms"], k, "|", color=colour, ms=9, mew=2)
-        axes.plot(row["max_ms"], k, "x", color=colour, ms=5)
-    axes.set_yticks(range(len(rows)))
-    axes.set_yticklabels(["%d  %s, %d thread%s" % (k + 1, row["setting"], row["threads"], "s"[:row["threads"] - 1])
-                          for k, row in enumerate(rows)], fontsize=7)
-    axes.invert_yaxis()
-    axes.set_xscale("log")
-    axes.axvline(LIMIT_MS, color="0.4", lw=0.8, ls="--")
-    axes.grid(True, axis="x", lw=0.3)
-    axes.set_xlabel("wall time of a step [ms]: dot p50, bar p99, cross longest; dashed: the time step", fontsize=9)
-
-
-def draw(path, rows, known_to, size):
-    figure, (above, below) = plt.subplots(2, 1, figsize=(9.0, 5.6 + 0.19 * len(rows)),
-                                          gridspec_kw={"height_ratios": [4.4, 0.8 + 0.19 * len(rows)]})
-    draw_errors(above, rows, known_to)
-    draw_steps(below, rows)
-    figure.suptitle("Haptic scene, probe pressing and sliding%s" % ("" if size == "full" else " (%s)" % size), fontsize=12)
+def draw(path, rows, words):
+    names = list(dict.fromkeys(row["scene"] for row in rows))
+    choices = list(dict.fromkeys((row["threads"], row["burners"]) for row in rows))
+    loads = sorted({row["burners"] for row in rows})
+    figure, (above, below) = plt.subplots(2, 1, figsize=(8.4, 5.6), sharex=True)
+    width = 0.8 / len(choices)
+    for k, (threads, burners) in enumerate(choices):
+        own = {row["scene"]: row for row in rows if (row["threads"], row["burners"]) == (threads, burners)}
+        places = [names.index(name) + (k - 0.5 * (len(choices) - 1)) * width for name in own]
+        style = {"color": COLOURS[loads.index(burners) % len(COLOURS)], "alpha": 1.0 if threads == 1 else 0.55,
+                 "label": "%d thread%s, %d burners" % (threads, "s"[:threads - 1], burners)}
+        above.bar(places, [max(row["force_percent"] or 0.0, LEAST_PERCENT) for row in own.values()], 0.9 * width, **style)
+        below.bar(places, [row["mean_rung"] for row in own.values()], 0.9 * width, **style)
+        for place, row in zip(places, own.values()):
+            below.annotate("%.2f" % row["time_ratio"], (place, row["mean_rung"]), ha="center", va="bottom", fontsize=6)
+    above.set_yscale("log")
+    above.set_ylabel("probe force error, rms [%]", fontsize=9)
+    above.legend(fontsize=7)
+    above.set_title(words, fontsize=8)
+    below.set_ylabel("mean rung; above: simulated / wall", fontsize=9)
+    below.set_xticks(range(len(names)), names, fontsize=8)
+    for axes in (above, below):
+        axes.grid(True, axis="y", lw=0.3)
     figure.tight_layout()
     figure.savefig(path, dpi=110)
     plt.close(figure)

@@ -99,7 +99,7 @@ def load_scenes(folders, size, names=()):
 
 
 class Result:
-    """Files of one run; wall times are of all repeats [s]. Peers have no digest."""
+    """Files of one run; wall times are of all repeats [s]. Peers and runs in real time have no digest."""
 
     def __init__(self, directory, wall_times, peak_memory=0):
         self.directory = directory
@@ -107,7 +107,7 @@ class Result:
         self.peak_memory = peak_memory  # [bytes]; 0: it ended before the first reading
         try:
             self.summary = json.loads((directory / "summary.json").read_text())
-            self.digest = {} if "peer" in self.summary else _digest(directory)
+            self.digest = {} if self.summary.keys() & {"peer", "pace"} else _digest(directory)
         except (OSError, ValueError, KeyError) as error:
             raise BenchError("%s: malformed results: %r" % (directory, error)) from error
 
@@ -205,12 +205,12 @@ class Simulator:
         self.machine = machine_of({})  # of all timed runs
         self._fingerprint = fingerprint(self.program)
 
-    def measure(self, scene, overrides, options=()):
+    def measure(self, scene, overrides, options=(), load=""):
         """Timed run, from the cache only with --resume; None if it failed or took too long.
 
-        `options` are added to the command line.
+        `options` are added to the command line; `load` names what else runs on the machine.
         """
-        directory = self._directory(scene, overrides, options, "timed")
+        directory = self._directory(scene, overrides, [*options, *([load] if load else [])], "timed")
         if self.resume and (directory / "run.json").exists():
             run = json.loads((directory / "run.json").read_text())
             if "failed" in run and run["time_limit"] == self.time_limit:
@@ -225,8 +225,9 @@ class Simulator:
                 return None
             wall_times += result.wall_times
             states.add(result.state())
-        # With a time budget the clock decides when a step ends, so final states may differ.
-        if len(states) > 1 and "solver.time_budget" not in overrides:
+        # With a time budget, or in real time, the clock decides what a step does, so final states may differ.
+        clocked = "solver.time_budget" in overrides or "--real-time" in options
+        if len(states) > 1 and not clocked:
             raise BenchError("%s %s: repeats end in different states" % (scene.name, overrides))
         result.wall_times = wall_times
         _note(directory, {"wall_times": wall_times, "peak_memory": result.peak_memory})

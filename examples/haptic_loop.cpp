@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "haptic_cloth/haptic_session.h"
+#include "haptic_cloth/step_pacer.h"
 
 namespace {
 
@@ -19,12 +20,7 @@ using Clock = std::chrono::steady_clock;
 
 double now() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
 
-/// Sleeps until one period after `due`. Where that has passed, the lost time is not caught up.
-void waitForNext(Clock::time_point& due, double period) {
-  due += std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(period));
-  due = std::max(due, Clock::now());
-  std::this_thread::sleep_until(due);
-}
+void sleepUntil(double time) { std::this_thread::sleep_for(std::chrono::duration<double>(time - now())); }
 
 haptic_cloth::Scene makeScene() {
   using haptic_cloth::Curve;
@@ -73,17 +69,20 @@ int main(int argc, char** argv) {
   haptic_cloth::HapticSession session(simulation.scene(), 0, options);
   std::atomic<bool> stop{false};
   std::thread solver([&] {
-    for (auto due = Clock::now(); !stop; waitForNext(due, simulation.scene().solver.time_step)) {
-      session.beforeStep(simulation, now());
-      simulation.step();
+    haptic_cloth::StepPacer pacer(simulation);
+    while (!stop) {
+      sleepUntil(pacer.due(now()));
+      const int length = pacer.begin(simulation, now());
+      session.beforeStep(simulation, now(), length);
+      simulation.step(length);
       session.afterStep(simulation, now());
+      pacer.end(now());
     }
   });
 
   SimulatedDevice device;
-  double largest = 0.0;  // N
+  double largest = 0.0, due = now();  // N, s
   bool good = true;
-  auto due = Clock::now();
   for (int tick = 0; tick * period < seconds; ++tick) {
     const Vec3 force = session.tick({device.position()}, now()).force;
     device.move(tick * period, period, force);
@@ -91,7 +90,8 @@ int main(int argc, char** argv) {
     largest = std::max(largest, force.norm());
     if (tick % 100 == 0)
       std::printf("device %6.1f mm, force %5.2f N\n", 1e3 * device.position().z(), force.z());
-    waitForNext(due, period);
+    due = std::max(due + period, now());  // lost time is not caught up
+    sleepUntil(due);
   }
   stop = true;
   solver.join();

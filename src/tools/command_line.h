@@ -27,6 +27,11 @@ class CommandLine {
     options_.add_options()(name, boost::program_options::value(&value)->value_name(value_name), help);
   }
 
+  /// Adds an option without a value.
+  void addFlag(const char* name, bool& flag, const char* help) {
+    options_.add_options()(name, boost::program_options::bool_switch(&flag), help);
+  }
+
   /// Adds an option that prints a page in place of running.
   void addPage(const char* name, std::string text, const char* help) {
     options_.add_options()(name, help);

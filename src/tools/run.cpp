@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <thread>
 
 namespace haptic_cloth {
 namespace {
@@ -29,8 +30,7 @@ void add(const StepReport& report, double wall_time, RunTotals& totals) {
 
 }  // namespace
 
-RunRecord runSteps(Simulation& simulation, bool keep_rows, const NextStep& next,
-                   const StepCallback& after_step) {
+RunRecord runSteps(Simulation& simulation, Rows rows, const NextStep& next, const StepCallback& after_step) {
   RunRecord record;
   record.probes.resize(simulation.scene().probes.size());
   record.totals.start_time = simulation.time();
@@ -39,33 +39,83 @@ RunRecord runSteps(Simulation& simulation, bool keep_rows, const NextStep& next,
     const StepReport report = simulation.step(length);
     const double wall_time = secondsSince(start);
     add(report, wall_time, record.totals);
-    if (keep_rows) {
-      record.steps.push_back({report, simulation.energy(), wall_time});
-      for (std::size_t k = 0; k < record.probes.size(); ++k) {
-        const ProbeReport probe = simulation.probe(static_cast<int>(k));
-        if (probe.present) record.probes[k].push_back({simulation.time(), probe});
-      }
+    if (rows == Rows::All) record.steps.push_back({report, simulation.energy(), wall_time});
+    for (std::size_t k = 0; rows != Rows::None && k < record.probes.size(); ++k) {
+      const ProbeReport probe = simulation.probe(static_cast<int>(k));
+      if (probe.present) record.probes[k].push_back({simulation.time(), probe});
     }
     if (after_step) after_step(simulation, record.totals);
   }
   return record;
 }
 
-RunRecord runScene(Simulation& simulation, bool keep_rows, const StepCallback& after_step) {
-  const StopOptions stop = simulation.scene().stop;
-  // Half a step of slack: the sum of many time steps may end a rounding error short of its limit.
-  const double slack = 0.5 * simulation.scene().solver.time_step;
-  double slow_since = simulation.time();
-  bool at_rest = false;
-  const auto next = [&](Simulation& now, int&) {
-    if (!(now.maxSpeed() < stop.rest_speed)) slow_since = now.time();
-    at_rest = stop.rest_speed > 0.0 && now.time() - slow_since >= kRestDuration - slack;
-    if (at_rest || !(now.time() < stop.time - slack)) return false;
+namespace {
+
+/// The stop rule of a scene.
+class StopRule {
+ public:
+  explicit StopRule(const Simulation& simulation)
+      : stop_(simulation.scene().stop), slack_(0.5 * simulation.scene().solver.time_step) {
+    slow_since_ = simulation.time();
+  }
+
+  bool ends(const Simulation& now) {
+    if (!(now.maxSpeed() < stop_.rest_speed)) slow_since_ = now.time();
+    at_rest_ = stop_.rest_speed > 0.0 && now.time() - slow_since_ >= kRestDuration - slack_;
+    return at_rest_ || !(now.time() < stop_.time - slack_);
+  }
+
+  bool atRest() const { return at_rest_; }
+
+ private:
+  StopOptions stop_;
+  double slack_;  ///< half a step: many time steps may end a rounding error short of their limit [s]
+  double slow_since_;
+  bool at_rest_ = false;
+};
+
+}  // namespace
+
+RunRecord runScene(Simulation& simulation, Rows rows, const StepCallback& after_step) {
+  StopRule stop(simulation);
+  const auto next = [&stop](Simulation& now, int&) {
+    if (stop.ends(now)) return false;
     followPaths(now);
     return true;
   };
-  RunRecord record = runSteps(simulation, keep_rows, next, after_step);
-  record.totals.at_rest = at_rest;
+  RunRecord record = runSteps(simulation, rows, next, after_step);
+  record.totals.at_rest = stop.atRest();
+  return record;
+}
+
+RunRecord runInRealTime(Simulation& simulation, Rows rows, const StepCallback& after_step) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point start = Clock::now();
+  StopRule stop(simulation);
+  StepPacer pacer(simulation);
+  PaceTotals pace;
+  const auto next = [&](Simulation& now, int& length) {
+    if (stop.ends(now)) return false;
+    std::this_thread::sleep_until(start + std::chrono::duration_cast<Clock::duration>(
+                                              std::chrono::duration<double>(pacer.due(secondsSince(start)))));
+    length = pacer.begin(now, secondsSince(start));
+    followPaths(now, length);
+    return true;
+  };
+  const double start_time = simulation.time();
+  const auto after = [&](const Simulation& now, const RunTotals& totals) {
+    pace.elapsed = secondsSince(start);
+    pacer.end(pace.elapsed);
+    const QualityReport quality = pacer.quality();
+    pace.slipped = quality.slipped;
+    pace.worst_rung = std::max(pace.worst_rung, quality.rung);
+    pace.longest_step = std::max(pace.longest_step, quality.step_length);
+    pace.mean_rung += quality.step_length / (now.time() - start_time) * (quality.rung - pace.mean_rung);
+    if (after_step) after_step(now, totals);
+  };
+  RunRecord record = runSteps(simulation, rows, next, after);
+  record.totals.at_rest = stop.atRest();
+  record.totals.pace = pace;
   return record;
 }
 

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "haptic_cloth/simulation.h"
+#include "haptic_cloth/step_pacer.h"
 
 namespace haptic_cloth {
 
@@ -21,6 +23,15 @@ struct ProbeRecord {
   ProbeReport probe;
 };
 
+/// How a run kept the clock. Means are over simulated time.
+struct PaceTotals {
+  double elapsed = 0.0;    ///< wall time from the first step to the end of the last [s]
+  double slipped = 0.0;    ///< simulated time given up [s]
+  double mean_rung = 0.0;  ///< 0: the quality that the scene asks for
+  int worst_rung = 0;
+  double longest_step = 0.0;  ///< [s]
+};
+
 /// Sums over a run, kept also when no rows are.
 struct RunTotals {
   int steps = 0;
@@ -31,11 +42,15 @@ struct RunTotals {
   double mean_active = 0.0;            ///< particles
   long refined = 0, coarsened = 0;     ///< cells split, groups of four merged
   double max_penetration = 0.0;        ///< [m]
-  double start_time = 0.0;  ///< simulated time before the first step: not 0 where a run is resumed [s]
-  double wall_time = 0.0;   ///< of all steps [s]
-  bool at_rest = false;     ///< ended by stop.rest_speed, not by stop.time
+  double start_time = 0.0;         ///< simulated time before the first step: not 0 where a run is resumed [s]
+  double wall_time = 0.0;          ///< of all steps [s]
+  bool at_rest = false;            ///< ended by stop.rest_speed, not by stop.time
+  std::optional<PaceTotals> pace;  ///< set if the run kept the clock
   StepReport last;
 };
+
+/// Rows that a run keeps. The energies of a step take time, which a run that keeps the clock lacks.
+enum class Rows { None, Probes, All };
 
 struct RunRecord {
   RunTotals totals;
@@ -54,15 +69,15 @@ using StepCallback = std::function<void(const Simulation&, const RunTotals&)>;
 using NextStep = std::function<bool(Simulation&, int& length)>;
 
 /// Runs the simulation step by step, as long as there is a next one.
-/// @param keep_rows fill `steps` and `probes` of the result
-RunRecord runSteps(Simulation& simulation, bool keep_rows, const NextStep& next,
-                   const StepCallback& after_step);
+RunRecord runSteps(Simulation& simulation, Rows rows, const NextStep& next, const StepCallback& after_step);
 
 /// Runs the simulation from its present time to its scene's stop rule. Devices and obstacles follow their
 /// paths: at each step they stand where the path is at the end of the step; devices have the step's mean
 /// velocity.
-/// @param keep_rows fill `steps` and `probes` of the result
-RunRecord runScene(Simulation& simulation, bool keep_rows, const StepCallback& after_step);
+RunRecord runScene(Simulation& simulation, Rows rows, const StepCallback& after_step);
+
+/// The same in wall time: StepPacer plans length and quality of the steps, as in the node.
+RunRecord runInRealTime(Simulation& simulation, Rows rows, const StepCallback& after_step);
 
 /// Every position and energy is finite.
 bool isFinite(const Simulation& simulation);

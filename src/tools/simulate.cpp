@@ -49,6 +49,7 @@ constexpr const char* kFooter =
     "                 on it about the proxy x y z; of several, probe_NAME.csv\n"
     "  particles.csv  i,j,active,x,y,z for every particle of the finest grid\n"
     "  mesh.ply       the active mesh as triangles\n"
+    "With --real-time the results depend on the machine, and steps.csv has no rows: energies take time.\n"
     "To go on from a state, let it stop later: simulate drape.yaml --save-state drape.state, then\n"
     "simulate drape.yaml --resume drape.state --set stop.time=4. The files then describe the second run "
     "only.\n"
@@ -63,6 +64,7 @@ struct Arguments {
   std::vector<std::string> overrides;
   std::string out;
   std::string resume, save_state, replay;
+  bool real_time = false;
 };
 
 /// One line on a terminal, rewritten a few times a second; nothing when stderr is a file or pipe.
@@ -108,12 +110,17 @@ bool readArguments(int argc, char** argv, Arguments& arguments) {
   line.add("save-state", arguments.save_state, "FILE", "writes the state at the end, for --resume");
   line.add("replay", arguments.replay, "FILE",
            "repeats a recording of the node (~record) in place of the scene's paths and stop");
+  line.addFlag("real-time", arguments.real_time,
+               "keeps the clock as the node does: a late solver takes longer and coarser steps");
   line.addPage("options", optionsPage(), "prints the keys of a scene as Markdown, and exits");
   line.setFooter(kFooter);
   return line.read(argc, argv);
 }
 
 int simulate(const Arguments& arguments) {
+  if (arguments.real_time && !arguments.replay.empty()) {
+    throw haptic_cloth::UsageError("--real-time: cannot be combined with --replay");
+  }
   Simulation simulation(haptic_cloth::loadScene(arguments.scene, arguments.overrides));
   if (!arguments.resume.empty()) {
     const std::uint64_t most = haptic_cloth::largestState(simulation.scene());
@@ -131,12 +138,15 @@ int simulate(const Arguments& arguments) {
   if (!arguments.save_state.empty()) haptic_cloth::checkStateFile(arguments.save_state);
   if (!arguments.out.empty()) haptic_cloth::prepareDirectory(arguments.out, simulation.scene());
 
-  const bool rows = !arguments.out.empty();
+  const auto rows = arguments.out.empty() ? haptic_cloth::Rows::None
+                    : arguments.real_time ? haptic_cloth::Rows::Probes
+                                          : haptic_cloth::Rows::All;
   Progress progress(simulation.scene().stop.time);
   const auto show = [&](const Simulation& now, const RunTotals& totals) { progress.show(now, totals); };
   const auto next = [&](Simulation& now, int& length) { return replay->next(now, length); };
-  const RunRecord record = replay ? haptic_cloth::runSteps(simulation, rows, next, show)
-                                  : haptic_cloth::runScene(simulation, rows, show);
+  const RunRecord record = replay                ? haptic_cloth::runSteps(simulation, rows, next, show)
+                           : arguments.real_time ? haptic_cloth::runInRealTime(simulation, rows, show)
+                                                 : haptic_cloth::runScene(simulation, rows, show);
   progress.finish();
 
   const RunTotals& totals = record.totals;

@@ -21,6 +21,16 @@ std::string hexadecimal(std::uint64_t value) {
   return text.str();
 }
 
+/// How the run kept the clock, as a line; empty if it did not.
+std::string paceText(const RunTotals& totals) {
+  if (!totals.pace) return "";
+  std::ostringstream text;
+  text << std::setprecision(4) << "in real time: " << totals.pace->elapsed << " s elapsed, slipped "
+       << totals.pace->slipped << " s, quality rung " << totals.pace->mean_rung << " in the mean, "
+       << totals.pace->worst_rung << " at worst, steps up to " << 1e3 * totals.pace->longest_step << " ms\n";
+  return text.str();
+}
+
 }  // namespace
 
 double realTimeFactor(const Simulation& simulation, const RunTotals& totals) {
@@ -36,6 +46,13 @@ std::string summaryJson(const Simulation& simulation, const RunTotals& totals, b
   summary["wall_time"] = totals.wall_time;
   summary["real_time_factor"] = realTimeFactor(simulation, totals);
   summary["at_rest"] = totals.at_rest;
+  if (totals.pace) {
+    summary["pace"] = {{"elapsed", totals.pace->elapsed},
+                       {"slipped", totals.pace->slipped},
+                       {"mean_rung", totals.pace->mean_rung},
+                       {"worst_rung", totals.pace->worst_rung},
+                       {"longest_step", totals.pace->longest_step}};
+  }
   summary["steps"] = totals.steps;
   summary["iterations"] = totals.iterations;
   summary["evaluations"] = totals.evaluations;
@@ -83,8 +100,8 @@ std::string briefReport(const Simulation& simulation, const RunTotals& totals) {
   if (totals.start_time > 0.0) text << "to " << simulation.time() << " s ";
   text << "in " << totals.wall_time << " s (real time x " << realTimeFactor(simulation, totals) << ", "
        << simulation.threads() << " threads)" << (totals.at_rest ? ", at rest" : "") << "\n"
-       << "steps " << totals.steps << ", failed " << totals.failed_steps << ", iterations "
-       << totals.iterations << " (" << totals.iterations / steps << " a step), last "
+       << paceText(totals) << "steps " << totals.steps << ", failed " << totals.failed_steps
+       << ", iterations " << totals.iterations << " (" << totals.iterations / steps << " a step), last "
        << toString(totals.last.minimizer.why) << "\n"
        << "active particles " << totals.min_active << " to " << totals.max_active << ", mean "
        << totals.mean_active << ", final " << simulation.activeParticles() << "\n"

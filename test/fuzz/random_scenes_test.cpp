@@ -56,7 +56,7 @@ Outcome run(Scene scene, int threads) {
   scene.solver.threads = threads;
   Simulation simulation(scene);
   Outcome outcome;
-  runScene(simulation, false, [&](const Simulation& now, const RunTotals& totals) {
+  runScene(simulation, Rows::None, [&](const Simulation& now, const RunTotals& totals) {
     if (!outcome.broken.empty()) return;
     outcome.broken = judge(now, totals.last.failed);
     if (!outcome.broken.empty()) outcome.broken += " at " + std::to_string(now.time()) + " s";
@@ -129,7 +129,7 @@ TEST(RandomScenes, WithAnyNumbersAreRefusedOrStayFinite) {
     scene.stop.time = 5.0 * scene.solver.time_step;
     scene.solver.threads = 1;
     Simulation simulation(scene);
-    runScene(simulation, false, nullptr);
+    runScene(simulation, Rows::None, nullptr);
     return judge(simulation, false, false);
   });
   EXPECT_GT(accepted, 0);

@@ -219,7 +219,7 @@ TEST(Torture, SavedSceneReplaysTheSameBits) {
   sheet.after = [&](const ClothWorld& world, long) { seen = world.cloth().state().position; };
   torture(sheet);
   Simulation simulation(again);
-  runScene(simulation, false, nullptr);
+  runScene(simulation, Rows::None, nullptr);
   simulation.positions(replayed);
   std::vector<char> active;
   simulation.activeFlags(active);

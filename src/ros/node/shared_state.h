@@ -13,6 +13,7 @@
 #include "haptic_cloth/haptic_session.h"
 #include "haptic_cloth/report.h"
 #include "haptic_cloth/simulation.h"
+#include "haptic_cloth/step_pacer.h"
 #include "haptics/lateness.h"
 #include "ros/node/solver_tasks.h"
 #include "ros/options/live_options.h"
@@ -45,14 +46,6 @@ struct ProbeView {
   GraspState grasp = GraspState::Open;
 };
 
-/// What the solver gives up to keep the clock.
-struct QualityView {
-  int rung = 0;              ///< 0: the quality that the scene asks for
-  std::string given_up;      ///< empty: nothing
-  double step_length = 0.0;  ///< of the last step [s]
-  double slipped = 0.0;      ///< simulated time given up since the start [s]
-};
-
 /// A copy of what is shown.
 struct DisplayFrame {
   double time = 0.0;  ///< simulated [s]
@@ -61,7 +54,7 @@ struct DisplayFrame {
   std::vector<float> tension, bending;
   std::vector<ProbeView> probes;  ///< in the scene's order, as the obstacles
   std::vector<Pose> obstacles;
-  QualityView quality;
+  QualityReport quality;
   bool valid = false;
 };
 
@@ -75,7 +68,7 @@ struct SolverStats {
   double iterations = 0.0;      ///< mean a step [-]
   std::uint64_t failed = 0;     ///< since start
   double kinetic = 0.0;         ///< [J]
-  QualityView quality;
+  QualityReport quality;
   StepReport last;
 };
 

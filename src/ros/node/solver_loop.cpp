@@ -28,8 +28,7 @@ SolverLoop::SolverLoop(const NodeOptions& options, SharedState& shared)
       live_(shared.live_for_solver),
       simulation_(sceneFor(options.scene)),
       targets_seen_(options.scene.obstacles.size(), 0),
-      clock_(options.scene.solver.time_step) {
-  makeLadder(options);
+      pacer_(simulation_, options.pace) {
   if (options.record.empty()) return;
   recorder_.emplace(options.record);
   recorder_->write(recorded::header(simulation_));
@@ -42,24 +41,22 @@ void SolverLoop::run() {
     shared_.tasks.work(*this);
     copyFrameWhenWanted();
     if (shared_.paused) {
-      clock_.restart();
+      pacer_.restart();
       window_start_ = -1.0;
       for (SharedProbe& probe : shared_.probes) probe.session().pause(simulation_);
       sleepUntil(steadyNow() + kIdle);
       continue;
     }
-    sleepUntil(clock_.due(steadyNow()));
+    sleepUntil(pacer_.due(steadyNow()));
     takeOptions();
-    const ClockKeeper::Step next = clock_.begin(steadyNow());
-    setQuality(next.rung);
+    const int length = pacer_.begin(simulation_, steadyNow());
     moveObstacles();
     for (SharedProbe& probe : shared_.probes) {
-      probe.session().beforeStep(simulation_, steadyNow(), next.length);
+      probe.session().beforeStep(simulation_, steadyNow(), length);
     }
-    const StepReport report = simulation_.step(next.length);
+    const StepReport report = simulation_.step(length);
     for (SharedProbe& probe : shared_.probes) probe.session().afterStep(simulation_, steadyNow());
-    clock_.end(steadyNow());
-    step_length_ = next.length * simulation_.scene().solver.time_step;
+    pacer_.end(steadyNow());
     record(report);
   }
   if (recorder_) recorder_->end(recorded::end(simulation_));
@@ -96,7 +93,7 @@ void SolverLoop::startAnew() {
   // Targets sent before are not used.
   for (std::size_t k = 0; k < targets_seen_.size(); ++k)
     targets_seen_[k] = shared_.obstacles[k].read().number;
-  clock_.restart();
+  pacer_.restart();
   window_start_ = -1.0;
   shared_.frame_wanted = true;
   copyFrameWhenWanted();
@@ -104,40 +101,18 @@ void SolverLoop::startAnew() {
 
 /// Takes new live options between two steps. They were validated as a whole.
 void SolverLoop::takeOptions() {
-  if (live_.readNew()) makeLadder(*live_.newest().options);
-}
-
-void SolverLoop::makeLadder(const NodeOptions& options) {
-  constexpr double kRounding = 1e-9, kMost = 1e6;  // in steps
-  SolverOptions solver = options.scene.solver;
+  if (!live_.readNew()) return;
+  const NodeOptions& asked = *live_.newest().options;
+  SolverOptions solver = asked.scene.solver;
   solver.threads = simulation_.scene().solver.threads;
-  const double longest = std::min(options.max_time_step / solver.time_step + kRounding, kMost);
-  ladder_ = qualityLadder(solver, options.scene.adapt, std::max(1, static_cast<int>(longest)));
-  if (!options.keep_clock) ladder_.resize(1);
-  std::vector<int> longest_steps;
-  for (const Quality& rung : ladder_) longest_steps.push_back(rung.longest_step);
-  clock_.setRungs(longest_steps);
-  air_damping_ = options.scene.air_damping;
-  rung_ = -1;
-}
-
-/// Gives the simulation the options of a rung.
-void SolverLoop::setQuality(int rung) {
-  if (rung == rung_) return;
-  rung_ = rung;
-  simulation_.setOptions(ladder_[rung].solver, ladder_[rung].adapt, air_damping_);
-}
-
-QualityView SolverLoop::quality() const {
-  const int rung = std::max(0, rung_);
-  return {rung, ladder_[rung].given_up, step_length_, clock_.slipped()};
+  pacer_.setOptions(solver, asked.scene.adapt, asked.scene.air_damping, asked.pace);
 }
 
 /// Takes the newest options as they were asked for, with couplings at the ends of their ramps. No step
 /// uses these: before the next step its quality and the couplings of the haptic thread are set.
 void SolverLoop::skipRamps() {
   takeOptions();
-  setQuality(0);
+  pacer_.restoreQuality(simulation_);
   const LiveOptions& live = live_.newest();
   for (std::size_t k = 0; k < live.gains.size(); ++k) {
     const ProbeOptions& asked = live.options->scene.probes[k];
@@ -160,7 +135,7 @@ void SolverLoop::copyFrameWhenWanted() {
   for (std::size_t k = 0; k < targets_seen_.size(); ++k) {
     frame_.obstacles.push_back(simulation_.obstaclePose(static_cast<int>(k)));
   }
-  frame_.quality = quality();
+  frame_.quality = pacer_.quality();
   frame_.valid = true;
   shared_.frame.write(frame_);
 }
@@ -192,7 +167,7 @@ void SolverLoop::record(const StepReport& report) {
   window_.time = simulation_.time();
   window_.real_time_factor = (window_.time - window_start_time_) / window_.wall;
   window_.iterations = window_iterations_ / window_.steps;
-  window_.quality = quality();
+  window_.quality = pacer_.quality();
   window_.kinetic = simulation_.energy().kinetic;
   window_.last = report;
   shared_.solver_stats.write(window_);

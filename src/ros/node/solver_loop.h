@@ -1,5 +1,4 @@
-/// The solver thread: takes steps without pause, never ahead of wall time. If it is late, ClockKeeper makes
-/// steps longer and lowers their quality.
+/// The solver thread: takes steps without pause, as StepPacer plans them.
 #pragma once
 
 #include <optional>
@@ -7,8 +6,7 @@
 #include <vector>
 
 #include "haptic_cloth/simulation.h"
-#include "haptics/clock_keeper.h"
-#include "haptics/quality_ladder.h"
+#include "haptic_cloth/step_pacer.h"
 #include "ros/node/record_writer.h"
 #include "ros/node/shared_state.h"
 #include "ros/options/node_options.h"
@@ -37,9 +35,6 @@ class SolverLoop {
   void resetWhenAsked();
   void startAnew();
   void takeOptions();
-  void makeLadder(const NodeOptions& options);
-  void setQuality(int rung);
-  QualityView quality() const;
   void skipRamps();
   void copyFrameWhenWanted();
   void moveObstacles();
@@ -50,11 +45,7 @@ class SolverLoop {
   Simulation simulation_;
   std::vector<std::uint64_t> targets_seen_;  ///< number of the last target of each obstacle
 
-  ClockKeeper clock_;
-  std::vector<Quality> ladder_;
-  double air_damping_ = 0.0;              ///< asked for [1/s]
-  int rung_ = -1;                         ///< whose options the simulation has; < 0: unknown
-  double step_length_ = 0.0;              ///< of the last step [s]
+  StepPacer pacer_;
   std::optional<RecordWriter> recorder_;  ///< set if a recording was asked for
   std::uint64_t resets_seen_ = 0;
 

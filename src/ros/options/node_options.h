@@ -8,6 +8,7 @@
 
 #include "haptic_cloth/haptics.h"
 #include "haptic_cloth/scene.h"
+#include "haptic_cloth/step_pacer.h"
 #include "ros/input/device_map.h"
 
 namespace haptic_cloth {
@@ -37,8 +38,7 @@ struct NodeOptions {
   /// Limit of wall time per step [s]; 0: none. The smaller of this and the scene's budget counts.
   /// Without it the force would time out during a hard step.
   double step_budget = 0.025;
-  bool keep_clock = true;        ///< a late solver gives up quality instead of simulated time
-  double max_time_step = 0.004;  ///< longest step of a late solver [s]
+  PaceOptions pace;
   std::string record;            ///< file for a recording; empty: none
   double gain_ramp = 0.5;        ///< duration of gain ramps after a live change [s]; 0: at once
   MarkerOptions markers;

@@ -161,7 +161,7 @@ TEST(TwoFingers, TheShippedSceneLiftsTheClothByItsCorner) {
   Simulation simulation(loadScene(HAPTIC_CLOTH_SOURCE_DIR "/config/scenes/two_fingers.yaml"));
   const Scene& scene = simulation.scene();
   ASSERT_EQ(scene.probes.size(), 2u);
-  const RunRecord record = runScene(simulation, false, nullptr);
+  const RunRecord record = runScene(simulation, Rows::None, nullptr);
   EXPECT_EQ(record.totals.failed_steps, 0);
   const Vec3 corner = particle(simulation, 32, 32);
   double lifted = 0.0;

@@ -1,0 +1,74 @@
+/// Keeps the simulated time of a simulation at wall time.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "haptic_cloth/simulation.h"
+
+namespace haptic_cloth {
+
+/// How a solver follows the clock.
+struct PaceOptions {
+  bool keep_clock = true;        ///< a late solver gives up quality; else simulated time falls behind
+  double max_time_step = 0.004;  ///< longest step of a late solver [s]
+};
+
+/// What the solver gives up to keep the clock.
+struct QualityReport {
+  int rung = 0;              ///< 0: the quality that the scene asks for
+  std::string given_up;      ///< in words; empty: nothing
+  double step_length = 0.0;  ///< of the last step [s]
+  double slipped = 0.0;      ///< simulated time given up since the start [s]
+};
+
+/// Plans each step of a simulation from the wall times at which steps start and end: a late solver
+/// takes longer steps and lowers their quality, first what costs the least force; with time to
+/// spare quality returns to what the scene asks for. No step starts before simulated time is due.
+///
+///     sleep until pacer.due(now);
+///     const int length = pacer.begin(simulation, now);
+///     session.beforeStep(simulation, now, length);
+///     simulation.step(length);
+///     session.afterStep(simulation, now);
+///     pacer.end(now);
+///
+/// All functions belong to the solver's thread. `now` is in seconds on a steady clock.
+class StepPacer {
+ public:
+  /// @param simulation is not kept; its options are the quality asked for
+  explicit StepPacer(const Simulation& simulation, const PaceOptions& options = PaceOptions());
+  ~StepPacer();
+  StepPacer(StepPacer&&) noexcept;
+  StepPacer& operator=(StepPacer&&) noexcept;
+
+  /// Changes the quality asked for, from the next step on. @pre valid for the simulation's
+  /// setOptions()
+  void setOptions(const SolverOptions& solver, const AdaptOptions& adapt, double air_damping,
+                  const PaceOptions& options);
+
+  /// Wall time before which the next step must not start [s].
+  double due(double now) const;
+
+  /// Starts a step: gives the simulation the options of its quality.
+  /// @return length of the step, in time steps of the scene
+  int begin(Simulation& simulation, double now);
+
+  /// The step has ended.
+  void end(double now);
+
+  /// Forgets the lag, as after a pause: the next step is due at once.
+  void restart();
+
+  /// Gives the simulation the options asked for, as it needs them to save or load a state. The next
+  /// step sets its own again.
+  void restoreQuality(Simulation& simulation);
+
+  QualityReport quality() const;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace haptic_cloth
