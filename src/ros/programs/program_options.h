@@ -1,4 +1,5 @@
-/// Private parameters of the programs beside the node, and their rows.
+/// Private parameters of the programs beside the node, and their rows. Units and meanings stand in the
+/// rows (program_options.cpp).
 #pragma once
 
 #include <string>

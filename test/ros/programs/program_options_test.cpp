@@ -59,7 +59,7 @@ TEST(ProgramOptions, ARemovedKeyNamesWhatReplacesIt) {
     parameters[key.substr(0, slash)][key.substr(slash + 1)] = std::string("position");
     EXPECT_EQ(messageOf<AdapterOptions>(parameters),
               "/program (parameters): " + key +
-                  " = position: no longer exists: the adapter knows the types in docs/guide/devices.md");
+                  " = \"position\": no longer exists: the adapter knows the types in docs/guide/devices.md");
   }
 }
 
