@@ -68,13 +68,13 @@ MarkerBuilder::MarkerBuilder(const Scene& scene, const std::string& frame_id, co
       frame_id_(frame_id) {
   addMarker(markers_, "surface", Marker::TRIANGLE_LIST, frame_id);
   addMarker(markers_, "mesh", Marker::LINE_LIST, frame_id).scale.x = 0.0005;
-  Marker& quality = addMarker(markers_, "quality", Marker::TEXT_VIEW_FACING, frame_id);
-  quality.color = markerColor(0.95F, 0.75F, 0.1F);
-  setScale(quality, 0.0, 0.0, kTextHeight);
   for (const ProbeOptions& probe : scene.probes) addProbe(probe);
   for (const Obstacle& obstacle : scene.obstacles) {
     obstacles_.emplace_back(markers_, "obstacles", obstacle, markerColor(0.55F, 0.55F, 0.58F), frame_id);
   }
+  Marker& quality = addMarker(markers_, "quality", Marker::TEXT_VIEW_FACING, frame_id);
+  quality.color = markerColor(0.95F, 0.75F, 0.1F);
+  quality.scale.z = kTextHeight;  // rviz uses no other
 }
 
 void MarkerBuilder::addProbe(const ProbeOptions& probe) {
@@ -184,7 +184,7 @@ void MarkerBuilder::updateMesh(const DisplayFrame& frame) {
 /// Shows what is given up, above the middle of the cloth. Nothing is shown at the quality that the scene asks
 /// for.
 void MarkerBuilder::updateQuality(const DisplayFrame& frame) {
-  Marker& text = markers_.markers[kQuality];
+  Marker& text = markers_.markers.back();
   text.text = frame.quality.given_up;
   text.action = text.text.empty() ? Marker::DELETE : Marker::ADD;
   const Vec3 middle = frame.positions[rows_ / 2 * columns_ + columns_ / 2];

@@ -46,10 +46,10 @@ class MarkerBuilder {
   std::string frame_id_;
   std::vector<Vec3> normals_;                ///< per finest particle
   std::vector<std_msgs::ColorRGBA> shade_;   ///< per finest particle
-  visualization_msgs::MarkerArray markers_;  ///< surface, mesh, quality, then probes and obstacles
+  visualization_msgs::MarkerArray markers_;  ///< surface, mesh, probes, obstacles, quality
   std::vector<ProbeMarkers> probes_;
   std::vector<SolidMarkers> obstacles_;
-  enum Index { kSurface, kMesh, kQuality };
+  enum Index { kSurface, kMesh };
 };
 
 }  // namespace haptic_cloth

@@ -163,8 +163,18 @@ TEST_F(MarkersTest, EveryMarkerIsOneThatRvizTakes) {
     EXPECT_EQ(marker.header.frame_id, "world");
     for (const auto& point : marker.points) ASSERT_TRUE(toVec3(point).allFinite());
   }
-  // Surface, mesh, probe, proxy, force; box, sphere, plane, cylinder, and a capsule of three parts.
-  EXPECT_EQ(names.size(), 5u + 7u);
+  // Surface, mesh, probe, proxy, force, quality; box, sphere, plane, cylinder, and a capsule of three parts.
+  EXPECT_EQ(names.size(), 6u + 7u);
+}
+
+TEST_F(MarkersTest, ATextSaysWhatIsGivenUp) {
+  MarkerBuilder builder(scene_, "world", MarkerOptions());
+  const auto text = [&] { return builder.build(frame_, {Vec3::Zero()}, ros::Time(1.0)).markers.back(); };
+  EXPECT_EQ(text().action, visualization_msgs::Marker::DELETE);
+  frame_.quality.given_up = "tolerance 1";
+  EXPECT_EQ(text().action, visualization_msgs::Marker::ADD);
+  EXPECT_EQ(text().text, "tolerance 1");
+  EXPECT_GT(text().pose.position.z, frame_.positions[0].z());
 }
 
 TEST_F(MarkersTest, TheForceArrowPointsAlongTheForce) {
@@ -235,6 +245,13 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
   };
   EXPECT_EQ(value(solverStatus(solver, false, 10.0), "processor"), processorName());
   EXPECT_EQ(value(solverStatus(solver, false, 10.0), "instruction set"), instructionSet());
+  EXPECT_EQ(value(solverStatus(solver, false, 10.0), "given up"), "nothing");
+  solver.last.failed = false;
+  solver.quality = {2, "tolerance 1", 0.004, 0.5};
+  EXPECT_EQ(solverStatus(solver, false, 10.0).message, "running with tolerance 1");
+  EXPECT_EQ(value(solverStatus(solver, false, 10.0), "quality rung"), "2");
+  EXPECT_EQ(value(solverStatus(solver, false, 10.0), "step length [s]"), "0.004");
+  EXPECT_EQ(value(solverStatus(solver, false, 10.0), "slipped [s]"), "0.5");
 
   HapticStats haptic;
   haptic.taken = 9.5;

@@ -5,6 +5,8 @@
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
 #include <haptic_cloth/ClothState.h>
+#include <haptic_cloth/LoadState.h>
+#include <haptic_cloth/SaveState.h>
 #include <ros/ros.h>
 #include <signal.h>
 
@@ -13,6 +15,8 @@
 #include <mutex>
 #include <thread>
 
+#include "haptic_cloth/simulation.h"
+#include "haptic_cloth/state_file.h"
 #include "ros/node/steady_clock.h"
 #include "ros/options/reconfigure_messages.h"
 #include "ros/support/ros_test_support.h"
@@ -158,6 +162,27 @@ TEST_F(KeepClock, IsLeftAloneWhereSlowMotionIsAskedFor) {
   askForTooMuch(true);
   stir(1.0);
   EXPECT_TRUE(waitFor([&] { return state_.rung() > 0; })) << "keep_clock does not take effect";
+}
+
+TEST_F(KeepClock, AStateIsThatOfTheSceneWhateverItsQuality) {
+  const std::string file = testing::TempDir() + "haptic_cloth_keep_clock_" + std::to_string(getpid());
+  askForTooMuch(true);
+  device_->moveTo(kPressed);
+  stir(1.0);
+  ASSERT_TRUE(waitFor([&] { return state_.rung() > 0; }));
+  SaveState save;
+  save.request.file = file;
+  ASSERT_TRUE(ros::service::call("/haptic_cloth/save_state", save));
+  EXPECT_TRUE(save.response.success) << save.response.message;
+  Scene scene = loadScene(HAPTIC_CLOTH_SOURCE_DIR "/test/ros/node/keep_clock.yaml");
+  scene.solver.minimizer.tolerance = 0.0;
+  scene.solver.minimizer.max_iterations = 2000;
+  EXPECT_NO_THROW(Simulation(scene).loadState(readStateFile(file, largestState(scene)), file));
+  LoadState load;
+  load.request.file = file;
+  ASSERT_TRUE(ros::service::call("/haptic_cloth/load_state", load));
+  EXPECT_TRUE(load.response.success) << load.response.message;
+  std::filesystem::remove(file);
 }
 
 /// A second node, whose inputs are recorded while a hand presses.
