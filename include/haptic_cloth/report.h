@@ -62,6 +62,9 @@ struct ProbeReport {
   Vec3 proxy = Vec3::Zero();     ///< [m]
   Vec3 velocity = Vec3::Zero();  ///< velocity of the proxy [m/s]
   Vec3 force = Vec3::Zero();     ///< force of the cloth on the probe [N]
+  /// Estimate of the force's distance from that of a converged solve on the finest mesh with short
+  /// steps [N]; 0 without contact.
+  double force_error = 0.0;
   /// Torque of the cloth on the probe about its proxy [N·m].
   Vec3 torque = Vec3::Zero();
   bool contact = false;  ///< a sample of the cloth presses on the probe, or the probe grasps

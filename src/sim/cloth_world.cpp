@@ -32,6 +32,7 @@ ClothWorld::ClothWorld(const Scene& scene)
       sleep_(cloth_.grid(), scene_.solver.cost == Cost::Condensed ? scene_.solver.sleep_speed : 0.0),
       solver_(scene_, cloth_, contacts_, probes_, sleep_, team_),
       energy_(cloth_, solver_.objective()),
+      force_error_(scene_),
       idle_(probes_.count()) {
   fine_.reserve(probes_.count());
   touches_.reserve(probes_.count());
@@ -149,7 +150,8 @@ void ClothWorld::accept(StepReport& report) {
   cloth_.stopEjected(contacts_);
   report.velocity_scale = energy_.guard(kinetic_before, gravity_work, solved, cloth_);
   cloth_.commit(team_);
-  probes_.accept(solved, contacts_, cloth_.nodes(), grasps_);
+  if (steps_ % scene_.adapt.interval == 0) force_error_.noteMesh(cloth_);
+  probes_.accept(solved, contacts_, cloth_.mesh(), grasps_, force_error_);
   grasps_.noteTouched(probes_, contacts_, cloth_.mesh());
   support_force_ = contacts_.obstacleForce() + solved.pinForce();
   report.max_penetration = contacts_.deepest();
@@ -250,6 +252,7 @@ void ClothWorld::serialize(Archive& archive) {
   archive("rest", sleep_);
   archive("contacts", contacts_);
   probes_.serialize(archive);
+  force_error_.serialize(archive);
   grasps_.serialize(archive);
   idle_.serialize(archive);
   archive("objective", solver_.objective());

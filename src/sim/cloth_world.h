@@ -10,6 +10,7 @@
 #include "sim/adaptation.h"
 #include "sim/cloth.h"
 #include "sim/energy_balance.h"
+#include "sim/force_error.h"
 #include "sim/grasps.h"
 #include "sim/idle_tracker.h"
 #include "sim/load_estimate.h"
@@ -94,6 +95,7 @@ class ClothWorld {
   SleepTracker sleep_;
   StepSolver solver_;
   EnergyBalance energy_;
+  ForceError force_error_;
   IdleTracker idle_;
   long steps_ = 0, ticks_ = 0;
   Vec3 support_force_ = Vec3::Zero();

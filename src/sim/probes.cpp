@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "sim/cloth_objective.h"
+#include "sim/force_error.h"
 #include "sim/grasps.h"
 
 namespace haptic_cloth {
@@ -56,15 +57,18 @@ const std::vector<ContactSet::Reach>& Probes::findTouching(const ActiveMesh& mes
   return touching_;
 }
 
-void Probes::accept(const ClothObjective& solved, const ContactSet& contacts, const Field& nodes,
-                    const Grasps& grasps) {
+void Probes::accept(const ClothObjective& solved, const ContactSet& contacts, const ActiveMesh& mesh,
+                    const Grasps& grasps, const ForceError& error) {
   for (int k = 0; k < count(); ++k) {
     if (!steps_[k].present) continue;
     ProbeReport& report = reports_[k];
     report.proxy = solved.proxy(k);
     report.velocity = (report.proxy - steps_[k].proxy) / solved.timeStep();
-    report.force = solved.holdForce(k) - contacts.proxyGradient(k);
-    report.torque = solved.holdTorque(k) + contacts.proxyTorque(k, nodes);
+    const Vec3 force = solved.holdForce(k) - contacts.proxyGradient(k);
+    const Vec3 unbalanced = error.unbalancedForce(k, solved, mesh);
+    report.force_error = error.estimate(k, unbalanced, report.force, force);
+    report.force = force;
+    report.torque = solved.holdTorque(k) + contacts.proxyTorque(k, solved.nodes());
     report.grasps = grasps.holds(k);
     report.contact = report.grasps || contacts.probeTouched(k);
     steps_[k].proxy = report.proxy;
@@ -75,6 +79,7 @@ void Probes::accept(const ClothObjective& solved, const ContactSet& contacts, co
 void Probes::restore() {
   for (ProbeReport& report : reports_) {
     report.velocity = Vec3::Zero();
+    report.force_error = std::max(report.force_error, report.force.norm());
     report.force = report.torque = Vec3::Zero();
     report.contact = false;
   }
@@ -92,6 +97,7 @@ void Probes::serialize(Archive& archive) {
   archive.each("probe_proxy", reports_, &ProbeReport::proxy);
   archive.each("probe_velocity", reports_, &ProbeReport::velocity);
   archive.each("probe_force", reports_, &ProbeReport::force);
+  archive.each("probe_force_error", reports_, &ProbeReport::force_error);
   archive.each("probe_torque", reports_, &ProbeReport::torque);
   archive.each("probe_contact", reports_, &ProbeReport::contact);
   archive.each("probe_grasps", reports_, &ProbeReport::grasps);

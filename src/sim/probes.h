@@ -11,6 +11,7 @@
 namespace haptic_cloth {
 
 class ClothObjective;
+class ForceError;
 class Grasps;
 
 class Probes {
@@ -41,9 +42,8 @@ class Probes {
                                                      const std::vector<double>& reach, ContactSet& contacts);
 
   /// Takes the results of a solved step.
-  /// @param nodes positions at its end [m]
-  void accept(const ClothObjective& solved, const ContactSet& contacts, const Field& nodes,
-              const Grasps& grasps);
+  void accept(const ClothObjective& solved, const ContactSet& contacts, const ActiveMesh& mesh,
+              const Grasps& grasps, const ForceError& error);
 
   /// Ends a step whose solve failed: no motion, no force.
   void restore();

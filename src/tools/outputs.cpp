@@ -54,10 +54,10 @@ void writeSteps(std::ostream& stream, const std::vector<StepRecord>& steps) {
 
 void writeProbe(std::ostream& stream, const std::vector<ProbeRecord>& probe) {
   stream << "time,device_x,device_y,device_z,proxy_x,proxy_y,proxy_z,force_x,force_y,force_z,"
-            "torque_x,torque_y,torque_z\n";
+            "torque_x,torque_y,torque_z,force_error\n";
   for (const ProbeRecord& row : probe) {
     stream << row.time << ',' << row.probe.device << ',' << row.probe.proxy << ',' << row.probe.force << ','
-           << row.probe.torque << '\n';
+           << row.probe.torque << ',' << row.probe.force_error << '\n';
   }
 }
 
