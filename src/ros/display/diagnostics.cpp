@@ -138,7 +138,7 @@ DiagnosticStatus optionsStatus(const LiveReport& report) {
 }
 
 DiagnosticStatus probeStatus(const std::string& name, const InputCounters& counters, const FeltForce& felt,
-                             GraspState grasp, double now, const std::string& message) {
+                             GraspState grasp, double force_error, double now, const std::string& message) {
   DiagnosticStatus status;
   status.name = name;
   const std::uint64_t dropped = counters.dropped();
@@ -161,6 +161,7 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
   }
   add(status, "status", std::string(toString(felt.status)));
   add(status, "force [N]", felt.force.norm());
+  add(status, "error of the force, estimated [N]", force_error);
   add(status, "torque [N m]", felt.torque.norm());
   add(status, "grasp", std::string(graspText(grasp)));
   add(status, "received", counters.received.load());

@@ -18,10 +18,11 @@ diagnostic_msgs::DiagnosticStatus solverStatus(const SolverStats& stats, bool pa
 
 /// Status of one probe: messages of its device, force and grasp. A dropped message is a warning for
 /// at most 5 s.
+/// @param force_error estimated error of its force [N]
 /// @param message kind of message that the device sends: "pose" or "force"
 diagnostic_msgs::DiagnosticStatus probeStatus(const std::string& name, const InputCounters& counters,
-                                              const FeltForce& felt, GraspState grasp, double now,
-                                              const std::string& message = "pose");
+                                              const FeltForce& felt, GraspState grasp, double force_error,
+                                              double now, const std::string& message = "pose");
 
 /// Status of one obstacle that can be moved. A dropped pose is a warning for 5 s.
 diagnostic_msgs::DiagnosticStatus obstacleStatus(const std::string& name, const ObstacleCounters& counters,

@@ -106,16 +106,18 @@ void DisplayThread::publishProxies(const DisplayFrame& frame) {
 void DisplayThread::publishDiagnostics(double now) {
   diagnostic_msgs::DiagnosticArray array;
   array.header.stamp = ros::Time::now();
+  const SolverStats& solver = shared_.solver_stats.read();
   array.status = {
-      solverStatus(shared_.solver_stats.read(), shared_.paused, now),
+      solverStatus(solver, shared_.paused, now),
       hapticStatus(shared_.haptic_stats.read(), sources_.haptics.scheduling(), now),
       displayStatus(marker_frames_, state_frames_, sources_.master.reachable(), sources_.master.renewals()),
       optionsStatus(shared_.live_report.read())};
   for (std::size_t k = 0; k < sources_.probes.size(); ++k) {
     const ProbeTopics& probe = sources_.probes[k];
     SharedProbe& shared = shared_.probes[k];
+    const double force_error = k < solver.force_errors.size() ? solver.force_errors[k] : 0.0;
     array.status.push_back(probeStatus(probe.name(), probe.counters(), shared.felt.read(),
-                                       shared.session().grasp(), now, probe.message()));
+                                       shared.session().grasp(), force_error, now, probe.message()));
   }
   for (const ObstacleTopics& obstacle : sources_.obstacles) {
     array.status.push_back(obstacleStatus(obstacle.name(), obstacle.counters(), now));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 
 #include "ros/node/conversions.h"
 #include "shape/shapes.h"
@@ -181,11 +182,18 @@ void MarkerBuilder::updateMesh(const DisplayFrame& frame) {
   mesh.colors.resize(2 * lines, levelColor(0));
 }
 
-/// Shows what is given up, above the middle of the cloth. Nothing is shown at the quality that the scene asks
-/// for.
+/// Shows what is given up and the error of the force, above the middle of the cloth. Nothing is shown at the
+/// quality that the scene asks for.
 void MarkerBuilder::updateQuality(const DisplayFrame& frame) {
   Marker& text = markers_.markers.back();
   text.text = frame.quality.given_up;
+  for (const ProbeView& probe : frame.probes) {
+    if (text.text.empty() || !probe.report.contact) continue;
+    char line[64];
+    std::snprintf(line, sizeof(line), "\nforce %.2f N, error %.2f N", probe.report.force.norm(),
+                  probe.report.force_error);
+    text.text += line;
+  }
   text.action = text.text.empty() ? Marker::DELETE : Marker::ADD;
   const Vec3 middle = frame.positions[rows_ / 2 * columns_ + columns_ / 2];
   text.pose.position = toPoint(middle + kTextLift * Vec3::UnitZ());

@@ -69,6 +69,7 @@ struct SolverStats {
   std::uint64_t failed = 0;     ///< since start
   double kinetic = 0.0;         ///< [J]
   QualityReport quality;
+  std::vector<double> force_errors;  ///< of the probes, estimated [N]
   StepReport last;
 };
 

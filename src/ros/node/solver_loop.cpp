@@ -169,6 +169,10 @@ void SolverLoop::record(const StepReport& report) {
   window_.iterations = window_iterations_ / window_.steps;
   window_.quality = pacer_.quality();
   window_.kinetic = simulation_.energy().kinetic;
+  window_.force_errors.clear();
+  for (std::size_t k = 0; k < shared_.probes.size(); ++k) {
+    window_.force_errors.push_back(simulation_.probe(static_cast<int>(k)).force_error);
+  }
   window_.last = report;
   shared_.solver_stats.write(window_);
   window_start_ = now;

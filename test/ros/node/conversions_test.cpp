@@ -175,6 +175,11 @@ TEST_F(MarkersTest, ATextSaysWhatIsGivenUp) {
   EXPECT_EQ(text().action, visualization_msgs::Marker::ADD);
   EXPECT_EQ(text().text, "tolerance 1");
   EXPECT_GT(text().pose.position.z, frame_.positions[0].z());
+  ProbeReport& probe = frame_.probes[0].report;
+  probe.contact = true;
+  probe.force = Vec3(0.0, 0.0, 1.5);
+  probe.force_error = 0.03;
+  EXPECT_EQ(text().text, "tolerance 1\nforce 1.50 N, error 0.03 N");
 }
 
 TEST_F(MarkersTest, TheForceArrowPointsAlongTheForce) {
@@ -265,9 +270,10 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
 
   InputCounters counters;
   FeltForce felt;
-  const auto probe = [&] { return probeStatus("thumb", counters, felt, GraspState::Closed, 10.0); };
+  const auto probe = [&] { return probeStatus("thumb", counters, felt, GraspState::Closed, 0.25, 10.0); };
   EXPECT_EQ(probe().level, DiagnosticStatus::OK);
   EXPECT_EQ(probe().name, "thumb");
+  EXPECT_EQ(value(probe(), "error of the force, estimated [N]"), "0.25");
   counters.received = 5;
   EXPECT_EQ(probe().level, DiagnosticStatus::OK);
   counters.late = 2;
