@@ -64,7 +64,7 @@ TEST(Shapes, DrawingExtentAndHalfWidthAreThoseOfTheDistance) {
     obstacle.shape = shape;
     obstacle.size = Vec3(0.5, 0.25, 0.125);
     obstacle.radius = 0.25;
-    obstacle.length = 0.5;
+    obstacle.length = 0.3;
     const Solid solid(obstacle);
     const std::vector<Vec3> drawn = surfacePoints(obstacle);
     const double coarse = kCoarse * solid.extent(), highest = distances(solid, drawn, 1.0)[1];
