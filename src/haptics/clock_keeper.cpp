@@ -20,8 +20,9 @@ constexpr double kSoon = 2.0;                         ///< a rung that was left 
 
 void ClockKeeper::setRungs(const std::vector<int>& longest_steps) {
   longest_ = longest_steps;
+  waits_.assign(longest_.size(), kFirstWait);
   rung_ = std::min(rung_, static_cast<int>(longest_.size()) - 1);
-  behind_ = roomy_ = false;
+  behind_ = roomy_ = risen_ = false;
 }
 
 ClockKeeper::Step ClockKeeper::begin(double now) {
@@ -60,22 +61,23 @@ void ClockKeeper::chooseRung(double lag, double now) {
     if (!falls && rung_ + 1 < static_cast<int>(longest_.size())) fall(now);
   }
   if (roomy_ && !had_room) roomy_since_ = now;
-  if (roomy_ && now - roomy_since_ >= wait_) rise(now);
+  if (roomy_ && now - roomy_since_ >= waits_[rung_ - 1]) rise(now);
 }
 
 void ClockKeeper::fall(double now) {
+  if (risen_) {
+    double& wait = waits_[rung_];
+    const bool failed = now - risen_at_ < std::max(kSoon, wait);
+    wait = failed ? std::min(2.0 * wait, kLastWait) : kFirstWait;
+  }
   ++rung_;
-  behind_ = false;
-  if (!risen_) return;
-  const bool failed = now - risen_at_ < std::max(kSoon, wait_);
-  wait_ = failed ? std::min(2.0 * wait_, kLastWait) : kFirstWait;
-  risen_ = false;
+  behind_ = risen_ = false;
 }
 
 void ClockKeeper::rise(double now) {
+  if (risen_) waits_[rung_] = kFirstWait;  // the rise before this one has held
   --rung_;
   roomy_ = false;
-  if (risen_) wait_ = kFirstWait;  // the rise before this one has held
   risen_ = true;
   risen_at_ = now;
 }

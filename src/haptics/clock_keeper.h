@@ -12,16 +12,16 @@ namespace haptic_cloth {
 ///
 /// Rung (qualityLadder()): down by one if the longest steps do not catch up within 30 ms. Up by one if the
 /// solver has been busy for less than half of the time for 0.5 s. If the better rung proves too slow, the
-/// next attempt waits twice as long, up to 30 s.
+/// next attempt at it waits twice as long, up to 30 s.
 ///
 /// Lag beyond 0.1 s is given up: simulated time slips.
 class ClockKeeper {
  public:
   /// @param time_step unit of the steps' lengths [s]
-  explicit ClockKeeper(double time_step) : h_(time_step) {}
+  explicit ClockKeeper(double time_step) : h_(time_step) { setRungs({1}); }
 
   /// Sets the longest step of each rung, in time steps; the first rung is the best. The rung in use stays, or
-  /// becomes the last one.
+  /// becomes the last one. Failed attempts are forgotten.
   void setRungs(const std::vector<int>& longest_steps);
 
   /// Wall time before which the next step must not start [s]. @param now [s]
@@ -49,7 +49,8 @@ class ClockKeeper {
   void rise(double now);
 
   double h_;
-  std::vector<int> longest_{1};
+  std::vector<int> longest_;
+  std::vector<double> waits_;  ///< time for which there must be room before a rise to each rung [s]
   int rung_ = 0, length_ = 1;
   double due_ = -1.0;  ///< wall time at which simulated time is reached [s]; < 0: unknown
   double slipped_ = 0.0;
@@ -64,7 +65,6 @@ class ClockKeeper {
   double roomy_since_ = 0.0;   ///< [s]
   bool risen_ = false;         ///< the last change was a rise, whose success is not known
   double risen_at_ = 0.0;      ///< [s]
-  double wait_ = 0.5;          ///< time for which there must be room before a rise [s]
 };
 
 }  // namespace haptic_cloth
