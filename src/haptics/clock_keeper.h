@@ -11,8 +11,8 @@ namespace haptic_cloth {
 /// to step it changes by at most a factor of two.
 ///
 /// Rung (qualityLadder()): down by one if the longest steps do not catch up within 30 ms. Up by one if the
-/// solver has been busy for less than half of the time for 0.5 s. If the better rung proves too slow, the
-/// next attempt at it waits twice as long, up to 30 s.
+/// longest steps of the better rung would leave the solver half of the time, for 0.5 s. If the better rung
+/// proves too slow, the next attempt at it waits twice as long, up to 30 s.
 ///
 /// Lag beyond 0.1 s is given up: simulated time slips.
 class ClockKeeper {
@@ -56,7 +56,7 @@ class ClockKeeper {
   double slipped_ = 0.0;
 
   double begun_ = 0.0;  ///< start of the current step [s]
-  double load_ = 1.0;   ///< time that a step takes over its length, smoothed [-]
+  double load_ = 1.0;   ///< time that steps of one time step take over their length, smoothed [-]
 
   bool behind_ = false;        ///< a step of the longest length would not catch up
   double behind_since_ = 0.0;  ///< start of an interval in which that is so [s]
