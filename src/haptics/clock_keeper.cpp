@@ -12,6 +12,9 @@ constexpr double kPatience = 0.03;
 /// Load below which a better rung is tried: one costs up to 1.7 times the next (quality_ladder.cpp), and a
 /// sixth is left for what varies.
 constexpr double kRoom = 0.5;
+/// The time that a step takes grows with this power of its length. Measured: from 0.3 to 0.7, up to 0.95 on
+/// coarse meshes (docs/decisions/0028-the-node-keeps-the-clock.md).
+constexpr double kGrowth = 2.0 / 3.0;
 constexpr double kSmoothing = 0.1;                    ///< simulated time over which the load is a mean [s]
 constexpr double kFirstWait = 0.5, kLastWait = 30.0;  ///< [s]
 constexpr double kSoon = 2.0;                         ///< a rung that was left sooner has failed [s]
@@ -20,8 +23,9 @@ constexpr double kSoon = 2.0;                         ///< a rung that was left 
 
 void ClockKeeper::setRungs(const std::vector<int>& longest_steps) {
   longest_ = longest_steps;
+  waits_.assign(longest_.size(), kFirstWait);
   rung_ = std::min(rung_, static_cast<int>(longest_.size()) - 1);
-  behind_ = roomy_ = false;
+  behind_ = roomy_ = risen_ = false;
 }
 
 ClockKeeper::Step ClockKeeper::begin(double now) {
@@ -40,8 +44,8 @@ ClockKeeper::Step ClockKeeper::begin(double now) {
 }
 
 void ClockKeeper::end(double now) {
-  const double simulated = length_ * h_;
-  load_ += std::min(1.0, simulated / kSmoothing) * ((now - begun_) / simulated - load_);
+  const double load = (now - begun_) / (h_ * std::pow(length_, kGrowth));
+  load_ += std::min(1.0, length_ * h_ / kSmoothing) * (load - load_);
 }
 
 void ClockKeeper::restart() {
@@ -52,7 +56,7 @@ void ClockKeeper::restart() {
 void ClockKeeper::chooseRung(double lag, double now) {
   const bool was_behind = behind_, had_room = roomy_;
   behind_ = lag > longest_[rung_] * h_;
-  roomy_ = !behind_ && load_ < kRoom && rung_ > 0;
+  roomy_ = rung_ > 0 && !behind_ && load_ * std::pow(longest_[rung_ - 1], kGrowth - 1.0) < kRoom;
   if (behind_ && (!was_behind || now - behind_since_ >= kPatience)) {
     const bool falls = !was_behind || lag <= behind_lag_ - h_;
     behind_since_ = now;
@@ -60,22 +64,23 @@ void ClockKeeper::chooseRung(double lag, double now) {
     if (!falls && rung_ + 1 < static_cast<int>(longest_.size())) fall(now);
   }
   if (roomy_ && !had_room) roomy_since_ = now;
-  if (roomy_ && now - roomy_since_ >= wait_) rise(now);
+  if (roomy_ && now - roomy_since_ >= waits_[rung_ - 1]) rise(now);
 }
 
 void ClockKeeper::fall(double now) {
+  if (risen_) {
+    double& wait = waits_[rung_];
+    const bool failed = now - risen_at_ < std::max(kSoon, wait);
+    wait = failed ? std::min(2.0 * wait, kLastWait) : kFirstWait;
+  }
   ++rung_;
-  behind_ = false;
-  if (!risen_) return;
-  const bool failed = now - risen_at_ < std::max(kSoon, wait_);
-  wait_ = failed ? std::min(2.0 * wait_, kLastWait) : kFirstWait;
-  risen_ = false;
+  behind_ = risen_ = false;
 }
 
 void ClockKeeper::rise(double now) {
+  if (risen_) waits_[rung_] = kFirstWait;  // the rise before this one has held
   --rung_;
   roomy_ = false;
-  if (risen_) wait_ = kFirstWait;  // the rise before this one has held
   risen_ = true;
   risen_at_ = now;
 }

@@ -11,17 +11,17 @@ namespace haptic_cloth {
 /// to step it changes by at most a factor of two.
 ///
 /// Rung (qualityLadder()): down by one if the longest steps do not catch up within 30 ms. Up by one if the
-/// solver has been busy for less than half of the time for 0.5 s. If the better rung proves too slow, the
-/// next attempt waits twice as long, up to 30 s.
+/// longest steps of the better rung would leave the solver half of the time, for 0.5 s. If the better rung
+/// proves too slow, the next attempt at it waits twice as long, up to 30 s.
 ///
 /// Lag beyond 0.1 s is given up: simulated time slips.
 class ClockKeeper {
  public:
   /// @param time_step unit of the steps' lengths [s]
-  explicit ClockKeeper(double time_step) : h_(time_step) {}
+  explicit ClockKeeper(double time_step) : h_(time_step) { setRungs({1}); }
 
   /// Sets the longest step of each rung, in time steps; the first rung is the best. The rung in use stays, or
-  /// becomes the last one.
+  /// becomes the last one. Failed attempts are forgotten.
   void setRungs(const std::vector<int>& longest_steps);
 
   /// Wall time before which the next step must not start [s]. @param now [s]
@@ -49,13 +49,14 @@ class ClockKeeper {
   void rise(double now);
 
   double h_;
-  std::vector<int> longest_{1};
+  std::vector<int> longest_;
+  std::vector<double> waits_;  ///< time for which there must be room before a rise to each rung [s]
   int rung_ = 0, length_ = 1;
   double due_ = -1.0;  ///< wall time at which simulated time is reached [s]; < 0: unknown
   double slipped_ = 0.0;
 
   double begun_ = 0.0;  ///< start of the current step [s]
-  double load_ = 1.0;   ///< time that a step takes over its length, smoothed [-]
+  double load_ = 1.0;   ///< time that steps of one time step take over their length, smoothed [-]
 
   bool behind_ = false;        ///< a step of the longest length would not catch up
   double behind_since_ = 0.0;  ///< start of an interval in which that is so [s]
@@ -64,7 +65,6 @@ class ClockKeeper {
   double roomy_since_ = 0.0;   ///< [s]
   bool risen_ = false;         ///< the last change was a rise, whose success is not known
   double risen_at_ = 0.0;      ///< [s]
-  double wait_ = 0.5;          ///< time for which there must be room before a rise [s]
 };
 
 }  // namespace haptic_cloth

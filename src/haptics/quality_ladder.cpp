@@ -29,7 +29,7 @@ struct Rung {
 //     ... angles x 4/3, 4 ms      1.9 %, 1.19
 //     ... angles x 2, 4 ms        1.9 %, 1.60
 //     ... angles x 8/3, 4 ms      2.0 %, 2.31       4.7 %, 1.28
-//     ... 50 iterations           2.0 %, 2.34       52 %, 3.2
+//     ... 50 iterations                             52 %, 3.2
 //
 // The tolerance costs no force and longer steps little. The mesh costs the shape (1 mm becomes 4 to 6 mm) but
 // hardly the force. Iterations that are cut off ruin folds, so they come last.

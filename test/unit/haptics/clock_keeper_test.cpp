@@ -114,6 +114,23 @@ TEST(ClockKeeper, QualityComesBackWhenALoadEnds) {
   EXPECT_GE(loop.simulated() / loop.now(), 0.95);
 }
 
+TEST(ClockKeeper, ARungIsJudgedByItsLongestSteps) {
+  // Each rung takes 0.7 of the time of the one before. Rung 6 takes 0.59 of the time in steps of 1 ms, which
+  // it uses if there is no lag; that leaves too little for rung 5. Steps of 4 ms take 0.39: rung 5 is tried.
+  double factor = 4.0;
+  const Cost cost = solver(5.0, 0.7);
+  Loop loop(kLongest, [&](int length, int rung, double now) { return factor * cost(length, rung, now); });
+  loop.run(5.0);
+  EXPECT_EQ(loop.rung(), 8);
+  factor = 1.0;
+  loop.run(30.0);
+  EXPECT_LE(loop.rung(), 5);
+  const double slipped = loop.keeper().slipped();
+  loop.run(30.0);
+  EXPECT_LE(loop.rung(), 5);
+  EXPECT_EQ(loop.keeper().slipped(), slipped);
+}
+
 TEST(ClockKeeper, DoesNotChatter) {
   // Rung 1 looks as if it left room, but rung 0 is too slow. Waits of 0.5, 1, 2 ... 30 s make at most 6 + 10
   // attempts in five minutes, and each is a rise and a fall.
@@ -122,6 +139,19 @@ TEST(ClockKeeper, DoesNotChatter) {
   EXPECT_LE(loop.changes(), 2 * 16 + 1);
   EXPECT_GE(loop.changes(), 3) << "it never tried";
   EXPECT_GE(loop.simulated() / loop.now(), 0.95);
+}
+
+TEST(ClockKeeper, ComesBackSoonAfterManyFailedAttempts) {
+  // Under load rung 3 seems to leave room, but rung 2 is too slow: the wait for rung 2 grows to 30 s. It must
+  // not hold up the rungs beyond.
+  const auto loaded = [](double now) { return now < 120.0; };
+  Loop loop({1, 2, 4, 4}, [&](int length, int rung, double now) {
+    return kStep * length * (loaded(now) ? (rung < 3 ? 1.5 : 0.3) : 0.2);
+  });
+  loop.run(120.0);
+  EXPECT_GE(loop.rung(), 2);
+  loop.run(33.0);
+  EXPECT_EQ(loop.rung(), 0);
 }
 
 TEST(ClockKeeper, AStallIsCaughtUpWithoutLossOfQuality) {
