@@ -216,6 +216,7 @@ std::uint64_t readings(const Simulation& simulation) {
     const ProbeReport probe = simulation.probe(static_cast<int>(k));
     for (const Vec3& vector : {probe.device, probe.proxy, probe.velocity, probe.force, probe.torque})
       hash.add(vector);
+    hash.add(probe.force_error);
     hash.add(4.0 * probe.present + 2.0 * probe.contact + probe.grasps);
   }
   for (std::size_t k = 0; k < simulation.scene().obstacles.size(); ++k) {
