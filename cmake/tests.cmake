@@ -106,7 +106,8 @@ add_test(NAME readme_example COMMAND readme_example WORKING_DIRECTORY "${PROJECT
 set_tests_properties(readme_example PROPERTIES PASS_REGULAR_EXPRESSION "force on the probe: [0-9]+\\.[0-9]+ N")
 
 # The benchmarks' scripts on tiny meshes: they run and their results are well formed. Nothing is said of time.
-foreach(bench chart resolution time_order table1 peers_table savings force_error realtime active_limit threads scaling)
+foreach(bench chart resolution coarse_start time_order table1 peers_table savings force_error realtime active_limit
+    threads scaling)
   set(scratch "${PROJECT_BINARY_DIR}/bench_${bench}")
   set(picture)
   if(bench STREQUAL table1)

@@ -113,8 +113,8 @@ LoadEstimate::View ClothWorld::loadView() {
     if (probe.contact) touches_.push_back({probe.proxy, scene_.probes[k].radius, probe.force.norm()});
   }
   const double look_time = scene_.adapt.interval * cloth_.integrator().stepLength();
-  // The share of the force is that of the default threshold. One that allows cells twice as long
-  // allows four times the load on a cell.
+  // Loads are compared for the default threshold. One that allows cells twice as long allows four
+  // times the load on a cell.
   const double usual = AdaptOptions().refine_above;
   return {cloth_.mesh(),
           cloth_.internal(),

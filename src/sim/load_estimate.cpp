@@ -9,6 +9,10 @@
 namespace haptic_cloth {
 namespace {
 
+// Cells of up to this level are left to their visible turn. Compression is uncertain by the
+// tolerance of a solve, so a scene and its image would decide unlike.
+constexpr int kSeen = 2;
+
 /// Secant of the law's middle line at a curvature that cloth takes easily.
 double rigidity(const Loop& bending) {
   constexpr double kCurvature = 50.0;  // [1/m], a fold of radius 20 mm
@@ -21,44 +25,44 @@ LoadEstimate::LoadEstimate(const Fabric& fabric, const Grid& grid, const Vec3& g
     : grid_(grid),
       density_(fabric.areal_density),
       gravity_(referenceAcceleration(gravity)),
-      rigidity_(rigidity(fabric.bending[kWarp]) + rigidity(fabric.bending[kWeft])),
+      rigidity_{rigidity(fabric.bending[kWarp]), rigidity(fabric.bending[kWeft])},
       range_(fabric.thickness) {
-  for (auto* list : {&tension_, &sums_}) list->reserve(grid.particles());
+  for (auto& tension : tension_) tension.reserve(grid.particles());
   edges_.reserve(grid.particles());
 }
 
 double LoadEstimate::turnUnder(double load, double tension, double length) const {
   constexpr double kSag = 2.5;  // in thicknesses
-  const double stiffness = tension + 8.0 * rigidity_ / (length * length) + 0.5 * density_ * gravity_ * length;
+  const double bending = 8.0 * (rigidity_[kWarp] + rigidity_[kWeft]) / (length * length);
+  const double stiffness = tension + bending + 0.5 * density_ * gravity_ * length;
   const double turn = load * length / stiffness, sag = turn * length / 8.0;
   return sag > kSag * range_ ? turn : 0.0;
 }
 
 void LoadEstimate::begin(const View& view, double least) {
   least_ = least;
-  tension_.clear();
   const double longest = (1 << grid_.levels) * std::max(grid_.dx, grid_.dy);
-  if (turnUnder(density_ * gravity_, 0.0, longest) <= least) return;
+  if (grid_.levels <= kSeen && turnUnder(density_ * gravity_, 0.0, longest) <= least) return;
   const ActiveMesh& mesh = view.mesh;
-  tension_.assign(mesh.nodes(), 0.0);
   for (const int direction : {kWarp, kWeft}) {
-    sums_.assign(mesh.nodes(), 0.0);
+    std::vector<double>& tensions = tension_[direction];
+    tensions.assign(mesh.nodes(), 0.0);
     edges_.assign(mesh.nodes(), 0);
     for (int e = 0; e < static_cast<int>(mesh.edges.size()); ++e) {
       const Edge& edge = mesh.edges[e];
       if (edge.direction != direction) continue;
-      const double tension = std::max(0.0, view.internal.tension(e, view.nodes));
+      const double tension = view.internal.tension(e, view.nodes);
       for (const int n : {edge.a, edge.b}) {
-        sums_[n] += tension;
+        tensions[n] += tension;
         ++edges_[n];
       }
     }
-    for (int n = 0; n < mesh.nodes(); ++n) tension_[n] += sums_[n] / std::max(1, edges_[n]);
+    for (int n = 0; n < mesh.nodes(); ++n) tensions[n] /= std::max(1, edges_[n]);
   }
 }
 
 double LoadEstimate::turn(const View& view, const Cell& cell, int parts) const {
-  return std::max(bend(view, cell, parts), missing(view, cell, parts));
+  return std::max({bend(view, cell, parts), missing(view, cell, parts), buckle(view, cell, parts)});
 }
 
 /// Turning angle of a cell if it could bend. The load is that on cloth which no obstacle carries,
@@ -66,13 +70,14 @@ double LoadEstimate::turn(const View& view, const Cell& cell, int parts) const {
 /// uneven obstacle part of the cell will have to carry itself soon.
 double LoadEstimate::bend(const View& view, const Cell& cell, int parts) const {
   const double length = cell.span() * std::max(grid_.dx, grid_.dy);
-  if (tension_.empty() || turnUnder(density_ * gravity_, 0.0, length) <= least_) return 0.0;
+  if (turnUnder(density_ * gravity_, 0.0, length) <= least_) return 0.0;
   const Under below = under(view, cell, points(view, cell, parts));
   if (below == Under::Even) return 0.0;
   double tension = 0.0, weight = 0.0;
   for (const int corner : cell.corners(grid_)) {
-    tension += 0.25 * tension_[view.mesh.node[corner]];
-    weight += 0.25 * view.weight[view.mesh.node[corner]];
+    const int n = view.mesh.node[corner];
+    for (const int direction : {kWarp, kWeft}) tension += 0.25 * std::max(0.0, tension_[direction][n]);
+    weight += 0.25 * view.weight[n];
   }
   const double carries = below == Under::Uneven ? gravity_ : std::min(std::abs(weight), gravity_);
   return turnUnder(density_ * carries, tension, length);
@@ -88,6 +93,31 @@ double LoadEstimate::missing(const View& view, const Cell& cell, int parts) cons
   if (density_ * gravity_ * turn_by_load <= least_) return 0.0;
   if (under(view, cell, points(view, cell, parts)) == Under::Even) return 0.0;
   return density_ * std::min(weightAround(view, cell), gravity_) * turn_by_load;
+}
+
+/// Turning angle for the compression of a cell over the load at which finer cells would buckle.
+double LoadEstimate::buckle(const View& view, const Cell& cell, int parts) const {
+  constexpr double kEuler = 9.8696;  // π²
+  constexpr double kHeld = 0.1;      // of the cell's weight; solves leave as much unbalanced
+  if (cell.level <= kSeen) return 0.0;
+  const int step = cell.span() / parts;
+  double largest = 0.0;
+  for (const int direction : {kWarp, kWeft}) {
+    const double length = cell.span() * (direction == kWarp ? grid_.dx : grid_.dy);
+    const double bears =
+        kEuler * rigidity_[direction] / (length * length) + kHeld * density_ * gravity_ * length;
+    for (int line = 0; line <= parts; ++line) {
+      double compression = 0.0;
+      for (int k = 0; k <= parts; ++k) {
+        const int along = k * step, across = line * step;
+        const int p = direction == kWarp ? grid_.particle(cell.i + along, cell.j + across)
+                                         : grid_.particle(cell.i + across, cell.j + along);
+        compression -= tension_[direction][view.mesh.node[p]] / (parts + 1);
+      }
+      largest = std::max(largest, compression / bears);
+    }
+  }
+  return largest * view.split_turn;
 }
 
 /// Smallest force on a probe that a wave from the cell reaches; infinite if there is none [N].

@@ -30,6 +30,12 @@ namespace haptic_cloth {
 /// F for any r. So the load of a cell, minus that of a finest cell, may be 2 % of the force; a
 /// larger load makes a turning angle as well. A ring wave that has travelled three of its lengths
 /// has a sixth of its strength when it returns, so cells farther away do not count.
+///
+/// A cell that is compressed along its threads stays straight where finer cells would buckle, above
+/// the Euler load π² B/L² of a strip of its length. The compression over that load makes a turning
+/// angle as well, for cells above level 2. A tenth of the cell's weight is added to the load: as
+/// much may come from a solve that ends at its tolerance, and a fabric without bending rigidity has
+/// no Euler load.
 class LoadEstimate {
  public:
   /// Probe that the cloth presses on.
@@ -52,7 +58,8 @@ class LoadEstimate {
     const std::vector<double>& weight;
     double look_time;  ///< time between two mesh decisions [s]
     const std::vector<Touch>& touches;
-    double split_turn;  ///< turn of a cell that misses kShare of the force [rad]
+    /// Turn of a cell that misses kShare of the force, or is compressed by its Euler load [rad].
+    double split_turn;
   };
 
   /// Measures tensions for later calls of turn(). @param least smaller angles may count as zero
@@ -69,6 +76,7 @@ class LoadEstimate {
   double turnUnder(double load, double tension, double length) const;
   double bend(const View& view, const Cell& cell, int parts) const;
   double missing(const View& view, const Cell& cell, int parts) const;
+  double buckle(const View& view, const Cell& cell, int parts) const;
   double leastForce(const View& view, const Cell& cell) const;
   Points points(const View& view, const Cell& cell, int parts) const;
   double weightAround(const View& view, const Cell& cell) const;
@@ -76,15 +84,13 @@ class LoadEstimate {
   Under under(const View& view, const Cell& cell, const Points& points) const;
 
   Grid grid_;
-  double density_;   ///< [kg/m²]
-  double gravity_;   ///< [m/s²]; standard gravity if a scene has none
-  double rigidity_;  ///< sum of both directions [N·m]
-  double range_;     ///< gap at which contact begins [m]
+  double density_;                  ///< [kg/m²]
+  double gravity_;                  ///< [m/s²]; standard gravity if a scene has none
+  std::array<double, 2> rigidity_;  ///< of each direction [N·m]
+  double range_;                    ///< gap at which contact begins [m]
   double least_ = 0.0;
-  /// Tension at each node, sum of both directions [N/m]; empty if no cell is long enough.
-  std::vector<double> tension_;
-  std::vector<int> edges_;    ///< edges at each node in the current direction, scratch
-  std::vector<double> sums_;  ///< scratch [N/m]
+  std::array<std::vector<double>, 2> tension_;  ///< mean of a node's edges by direction [N/m]
+  std::vector<int> edges_;                      ///< edges at each node in one direction, scratch
 };
 
 }  // namespace haptic_cloth

@@ -9,7 +9,10 @@
 /// farther off, or this would prove nothing. A board does not drape: however coarse its mesh was
 /// before it met an obstacle, it ends where the finest mesh does, within half of the finest
 /// spacing. (Two converged solves of the finest mesh at 1 and 0.5 ms end up to 0.6 spacings apart
-/// in such drapes.)
+/// in such drapes.) A cell that is compressed splits at the Euler load of its length plus a tenth of
+/// its weight (docs/decisions/0031), so a sheet that stands on its corners as one cell folds down
+/// like the finest mesh, with the bound for a coarse start above. (The finest mesh itself moves by
+/// 0.2 mm there with half the step.)
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -68,13 +71,16 @@ Scene drape(Strategy strategy, StartMesh start) {
 struct Rest {
   std::vector<Vec3> positions;
   int first = 0, least = 0, most = 0;  ///< active particles in the first step, and the extremes
+  double changed = 0.0;                ///< time of the last change of the mesh [s]
 };
 
 Rest rest(const Scene& scene) {
   Simulation simulation(scene);
   Rest rest;
   while (simulation.time() < 2.0) {
-    const int active = simulation.step().active_particles;
+    const StepReport report = simulation.step();
+    const int active = report.active_particles;
+    if (report.refined + report.coarsened > 0) rest.changed = report.time;
     if (rest.first == 0) rest.first = rest.least = active;
     rest.least = std::min(rest.least, active);
     rest.most = std::max(rest.most, active);
@@ -139,6 +145,64 @@ INSTANTIATE_TEST_SUITE_P(
                     Board{"one_cell_of_3_x_3", 3, 1, 0.3, 0.04, StartMesh::Coarsest, 9},
                     Board{"starts_as_one_cell", 65, 6, 0.2, 0.04, StartMesh::Coarsest, 9}),
     [](const auto& info) { return info.param.label; });
+
+/// One cell without gravity, compressed along warp between its pinned corners.
+/// @param load compression over the Euler load plus a tenth of the cell's standard weight [-]
+int splitsOfOneCell(double load) {
+  LinearFabric linear;
+  linear.rigidity = 1e-5;
+  Scene scene = sheetScene(makeFabric(linear), 9, 9, 0.1, 0.05);
+  setStrategy(scene, Strategy::Amrc, 3);
+  scene.adapt.start = StartMesh::Coarsest;
+  scene.gravity = Vec3::Zero();
+  const double length = scene.cloth.size[kWarp];
+  const double limit = EIGEN_PI * EIGEN_PI * linear.rigidity / (length * length) +
+                       0.1 * linear.areal_density * 9.80665 * length;
+  const double tension = -load * limit, slope = linear.stiffness;
+  scene.cloth.fabric.tensile[kWarp] = Curve(-1.0, 1.0, {tension - slope, tension, tension + slope});
+  for (const int i : {0, 8}) {
+    for (const int j : {0, 8}) pin(scene, i, i, j, j);
+  }
+  return Simulation(scene).step().refined;
+}
+
+TEST(Start, CompressedCellSplitsAtTheEulerLoad) {
+  EXPECT_EQ(splitsOfOneCell(0.999), 0);
+  EXPECT_EQ(splitsOfOneCell(1.001), 1);
+}
+
+/// Sheet with weft upwards on two of its corners, held at a third, and gravity tilted by 0.08.
+Scene standing(Strategy strategy, int levels, StartMesh start) {
+  constexpr int kLast = 32;
+  Scene scene = sheetScene(loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/winter_suiting.yaml"),
+                           kLast + 1, kLast + 1, 0.2, 0.2);
+  setStrategy(scene, strategy, levels);
+  scene.adapt.start = start;
+  scene.cloth.pose.orientation = Quat(Eigen::AngleAxisd(0.5 * EIGEN_PI, Vec3::UnitX()));
+  scene.gravity = Vec3(0.0, 0.8, -9.8);
+  pin(scene, 0, 0, 0, 0);
+  pin(scene, kLast, kLast, 0, 0);
+  pin(scene, kLast, kLast, kLast, kLast);
+  scene.air_damping = 5.0;
+  scene.solver.time_step = 2e-3;
+  scene.solver.minimizer.tolerance = 0.02;
+  scene.solver.minimizer.max_iterations = 1000;
+  return scene;
+}
+
+TEST(Start, StandingBoardFolds) {
+  const Rest finest = rest(standing(Strategy::Finest, 2, StartMesh::Finest)),
+             from_below = rest(standing(Strategy::Amrc, 2, StartMesh::Finest));
+  const double below = distance(from_below, finest);
+  for (const int levels : {4, 5}) {
+    const Rest board = rest(standing(Strategy::Coarsest, levels, StartMesh::Finest)),
+               folded = rest(standing(Strategy::Amrc, levels, StartMesh::Coarsest));
+    EXPECT_LE(folded.first, 9) << levels;
+    EXPECT_LT(folded.changed, 1.8) << levels;  // the mesh rests, too
+    EXPECT_LT(distance(folded, finest), tolerance(4.0) * below) << levels;
+    EXPECT_GT(distance(board, finest), 8.0 * below) << levels;
+  }
+}
 
 }  // namespace
 }  // namespace haptic_cloth
