@@ -1,0 +1,67 @@
+/// Files of recordings. Criteria: a file holds every line up to the end; one that cannot or must not be
+/// written is left alone, and the solver does not notice.
+#include "ros/node/record_writer.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace haptic_cloth {
+namespace {
+
+namespace fs = std::filesystem;
+
+class RecordWriterTest : public testing::Test {
+ protected:
+  RecordWriterTest() : file_(testing::TempDir() + "haptic_cloth_record_" + std::to_string(getpid())) {}
+  ~RecordWriterTest() override { fs::remove(file_); }
+
+  std::string content() const {
+    std::ostringstream text;
+    text << std::ifstream(file_).rdbuf();
+    return text.str();
+  }
+
+  const std::string file_;
+};
+
+TEST_F(RecordWriterTest, WritesEveryLineUpToTheEnd) {
+  for (const std::string last : {"end 1", "end 2"}) {  // the second recording replaces the first
+    std::string expected = "haptic_cloth recording 1\n";
+    RecordWriter writer(file_);
+    writer.write("haptic_cloth recording 1");
+    for (int k = 0; k < 100000; ++k) {
+      writer.write("step " + std::to_string(k));
+      expected += "step " + std::to_string(k) + '\n';
+    }
+    EXPECT_TRUE(writer.end(last));
+    EXPECT_FALSE(writer.end("end 3"));
+    writer.write("step 1");
+    expected += last + '\n';
+    for (int k = 0; k < 300 && content() != expected; ++k) usleep(100000);
+    EXPECT_TRUE(content() == expected);
+  }
+}
+
+TEST_F(RecordWriterTest, LeavesOtherFilesAlone) {
+  std::ofstream(file_) << "the user's";
+  {
+    RecordWriter writer(file_);
+    writer.write("haptic_cloth recording 1");
+  }
+  EXPECT_EQ(content(), "the user's");
+}
+
+TEST_F(RecordWriterTest, SurvivesAFileThatCannotBeWritten) {
+  RecordWriter nowhere("/nowhere/file"), folder(testing::TempDir());
+  for (RecordWriter* writer : {&nowhere, &folder}) {
+    for (int k = 0; k < 1000; ++k) writer->write("step 1");
+    writer->end("end 1");
+  }
+}
+
+}  // namespace
+}  // namespace haptic_cloth
