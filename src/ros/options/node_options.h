@@ -39,8 +39,8 @@ struct NodeOptions {
   /// Without it the force would time out during a hard step.
   double step_budget = 0.025;
   PaceOptions pace;
-  std::string record;            ///< file for a recording; empty: none
-  double gain_ramp = 0.5;        ///< duration of gain ramps after a live change [s]; 0: at once
+  std::string record;      ///< file for a recording; empty: none
+  double gain_ramp = 0.5;  ///< duration of gain ramps after a live change [s]; 0: at once
   MarkerOptions markers;
   double state_rate = 30.0;  ///< [Hz]
   DeviceOptions device;      ///< default of all probes
