@@ -53,6 +53,7 @@ class Simulation {
 
   /// Changes options from the next step on. The solver's time_step, integrator, cost,
   /// preconditioner and threads and the mesh's strategy, start and levels must not change.
+  /// @param air_damping drag of still air [1/s]
   /// @throws InputError, with nothing changed, if one of those differs or a value is invalid
   void setOptions(const SolverOptions& solver, const AdaptOptions& adapt, double air_damping);
 
