@@ -62,7 +62,8 @@ class Simulation {
   void setCoupling(int probe, double stiffness, double damping);
 
   /// Makes one step: move obstacles, adapt the mesh, update grasps, find contacts, minimise, accept
-  /// or restore.
+  /// or restore. Numerical trouble does not throw: the last good state is restored, and the report
+  /// says `failed`.
   /// @param length of the step in units of the scene's solver.time_step; at least 1. Options that
   /// count steps count it as one.
   StepReport step(int length = 1);
@@ -94,7 +95,8 @@ class Simulation {
   Vec3 supportForce() const;  ///< force of pins and obstacles on the cloth [N]
 
   /// Hands one line of text to `sink` for each call from now on that changes the simulation, except
-  /// loadState(). `simulate --replay` repeats them (docs/reference/recordings.md). Null: none.
+  /// loadState(). `simulate --replay` repeats them (docs/reference/recordings.md). The sink runs on
+  /// the thread of that call. Null: none.
   using Sink = std::function<void(const std::string& line)>;
   void record(Sink sink) { sink_ = std::move(sink); }
 
