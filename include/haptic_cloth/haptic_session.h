@@ -29,7 +29,7 @@ enum class GraspState { Open, Closed, Holding };
 /// Each function belongs to the thread that its section names. The threads share values through
 /// mailboxes: neither waits for the other, and after construction nothing is allocated. The
 /// Simulation belongs to the solver's thread alone. A scene with several probes has a session for
-/// each.
+/// each. StepPacer (step_pacer.h) says when a step is due and how long it is.
 ///
 /// Units are SI, poses and wrenches are in the world frame of the scene. `now` is in seconds on one
 /// steady clock (std::chrono::steady_clock) for both threads.

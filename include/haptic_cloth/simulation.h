@@ -53,6 +53,7 @@ class Simulation {
 
   /// Changes options from the next step on. The solver's time_step, integrator, cost,
   /// preconditioner and threads and the mesh's strategy, start and levels must not change.
+  /// @param air_damping drag of still air [1/s]
   /// @throws InputError, with nothing changed, if one of those differs or a value is invalid
   void setOptions(const SolverOptions& solver, const AdaptOptions& adapt, double air_damping);
 
@@ -61,7 +62,8 @@ class Simulation {
   void setCoupling(int probe, double stiffness, double damping);
 
   /// Makes one step: move obstacles, adapt the mesh, update grasps, find contacts, minimise, accept
-  /// or restore.
+  /// or restore. Numerical trouble does not throw: the last good state is restored, and the report
+  /// says `failed`.
   /// @param length of the step in units of the scene's solver.time_step; at least 1. Options that
   /// count steps count it as one.
   StepReport step(int length = 1);
@@ -93,7 +95,8 @@ class Simulation {
   Vec3 supportForce() const;  ///< force of pins and obstacles on the cloth [N]
 
   /// Hands one line of text to `sink` for each call from now on that changes the simulation, except
-  /// loadState(). `simulate --replay` repeats them (docs/reference/recordings.md). Null: none.
+  /// loadState(). `simulate --replay` repeats them (docs/reference/recordings.md). The sink runs on
+  /// the thread of that call. Null: none.
   using Sink = std::function<void(const std::string& line)>;
   void record(Sink sink) { sink_ = std::move(sink); }
 

@@ -10,8 +10,8 @@ namespace haptic_cloth {
 
 /// How a solver follows the clock.
 struct PaceOptions {
-  bool keep_clock = true;        ///< a late solver gives up quality; else simulated time falls behind
-  double max_time_step = 0.004;  ///< longest step of a late solver [s]
+  bool keep_clock = true;        ///< a late solver gives up quality; false: simulated time falls behind
+  double max_time_step = 0.004;  ///< longest step of a late solver [s]; at least one time step is made
 };
 
 /// What the solver gives up to keep the clock.
@@ -22,9 +22,10 @@ struct QualityReport {
   double slipped = 0.0;      ///< simulated time given up since the start [s]
 };
 
-/// Plans each step of a simulation from the wall times at which steps start and end: a late solver
-/// takes longer steps and lowers their quality, first what costs the least force; with time to
-/// spare quality returns to what the scene asks for. No step starts before simulated time is due.
+/// Plans each step of a simulation from the wall times at which steps start and end. A late solver
+/// takes longer steps and lowers their quality; what affects the force least is given up first.
+/// When there is time to spare, quality returns to what the scene asks for. No step starts before
+/// simulated time is due.
 ///
 ///     sleep until pacer.due(now);
 ///     const int length = pacer.begin(simulation, now);
@@ -50,7 +51,7 @@ class StepPacer {
   /// Wall time before which the next step must not start [s].
   double due(double now) const;
 
-  /// Starts a step: gives the simulation the options of its quality.
+  /// Starts a step: gives the simulation the options of the rung in use.
   /// @return length of the step, in time steps of the scene
   int begin(Simulation& simulation, double now);
 
@@ -60,8 +61,8 @@ class StepPacer {
   /// Forgets the lag, as after a pause: the next step is due at once.
   void restart();
 
-  /// Gives the simulation the options asked for, as it needs them to save or load a state. The next
-  /// step sets its own again.
+  /// Gives the simulation the options asked for. Call it before a state is saved or loaded, because a
+  /// state holds the options of its scene. The next step sets those of its rung again.
   void restoreQuality(Simulation& simulation);
 
   QualityReport quality() const;
