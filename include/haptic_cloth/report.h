@@ -63,7 +63,8 @@ struct ProbeReport {
   Vec3 velocity = Vec3::Zero();  ///< velocity of the proxy [m/s]
   Vec3 force = Vec3::Zero();     ///< force of the cloth on the probe [N]
   /// Estimate of the force's distance from that of a converged solve on the finest mesh with short
-  /// steps [N]; 0 without contact.
+  /// steps [N]. 0 if there was no force in this step and the one before; after a failed step at
+  /// least the force that was lost.
   double force_error = 0.0;
   /// Torque of the cloth on the probe about its proxy [N·m].
   Vec3 torque = Vec3::Zero();

@@ -65,7 +65,8 @@ class Simulation {
   /// or restore. Numerical trouble does not throw: the last good state is restored, and the report
   /// says `failed`.
   /// @param length of the step in units of the scene's solver.time_step; at least 1. Options that
-  /// count steps count it as one.
+  /// count steps count it as one. With BDF2 at most twice the length before: its formula is unstable
+  /// for ratios above 2.4.
   StepReport step(int length = 1);
 
   /// Returns to the flat cloth at time 0, without probes, with the obstacles as in the scene.

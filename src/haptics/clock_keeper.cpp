@@ -55,7 +55,7 @@ void ClockKeeper::restart() {
 
 void ClockKeeper::chooseRung(double lag, double now) {
   const bool was_behind = behind_, had_room = roomy_;
-  behind_ = lag > longest_[rung_] * h_;
+  behind_ = lag > std::min(longest_[rung_] * h_, 0.5 * kLongestLag);
   roomy_ = rung_ > 0 && !behind_ && load_ * std::pow(longest_[rung_ - 1], kGrowth - 1.0) < kRoom;
   if (behind_ && (!was_behind || now - behind_since_ >= kPatience)) {
     const bool falls = !was_behind || lag <= behind_lag_ - h_;

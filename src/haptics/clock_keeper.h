@@ -7,11 +7,11 @@ namespace haptic_cloth {
 
 /// Plans the steps of a solver. It has no clock of its own: its caller says when steps start and end.
 ///
-/// Length: a step is as long as simulated time lags behind, up to the limit of the rung in use. From step
-/// to step it changes by at most a factor of two.
+/// Length: a step is as long as simulated time lags behind, up to the limit of the rung in use or half of the
+/// step before. From step to step it changes by at most a factor of two.
 ///
-/// Rung (qualityLadder()): down by one if the longest steps do not catch up within 30 ms. Up by one if the
-/// longest steps of the better rung would leave the solver half of the time, for 0.5 s. If the better rung
+/// Rung (qualityLadder()): down by one if the longest steps do not catch up within 30 ms. Up by one if steps
+/// as long as the better rung's would take less than half of the time at the present rung, for 0.5 s. If the better rung
 /// proves too slow, the next attempt at it waits twice as long, up to 30 s.
 ///
 /// Lag beyond 0.1 s is given up: simulated time slips.

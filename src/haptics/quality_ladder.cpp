@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <climits>
+#include <cmath>
 #include <cstdio>
 
 namespace haptic_cloth {
@@ -62,13 +63,18 @@ Quality at(const Rung& rung, const Quality& asked, int longest_step) {
   adapt.coarsen_below *= angles;
   adapt.refine_above_strain *= strains;
   adapt.coarsen_below_strain *= strains;
+  // Thresholds one rounding apart must not meet.
+  adapt.coarsen_below = std::min(adapt.coarsen_below, std::nextafter(adapt.refine_above, 0.0));
+  adapt.coarsen_below_strain =
+      std::min(adapt.coarsen_below_strain, std::nextafter(adapt.refine_above_strain, 0.0));
   return quality;
 }
 
 bool differ(const Quality& a, const Quality& b) {
   return a.longest_step != b.longest_step || a.solver.minimizer.tolerance != b.solver.minimizer.tolerance ||
          a.solver.minimizer.max_iterations != b.solver.minimizer.max_iterations ||
-         a.adapt.interval != b.adapt.interval || a.adapt.refine_above != b.adapt.refine_above;
+         a.adapt.interval != b.adapt.interval || a.adapt.refine_above != b.adapt.refine_above ||
+         a.adapt.refine_above_strain != b.adapt.refine_above_strain;
 }
 
 /// Text of what a rung gives up: "tolerance 1, steps to 4 ms, mesh thresholds x 1.3".
@@ -82,7 +88,9 @@ std::string givenUp(const Quality& rung, const Quality& asked) {
   const MinimizerOptions &now = rung.solver.minimizer, &then = asked.solver.minimizer;
   if (now.tolerance != then.tolerance) add("tolerance %.3g", now.tolerance);
   if (rung.longest_step > 1) add("steps to %.3g ms", 1e3 * rung.longest_step * asked.solver.time_step);
-  const double factor = rung.adapt.refine_above / asked.adapt.refine_above;
+  const double angles = rung.adapt.refine_above / asked.adapt.refine_above,
+               strains = rung.adapt.refine_above_strain / asked.adapt.refine_above_strain,
+               factor = angles != 1.0 ? angles : strains;
   if (factor != 1.0) add("mesh thresholds x %.2g", factor);
   if (now.max_iterations != then.max_iterations) add("%.0f iterations", now.max_iterations);
   return text;

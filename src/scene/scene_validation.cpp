@@ -8,6 +8,7 @@
 
 #include "haptic_cloth/error.h"
 #include "scene/scene_options.h"
+#include "shape/shapes.h"
 #include "state/number_text.h"
 
 namespace haptic_cloth {
@@ -170,6 +171,8 @@ void checkScene(const Scene& checked, const Locate& locate) {
              "the product, times the number of obstacles and probes, must be at most 2^26");
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     Obstacle& obstacle = scene.obstacles[i];
+    check.that(!nameOf(shapeNames(), obstacle.shape).empty(), indexed("obstacles", i) + ".shape",
+               static_cast<int>(obstacle.shape), "must be one of Shape");
     check.options(indexed("obstacles", i) + ".", ownOptions(obstacle));
     checkPath(check, indexed("obstacles", i) + ".path", obstacle.path);
   }

@@ -2,6 +2,7 @@
 
 #include <cinttypes>
 #include <climits>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <sstream>
@@ -202,8 +203,12 @@ bool Replay::apply(Simulation& simulation, const std::string& line, int& length)
         if (name != key) continue;
         known = true;
         if (const auto* number = std::get_if<Numbers<double>>(&option.field)) *number->first = value;
-        if (const auto* whole = std::get_if<Numbers<int>>(&option.field))
+        if (const auto* whole = std::get_if<Numbers<int>>(&option.field)) {
+          if (!(std::abs(value) <= INT_MAX) || value != std::floor(value)) {
+            fail("has '" + key + "' without a whole number");
+          }
           *whole->first = static_cast<int>(value);
+        }
       }
       if (!known) fail("has the unknown option '" + key + "'");
     }

@@ -86,19 +86,20 @@ void Simulation::setOptions(const SolverOptions& solver, const AdaptOptions& ada
 }
 
 void Simulation::setCoupling(int probe, double stiffness, double damping) {
+  const ProbeOptions& now = scene().probes[probe];
+  if (stiffness == now.coupling_stiffness && damping == now.coupling_damping) return;
   Options gains = couplingOptions(stiffness, damping);
   for (Option& gain : gains)
     gain.range.most = kInfinity;  // the limits of numbers in files are not those of code
   checkOptions(gains, "probe.", [](const std::string&) { return "options"; });
-  const ProbeOptions& now = scene().probes[probe];
-  const bool same = stiffness == now.coupling_stiffness && damping == now.coupling_damping;
-  if (sink_ && !same) sink_(recorded::coupling(probe, stiffness, damping));
+  if (sink_) sink_(recorded::coupling(probe, stiffness, damping));
   implementation_->world.setCoupling(probe, stiffness, damping);
 }
 
 StepReport Simulation::step(int length) {
+  length = std::max(1, length);
   if (sink_) sink_(recorded::step(length));
-  return implementation_->world.step(std::max(1, length));
+  return implementation_->world.step(length);
 }
 
 void Simulation::reset() {

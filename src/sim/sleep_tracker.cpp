@@ -15,10 +15,14 @@ void SleepTracker::setSpeed(double speed) {
 }
 
 void SleepTracker::updateCandidates(const ActiveMesh& mesh, const Field& forces, const Field& residuals,
-                                    double tolerance, const std::vector<char>& awake) {
+                                    double tolerance, double gravity, const std::vector<char>& awake) {
+  // Change of force that wakes: more than a solve may leave, but less than the weight, so that cloth whose
+  // support goes away wakes at any tolerance.
+  constexpr double kDisturbed = 3.0, kWeightShare = 0.5;
+  const double wakes = std::min(kDisturbed * tolerance, kWeightShare * gravity);
   sleeps_.assign(mesh.nodes(), 0);
   for (int n = 0; n < mesh.free; ++n) {
-    if (awake[n] == 0) sleeps_[n] = isCalm(mesh, n, forces[n], tolerance);
+    if (awake[n] == 0) sleeps_[n] = isCalm(mesh, n, forces[n], wakes);
   }
   keepBalance(mesh, residuals, tolerance);
 }
@@ -35,14 +39,12 @@ void SleepTracker::update(const ActiveMesh& mesh, const Field& velocities, const
 }
 
 /// Tells whether a node was slow for long enough and the force on it is that when it fell asleep.
-bool SleepTracker::isCalm(const ActiveMesh& mesh, int node, const Vec3& force, double tolerance) {
-  // Change of force that wakes, relative to what a solve may leave.
-  constexpr double kDisturbed = 3.0;
+bool SleepTracker::isCalm(const ActiveMesh& mesh, int node, const Vec3& force, double wakes) {
   Particle& p = particles_[mesh.particle[node]];
   if (p.still < kSteps) return false;
   if (!p.known) p.force = force;
   p.known = true;
-  const double allowed = kDisturbed * tolerance * mesh.mass[node];
+  const double allowed = wakes * mesh.mass[node];
   disturbed_[node] = !((force - p.force).squaredNorm() <= allowed * allowed);
   return disturbed_[node] == 0;
 }

@@ -31,9 +31,10 @@ class SleepTracker {
   /// @param residuals unbalanced forces if the nodes stop now; differ from `forces` only for moving
   /// nodes [N]
   /// @param tolerance of the solve [m/s²]
+  /// @param gravity unit of the tolerance [m/s²]
   /// @param awake flag for each node: it takes part in the solve
   void updateCandidates(const ActiveMesh& mesh, const Field& forces, const Field& residuals, double tolerance,
-                        const std::vector<char>& awake);
+                        double gravity, const std::vector<char>& awake);
   bool sleeps(int node) const { return sleeps_[node] != 0; }
 
   /// Updates the particles after a step.
@@ -53,7 +54,8 @@ class SleepTracker {
     bool known = false;  ///< `force` is valid: the force when it fell asleep [N]
     Vec3 force = Vec3::Zero();
   };
-  bool isCalm(const ActiveMesh& mesh, int node, const Vec3& force, double tolerance);
+  /// @param wakes change of force over mass that wakes [m/s²]
+  bool isCalm(const ActiveMesh& mesh, int node, const Vec3& force, double wakes);
   void keepBalance(const ActiveMesh& mesh, const Field& residuals, double tolerance);
 
   double speed_;

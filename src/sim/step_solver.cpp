@@ -118,9 +118,9 @@ MinimizerReport StepSolver::minimizeCondensed() {
 /// Wakes nodes that may not sleep at the last evaluated point. @return whether there were any
 bool StepSolver::wakeDisturbed() {
   if (objective_.awake().all()) return false;
-  const double tolerance = scene_.solver.minimizer.tolerance * objective_.accelerationUnit();
+  const double unit = objective_.accelerationUnit(), tolerance = scene_.solver.minimizer.tolerance * unit;
   objective_.forcesAtRest(forces_);
-  sleep_.updateCandidates(cloth_.mesh(), forces_, objective_.gradient(), tolerance,
+  sleep_.updateCandidates(cloth_.mesh(), forces_, objective_.gradient(), tolerance, unit,
                           objective_.awake().flags());
   const bool more = objective_.awake().wake(sleep_);
   objective_.measureSleepers();

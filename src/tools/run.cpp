@@ -114,6 +114,7 @@ RunRecord runInRealTime(Simulation& simulation, Rows rows, const StepCallback& a
     if (after_step) after_step(now, totals);
   };
   RunRecord record = runSteps(simulation, rows, next, after);
+  pacer.restoreQuality(simulation);  // a state that is saved now holds the scene's own options
   record.totals.at_rest = stop.atRest();
   record.totals.pace = pace;
   return record;

@@ -121,6 +121,9 @@ int simulate(const Arguments& arguments) {
   if (arguments.real_time && !arguments.replay.empty()) {
     throw haptic_cloth::UsageError("--real-time: cannot be combined with --replay");
   }
+  if (!arguments.resume.empty() && !arguments.replay.empty()) {
+    throw haptic_cloth::UsageError("--resume: cannot be combined with --replay, which begins at time 0");
+  }
   Simulation simulation(haptic_cloth::loadScene(arguments.scene, arguments.overrides));
   if (!arguments.resume.empty()) {
     const std::uint64_t most = haptic_cloth::largestState(simulation.scene());
@@ -131,6 +134,11 @@ int simulate(const Arguments& arguments) {
   if (!arguments.replay.empty()) {
     if (!std::filesystem::is_regular_file(arguments.replay)) {
       throw haptic_cloth::InputError(arguments.replay, "", "", "must be a regular file");
+    }
+    const double budget = simulation.scene().solver.minimizer.time_budget;
+    if (budget > 0.0) {
+      throw haptic_cloth::InputError(arguments.scene, "solver.time_budget", std::to_string(budget),
+                                     "must be 0 for --replay: a clock cannot be repeated");
     }
     recording.open(arguments.replay);
     replay.emplace(recording, arguments.replay, simulation);

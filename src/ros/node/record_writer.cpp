@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <utility>
@@ -73,6 +74,10 @@ std::string RecordWriter::writeAll() {
 
 /// Tells why the file may not be replaced; empty: it may.
 std::string RecordWriter::refusal() const {
+  std::error_code error;  // none: what does not exist is made
+  if (std::filesystem::exists(path_, error) && !std::filesystem::is_regular_file(path_, error)) {
+    return "is there and is no regular file";
+  }
   std::ifstream file(path_);
   std::string begin(sizeof(kBegin) - 1, ' ');
   if (!file || file.peek() == std::ifstream::traits_type::eof()) return "";

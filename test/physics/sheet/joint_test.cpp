@@ -107,7 +107,7 @@ Vec3 graspedAndLifted(Cost cost, Strategy strategy) {
   quasiStatic(scene, 10.0, 2e-3, 0.02);
   setStrategy(scene, strategy, 2);
   scene.solver.cost = cost;
-  scene.solver.minimizer.max_iterations = 1000;
+  scene.solver.minimizer.max_iterations = 4000;
   Simulation simulation(scene);
   const double h = scene.solver.time_step, touching = scene.probes[0].radius;
   Vec3 device(0.005, 0.0, touching + 0.002);

@@ -200,6 +200,34 @@ TEST(Rest, NewAdaptOptionsAreNotSleptThrough) {
   EXPECT_GT(refined, 0);
 }
 
+TEST(Rest, ClothThatLosesItsSupportFallsAtAnyTolerance) {
+  // The weight is below a tolerance of 1, but losing it must wake. From when the box is gone, the cloth is to
+  // fall freely: g t²/2 = 0.11 m in 0.15 s; half of that is asked for.
+  for (const double tolerance : {0.1, 1.0}) {
+    Scene scene = sheetScene(loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/winter_suiting.yaml"), 17,
+                             17, 0.16, 0.16);
+    scene.cloth.pose.position.z() = 0.0505;
+    setStrategy(scene, Strategy::Finest, 0);
+    Obstacle box;
+    box.shape = Shape::Box;
+    box.size = Vec3(0.2, 0.2, 0.1);
+    box.friction = 0.0;
+    scene.obstacles = {box};
+    scene.air_damping = 0.0;
+    scene.solver.minimizer.tolerance = tolerance;
+    Simulation simulation(scene);
+    run(simulation, 1.0);
+    ASSERT_EQ(simulation.step().awake_particles, 0) << tolerance;
+    const double rest = particle(simulation, 8, 8).z();
+    for (int k = 1; k <= 20; ++k) {
+      simulation.moveObstacle(0, {Vec3(0.0, 0.0, -0.05 * k), Quat::Identity()});
+      simulation.step();
+    }
+    run(simulation, 0.15);
+    EXPECT_LT(particle(simulation, 8, 8).z(), rest - 0.055) << tolerance;
+  }
+}
+
 TEST(Rest, FreeFallNeverSleeps) {
   Scene scene = sagging(3e-4);
   scene.cloth.pins.clear();

@@ -154,6 +154,14 @@ TEST(ClockKeeper, ComesBackSoonAfterManyFailedAttempts) {
   EXPECT_EQ(loop.rung(), 0);
 }
 
+TEST(ClockKeeper, StepsLongerThanTheLongestLagStillLoseQuality) {
+  // A rung that needs 1.5 times the time is left although its steps may be longer than the lag that is kept.
+  Loop loop({101, 101},
+            [](int length, int rung, double) { return kStep * length * (rung == 0 ? 1.5 : 0.7); });
+  loop.run(2.0);
+  EXPECT_EQ(loop.rung(), 1);
+}
+
 TEST(ClockKeeper, AStallIsCaughtUpWithoutLossOfQuality) {
   bool stalled = false;
   Loop loop(kLongest, [&](int, int, double now) {
@@ -213,6 +221,24 @@ TEST(QualityLadder, BeginsWithTheSceneAndGetsCoarser) {
   }
   EXPECT_EQ(ladder[1].given_up, "tolerance 1, steps to 2 ms");
   EXPECT_EQ(ladder[8].given_up, "tolerance 1, steps to 4 ms, mesh thresholds x 2.7, 10 iterations");
+}
+
+TEST(QualityLadder, ShowsStrainsOfAMeshThatGoesByStrainAlone) {
+  AdaptOptions adapt;
+  adapt.refine_above = 5.0;  // beyond any turning angle
+  const std::vector<Quality> ladder = qualityLadder(SolverOptions(), adapt, 4);
+  EXPECT_EQ(ladder[3].given_up, "tolerance 1, steps to 4 ms, mesh thresholds x 2");
+  EXPECT_EQ(ladder[4].given_up, "tolerance 1, steps to 4 ms, mesh thresholds x 4");
+  EXPECT_EQ(ladder[4].solver.minimizer.max_iterations, SolverOptions().minimizer.max_iterations);
+}
+
+TEST(QualityLadder, KeepsThresholdsApartThatAreOneRoundingApart) {
+  AdaptOptions adapt;
+  adapt.refine_above = 1.7232120318720756;  // 4/3 of both would be one number
+  adapt.coarsen_below = std::nextafter(adapt.refine_above, 0.0);
+  for (const Quality& rung : qualityLadder(SolverOptions(), adapt, 4)) {
+    EXPECT_LT(rung.adapt.coarsen_below, rung.adapt.refine_above) << rung.given_up;
+  }
 }
 
 TEST(QualityLadder, IsNeverFinerThanTheScene) {

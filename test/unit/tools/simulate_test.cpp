@@ -452,6 +452,19 @@ TEST_F(Simulate, GoesOnFromASavedStateToTheLastBit) {
   EXPECT_EQ(readLines(folder_ / "whole/probe.csv")[14], readLines(folder_ / "rest/probe.csv")[1]);
 }
 
+TEST_F(Simulate, AStateOfARunInRealTimeHasTheOptionsOfItsScene) {
+  // No solver makes a step within a microsecond, so quality is given up.
+  const std::string fast = "scene.yaml --set solver.time_step=1e-6 --set stop.rest_speed=0 --set stop.time=";
+  const Outcome first = run(fast + "0.15 --real-time --save-state real.state --out real");
+  ASSERT_EQ(first.status, 0) << first.error;
+  const auto pace = nlohmann::json::parse(readText(folder_ / "real/summary.json"))["pace"];
+  EXPECT_GT(pace["worst_rung"], 0);
+  EXPECT_GE(pace["elapsed"], 0.15 - 0.005) << "never ahead of the clock, but for the last step";
+  EXPECT_EQ(readLines(folder_ / "real/steps.csv").size(), 1u) << "the heading";
+  const Outcome second = run(fast + "0.150005 --resume real.state --out rest");
+  EXPECT_EQ(second.status, 0) << second.error;
+}
+
 TEST_F(Simulate, ReplaysARecording) {
   using namespace haptic_cloth;
   Simulation simulation(loadScene((folder_ / "scene.yaml").string()));
@@ -477,6 +490,10 @@ TEST_F(Simulate, ReplaysARecording) {
     EXPECT_NE(differs.error.find(message), std::string::npos) << differs.error;
   }
   fs::remove_all(folder_ / "result");
+  expectRefused("scene.yaml --replay session --resume session", {"--resume", "--replay"});
+  expectRefused("scene.yaml --replay session --real-time", {"--real-time", "--replay"});
+  expectRefused("scene.yaml --replay session --set solver.time_budget=0.001",
+                {"solver.time_budget", "must be 0"});
   expectRefused("scene.yaml --replay linen.yaml", {"linen.yaml", "must be a recording"});
   expectRefused("scene.yaml --replay /dev/zero", {"/dev/zero", "regular file"});
   expectRefused("scene.yaml --replay session --set gravity='[0,0,-1]'", {"session", "scene at hand"});
