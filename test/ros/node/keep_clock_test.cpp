@@ -146,8 +146,6 @@ TEST_F(KeepClock, GivesUpQualityUnderLoadAndTakesItBack) {
   // full machine does, slips only then.
   EXPECT_TRUE(4 * end.slips <= end.messages || end.worst_rung == kLastRung)
       << "slipped between " << end.slips << " of " << end.messages << " messages, rung " << end.worst_rung;
-  // The lag of at most 0.1 s, and the least delay of some hundred messages.
-  EXPECT_NEAR(start.behind, end.behind, 0.5) << "simulated and slipped time do not make up wall time";
   EXPECT_GT(end.worst_rung, 0);
   EXPECT_LE(end.state.step_length, 1.001 * kLongest);
   EXPECT_TRUE(waitFor([&] { return diagnostics_.number("solver", "quality rung") > 0.0; }));
@@ -158,6 +156,11 @@ TEST_F(KeepClock, GivesUpQualityUnderLoadAndTakesItBack) {
   device_.reset();  // the cloth comes to rest, which takes no time
   EXPECT_TRUE(waitFor([&] { return state_.rung() == 0; }, 4 * kPatience)) << "quality does not come back";
   EXPECT_EQ(state_.read().state.given_up, "");
+  // Before and after the load messages come soon. The lag of at most 0.1 s, and the least delay of 60
+  // messages.
+  ros::WallDuration(2.0).sleep();
+  EXPECT_NEAR(start.behind, state_.read().behind, 0.5)
+      << "simulated and slipped time do not make up wall time";
 }
 
 TEST_F(KeepClock, IsLeftAloneWhereSlowMotionIsAskedFor) {
