@@ -65,7 +65,8 @@ void Probes::accept(const ClothObjective& solved, const ContactSet& contacts, co
     report.proxy = solved.proxy(k);
     report.velocity = (report.proxy - steps_[k].proxy) / solved.timeStep();
     const Vec3 force = solved.holdForce(k) - contacts.proxyGradient(k);
-    const Vec3 unbalanced = error.unbalancedForce(k, solved, mesh);
+    const bool felt = !report.force.isZero(0.0) || !force.isZero(0.0);
+    const Vec3 unbalanced = felt ? error.unbalancedForce(k, solved, mesh) : Vec3(Vec3::Zero());
     report.force_error = error.estimate(k, unbalanced, report.force, force);
     report.force = force;
     report.torque = solved.holdTorque(k) + contacts.proxyTorque(k, solved.nodes());
