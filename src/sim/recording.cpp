@@ -1,6 +1,5 @@
 #include "sim/recording.h"
 
-#include <cinttypes>
 #include <climits>
 #include <cmath>
 #include <cstdio>
@@ -11,6 +10,7 @@
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/machine.h"
 #include "scene/scene_options.h"
+#include "state/byte_hash.h"
 #include "state/number_text.h"
 
 namespace haptic_cloth {
@@ -29,17 +29,12 @@ std::string join(const char* word, int number, std::initializer_list<const doubl
   return line;
 }
 
-std::string hexadecimal(std::uint64_t number) {
-  char text[17];
-  std::snprintf(text, sizeof(text), "%016" PRIx64, number);
-  return text;
-}
-
 /// Hash of a new simulation: of everything in its scene that a state must fit, and of its start.
 std::string sceneHash(const Simulation& start) {
-  std::uint64_t hash = 14695981039346656037ull;  // FNV-1a, 64 bit
-  for (const char c : start.saveState()) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
-  return hexadecimal(hash);
+  const std::string state = start.saveState();
+  ByteHash hash;
+  hash.add(state.data(), state.size());
+  return hexadecimalText(hash.value());
 }
 
 /// Live options of solver and mesh, and the air damping, as "solver.tolerance".
@@ -100,7 +95,7 @@ std::string header(const Simulation& start) {
   return std::string(kTitle) + "\nscene " + sceneHash(start) + "\ninstructions " + instructionSet();
 }
 
-std::string end(const Simulation& end) { return "end " + hexadecimal(end.stateHash()); }
+std::string end(const Simulation& end) { return "end " + hexadecimalText(end.stateHash()); }
 
 }  // namespace recorded
 
@@ -223,7 +218,7 @@ bool Replay::apply(Simulation& simulation, const std::string& line, int& length)
 
 std::string Replay::difference(const Simulation& simulation) const {
   if (end_.empty()) return origin_ + ": has no end: it is cut off";
-  const std::string hash = hexadecimal(simulation.stateHash());
+  const std::string hash = hexadecimalText(simulation.stateHash());
   if (hash == end_) return "";
   return origin_ + ": ends with the state " + end_ + " (" + instructions_ + "), its replay with " + hash +
          " (" + instructionSet() + ")";

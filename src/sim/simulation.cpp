@@ -9,6 +9,7 @@
 #include "scene/scene_options.h"
 #include "sim/cloth_world.h"
 #include "sim/recording.h"
+#include "state/byte_hash.h"
 
 namespace haptic_cloth {
 namespace {
@@ -140,21 +141,17 @@ double Simulation::maxStrain() const {
 
 std::uint64_t Simulation::stateHash() const {
   const ClothWorld& world = implementation_->world;
-  std::uint64_t hash = 14695981039346656037ull;  // FNV-1a, 64 bit
-  const auto add = [&hash](const void* data, std::size_t size) {
-    const auto* bytes = static_cast<const unsigned char*>(data);
-    for (std::size_t k = 0; k < size; ++k) hash = (hash ^ bytes[k]) * 1099511628211ull;
-  };
+  ByteHash hash;
   const ParticleState& state = world.cloth().state();
   for (const int p : world.cloth().mesh().particle) {
-    add(&p, sizeof(p));
-    add(state.position[p].data(), 3 * sizeof(double));
-    add(state.velocity[p].data(), 3 * sizeof(double));
+    hash.add(&p, sizeof(p));
+    hash.add(state.position[p].data(), 3 * sizeof(double));
+    hash.add(state.velocity[p].data(), 3 * sizeof(double));
   }
-  for (const ProbeReport& probe : world.probes()) add(probe.proxy.data(), 3 * sizeof(double));
+  for (const ProbeReport& probe : world.probes()) hash.add(probe.proxy.data(), 3 * sizeof(double));
   const long ticks = world.ticks();
-  add(&ticks, sizeof(ticks));
-  return hash;
+  hash.add(&ticks, sizeof(ticks));
+  return hash.value();
 }
 
 void Simulation::positions(std::vector<Vec3>& positions) const {

@@ -7,6 +7,7 @@
 
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/state_file.h"
+#include "state/byte_hash.h"
 #include "state/number_text.h"
 
 namespace haptic_cloth {
@@ -24,9 +25,9 @@ static_assert(sizeof(Envelope) == 24, "no padding: files are read on other machi
 
 /// Computes FNV-1a, 64 bit, which detects every change of one byte.
 std::uint64_t checksum(const std::string& bytes) {
-  std::uint64_t hash = 14695981039346656037ull;
-  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
-  return hash;
+  ByteHash hash;
+  hash.add(bytes.data(), bytes.size());
+  return hash.value();
 }
 
 template <class T>

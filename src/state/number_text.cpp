@@ -1,6 +1,8 @@
 #include "state/number_text.h"
 
+#include <cinttypes>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <locale>
 #include <sstream>
@@ -34,6 +36,12 @@ std::string shortestText(double value) {
     if (number(shorter) == value) return shorter;
   }
   return text(value, kEnough);
+}
+
+std::string hexadecimalText(std::uint64_t value) {
+  char text[17];
+  std::snprintf(text, sizeof(text), "%016" PRIx64, value);
+  return text;
 }
 
 }  // namespace haptic_cloth

@@ -1,6 +1,7 @@
 /// Text of numbers in messages.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 namespace haptic_cloth {
@@ -9,5 +10,8 @@ namespace haptic_cloth {
 /// the same double: different numbers look different. std::to_chars does this, but is missing in
 /// the libraries of gcc 9 and 10.
 std::string shortestText(double value);
+
+/// 16 hexadecimal digits.
+std::string hexadecimalText(std::uint64_t value);
 
 }  // namespace haptic_cloth

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "haptic_cloth/machine.h"
+#include "state/number_text.h"
 
 namespace haptic_cloth {
 namespace {
@@ -13,13 +14,6 @@ namespace {
 using nlohmann::json;
 
 json toJson(const Vec3& v) { return json::array({v.x(), v.y(), v.z()}); }
-
-/// Hexadecimal, since a 64-bit integer does not survive readers that keep JSON numbers as doubles.
-std::string hexadecimal(std::uint64_t value) {
-  std::ostringstream text;
-  text << std::hex << std::setfill('0') << std::setw(16) << value;
-  return text.str();
-}
 
 /// How the run kept the clock, as a line; empty if it did not.
 std::string paceText(const RunTotals& totals) {
@@ -88,7 +82,8 @@ std::string summaryJson(const Simulation& simulation, const RunTotals& totals, b
   }
   summary["support_force"] = toJson(simulation.supportForce());
   summary["mass"] = simulation.mass();
-  summary["state_hash"] = hexadecimal(simulation.stateHash());
+  // A 64-bit integer would not survive readers that keep JSON numbers as doubles.
+  summary["state_hash"] = hexadecimalText(simulation.stateHash());
   return summary.dump(2);
 }
 
