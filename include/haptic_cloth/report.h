@@ -8,7 +8,13 @@
 namespace haptic_cloth {
 
 /// Why the minimizer stopped.
-enum class Termination { Converged, IterationLimit, TimeBudget, LineSearchFailed, NotFinite };
+enum class Termination { Converged, IterationLimit, TimeBudget, LineSearchFailed, NotFinite, OutOfReach };
+
+/// Tells whether a solve that ended so has no usable result: it is not finite, or the cloth moved so
+/// far that it may have passed through itself.
+inline bool hasFailed(Termination why) {
+  return why == Termination::NotFinite || why == Termination::OutOfReach;
+}
 
 /// Short name of a termination for logs and files ("converged", ...).
 const char* toString(Termination why);

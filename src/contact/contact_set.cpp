@@ -16,23 +16,49 @@ ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
   samples_.reserve(capacity, 2 * solids_.size());
   forces_.reserve(capacity);
   gather_.reserve(grid.particles(), capacity);
+  if (options.self_contact)
+    self_.emplace(grid, SelfContact::Options{options.range, options.self_friction, options.slip_speed * options.time_step});
 }
 
 void ContactSet::advance(double time_step) {
   time_step_ = time_step;
   forces_.setSlip(slip_speed_ * time_step);
+  if (self_) self_->setSlip(slip_speed_ * time_step);
   solids_.advance();
 }
 
-void ContactSet::collect(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
+void ContactSet::collect(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals,
+                         const std::vector<double>& reach, const PairFinder::Reach& self_reach,
                          const std::vector<Reach>& touching) {
   finder_.find(mesh, nodes, reach, touching, samples_);
   forces_.rebuild();
   gather_.rebuild(samples_, mesh.nodes());
+  if (self_) self_->collect(mesh, nodes, normals, self_reach);
+}
+
+ContactSet::Energy ContactSet::evaluate(int begin, int end, const Field& nodes) {
+  const int samples = samples_.size();
+  Energy energy = forces_.evaluate(std::min(begin, samples), std::min(end, samples), nodes);
+  if (self_ && end > samples) {
+    const Energy more = self_->evaluate(std::max(begin, samples) - samples, end - samples, nodes);
+    energy.contact += more.contact;
+    energy.friction += more.friction;
+  }
+  return energy;
+}
+
+double ContactSet::quadraticForm(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
+                                 bool whole_motion) const {
+  const int samples = samples_.size();
+  const double sum =
+      forces_.quadraticForm(std::min(begin, samples), std::min(end, samples), d, d_proxies, whole_motion);
+  if (!self_ || end <= samples) return sum;
+  return sum + self_->quadraticForm(std::max(begin, samples) - samples, end - samples, d);
 }
 
 void ContactSet::appendAwake(const std::vector<char>& awake, int first, Runs& runs) const {
-  for (int k = 0; k < size(); k += kPack) {
+  if (self_) self_->appendAwake(awake, first + samples_.size(), runs);
+  for (int k = 0; k < samples_.size(); k += kPack) {
     bool wanted = solids_.isProbe(samples_[k].solid);
     for (int l = 0; l < kPack; ++l) {
       for (const int node : samples_[k + l].nodes) wanted = wanted || awake[node] != 0;
@@ -47,6 +73,7 @@ void ContactSet::addDiagonal(Field& diagonal) const {
       diagonal.add(n, weight * weight * forces_.block(sample).head<3>());
     });
   }
+  if (self_) self_->addDiagonal(diagonal);
 }
 
 /// Calls visit(k) for the samples of a probe, or of the obstacles.
@@ -60,6 +87,7 @@ void ContactSet::forSamples(int probe, const Visit& visit) const {
 }
 
 void ContactSet::addSprings(int probe, Blocks& blocks) const {
+  if (self_ && probe == kObstacles) self_->addSprings(blocks);
   forSamples(probe, [&](int k) {
     const Block own = forces_.block(k);
     if (own.isZero(0.0)) return;
@@ -121,7 +149,7 @@ double ContactSet::ejectionWork() const {
 
 double ContactSet::deepest() const {
   double deepest = 0.0;
-  for (int k = 0; k < size(); ++k) deepest = std::max(deepest, -forces_.gap(k));
+  for (int k = 0; k < samples_.size(); ++k) deepest = std::max(deepest, -forces_.gap(k));
   return deepest;
 }
 
@@ -140,7 +168,8 @@ void ContactSet::markEjected(std::vector<char>& nodes) const {
 }
 
 void ContactSet::markTouched(std::vector<char>& nodes) const {
-  for (int k = 0; k < size(); ++k) {
+  if (self_) self_->markTouched(nodes);
+  for (int k = 0; k < samples_.size(); ++k) {
     if (!forces_.touches(k)) continue;
     for (int c = 0; c < 4; ++c) {
       if (samples_[k].weights[c] > 0.0) nodes[samples_[k].nodes[c]] = 1;

@@ -1,6 +1,8 @@
-/// Contact of the cloth with solids.
+/// Contact of the cloth with solids and with itself.
 #pragma once
 
+#include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "contact/contact_law.h"
@@ -8,6 +10,7 @@
 #include "contact/sample_forces.h"
 #include "contact/sample_gather.h"
 #include "contact/sample_list.h"
+#include "contact/self_contact.h"
 #include "contact/solid_set.h"
 #include "mesh/active_mesh.h"
 #include "mesh/block.h"
@@ -19,13 +22,16 @@ namespace haptic_cloth {
 
 /// Samples of the cloth near solids. They are found at the start of each step (SampleFinder) and
 /// evaluated in the solve (SampleForces); their forces are summed up for nodes (SampleGather),
-/// probes and obstacles (here).
+/// probes and obstacles (here). SelfContact does the same for pairs of parts of the cloth; in ranges
+/// they follow the samples.
 class ContactSet {
  public:
   struct Options {
     double range;       ///< gap at which contact begins [m]
     double slip_speed;  ///< speed below which friction is smoothed [m/s]
     double time_step;   ///< length of the first step [s]
+    bool self_contact;  ///< the cloth meets itself
+    double self_friction;  ///< coefficient of friction between layers [-]
   };
   using Reach = SampleFinder::Reach;
   using Energy = ContactEnergy;
@@ -56,24 +62,57 @@ class ContactSet {
   /// Moves the proxy of a probe for the next evaluation [m].
   void placeProbe(int probe, const Vec3& proxy) { solids_.placeProbe(probe, proxy); }
 
-  /// Finds samples that may touch within a step and freezes their friction.
+  /// Must follow a change of the mesh.
+  void rebuild(const ActiveMesh& mesh) {
+    if (self_) self_->rebuild(mesh);
+  }
+
+  /// Finds samples and pairs that may touch within a step and freezes their friction.
   /// @param nodes positions of all nodes [m]
+  /// @param normals of the surface at the nodes
   /// @param reach largest expected displacement of each node in the step [m]
   /// @param touching probes to be sampled, after startProbe()
-  void collect(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
+  void collect(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals,
+               const std::vector<double>& reach, const PairFinder::Reach& self_reach,
                const std::vector<Reach>& touching);
+
+  /// Prepares hasRoom() for positions of the nodes [m].
+  void beginChange(const ActiveMesh& mesh, const Field& nodes) {
+    if (self_) self_->beginChange(mesh, nodes);
+  }
+
+  /// Tells whether a change of the mesh may move the surface in a cell by `moved` without making it
+  /// cross another part of the cloth [m]. @pre beginChange()
+  bool hasRoom(const ActiveMesh& mesh, const Field& nodes, const Cell& cell, double moved) {
+    return !self_ || self_->hasRoom(mesh, nodes, cell, moved);
+  }
+
+  /// Starts a step, in which all parts may turn out to be smooth; see ClothTree.
+  void forgetRough() {
+    if (self_) self_->forgetRough();
+  }
+
+  bool meetsItself() const { return self_.has_value(); }
+  const std::optional<SelfContact>& self() const { return self_; }  ///< unset: it passes through itself
+
+  /// Tells whether no part of the cloth can have passed through another on the way from the start to
+  /// the end of the step, both positions of all nodes [m].
+  /// @param deviates nodes moved farther than `self_reach` allowed
+  bool staysApart(const ActiveMesh& mesh, const Field& start, const Field& end, bool deviates) {
+    return !self_ || self_->staysApart(mesh, start, end, deviates);
+  }
 
   /// Tells whether the probe does not touch the cloth. @pre startProbe()
   bool isClear(const ActiveMesh& mesh, const Field& nodes, int probe) {
     return finder_.isClear(mesh, nodes, probe);
   }
 
-  /// Number of samples: length of the range that evaluate() and quadraticForm() divide in multiples of
-  /// kPack.
-  int size() const { return samples_.size(); }
+  /// Number of samples and pairs: length of the range that evaluate() and quadraticForm() divide in
+  /// multiples of kPack.
+  int size() const { return samples_.size() + (self_ ? self_->size() : 0); }
 
-  /// Number of samples that memory is reserved for.
-  int capacity() const { return samples_.capacity(); }
+  /// Number of samples and pairs that memory is reserved for.
+  int capacity() const { return samples_.capacity() + (self_ ? self_->capacity() : 0); }
 
   /// One node of the cell of sample k.
   int firstNode(int k) const { return samples_[k].nodes[0]; }
@@ -84,32 +123,31 @@ class ContactSet {
   /// Sets the flags of the nodes that stopEjected() stops to 1.
   void markEjected(std::vector<char>& nodes) const;
 
-  /// Sets the flags of the nodes of samples that carried force at the last evaluation to 1.
+  /// Sets the flags of the nodes of samples and pairs that carried force at the last evaluation to 1.
   void markTouched(std::vector<char>& nodes) const;
 
   /// Adds the packs that act on an awake node, and all packs of probes, to `runs`, counted from
   /// `first`.
   void appendAwake(const std::vector<char>& awake, int first, Runs& runs) const;
 
-  /// Evaluates samples begin..end, and stores their forces and stiffness. @return their energy
-  Energy evaluate(int begin, int end, const Field& nodes) { return forces_.evaluate(begin, end, nodes); }
+  /// Evaluates samples and pairs begin..end, and stores their forces and stiffness. @return their energy
+  Energy evaluate(int begin, int end, const Field& nodes);
 
   /// Quadratic form d · H⁺ d of samples begin..end at the last evaluation.
   /// @param d_proxies directions of all probes
   /// @param whole_motion friction of probes as over the whole of d instead of its beginning:
   /// sliding cloth does not stick
   double quadraticForm(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
-                       bool whole_motion) const {
-    return forces_.quadraticForm(begin, end, d, d_proxies, whole_motion);
-  }
+                       bool whole_motion) const;
 
   /// Add the energy gradient [N] at nodes begin..end, and the diagonal of H⁺ [N/m] at all nodes.
   void addGradient(int begin, int end, Field& gradient) const {
     gather_.add(begin, end, forces_.gradient(), gradient);
+    if (self_) self_->addGradient(begin, end, gradient);
   }
   void addDiagonal(Field& diagonal) const;
 
-  /// Adds the stiffness of all samples of a probe, or of the obstacles, to their nodes in
+  /// Adds the stiffness of all samples of a probe, or of the obstacles and pairs, to their nodes in
   /// proportion to the weights [N/m].
   void addSprings(int probe, Blocks& blocks) const;
   static constexpr int kObstacles = -1;
@@ -141,10 +179,11 @@ class ContactSet {
   /// contact energy of the last evaluation when the next step begins [J].
   double ejectionWork() const;
 
-  /// Largest factor of d from the last evaluated point at which no probe sample uses up more than
-  /// 0.9 of its gap.
-  double maxStep(const Field& d, const std::vector<Vec3>& d_proxies) const {
-    return forces_.maxStep(d, d_proxies);
+  /// Largest factor of d from `nodes`, the last evaluated point, at which no probe sample and no pair
+  /// uses up more than 0.9 of its gap.
+  double maxStep(const Field& nodes, const Field& d, const std::vector<Vec3>& d_proxies) const {
+    const double step = forces_.maxStep(d, d_proxies);
+    return self_ ? std::min(step, self_->maxStep(nodes, d)) : step;
   }
 
   /// Appends the nodes of cells that press on a probe, with repetitions.
@@ -164,6 +203,7 @@ class ContactSet {
   SampleList samples_;
   SampleForces forces_;
   SampleGather gather_;
+  std::optional<SelfContact> self_;
 };
 
 }  // namespace haptic_cloth

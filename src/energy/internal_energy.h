@@ -88,6 +88,7 @@ class InternalEnergy {
   /// Surface normals of the step at a node and, with a twist term, of a patch. twist() [N·m] is
   /// zero if there is no such term.
   Vec3 normal(int node) const { return normals_.node(node); }
+  ConstArrays nodeNormals() const { return normals_.nodes(); }
   Vec3 patchNormal(int patch) const { return normals_.patch(patch); }
   double twist() const { return shear_.twist(); }
 

@@ -2,8 +2,24 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
+
+#include "mesh/triangle_surface.h"
 
 namespace haptic_cloth {
+namespace {
+
+/// Ends of the sides of a cell, as particles.
+std::array<std::pair<int, int>, 4> sidesOf(const std::array<int, 4>& c) {
+  return {{{c[0], c[1]}, {c[2], c[3]}, {c[0], c[2]}, {c[1], c[3]}}};
+}
+
+/// Middle of the diagonal of a cell's triangles.
+Vec3 middleOfDiagonal(const Cell& cell, const std::array<int, 4>& c, const std::vector<Vec3>& x) {
+  return TriangleSurface::rises(cell) ? 0.5 * (x[c[0]] + x[c[3]]) : 0.5 * (x[c[1]] + x[c[2]]);
+}
+
+}  // namespace
 
 void interpolateCell(const Grid& grid, const Cell& cell, std::vector<Vec3>& values) {
   const int s = cell.span();
@@ -19,17 +35,32 @@ void interpolateCell(const Grid& grid, const Cell& cell, std::vector<Vec3>& valu
   }
 }
 
-void transferAfterSplit(const Grid& grid, const std::vector<Cell>& cells, ParticleState& state) {
+double movedBySplit(const Grid& grid, const Cell& cell, const std::vector<Vec3>& x) {
+  const auto c = cell.corners(grid);
+  return 0.25 * (x[c[0]] - x[c[1]] - x[c[2]] + x[c[3]]).norm();
+}
+
+double movedByMerge(const Grid& grid, const Cell& parent, const std::vector<Vec3>& x) {
+  const auto c = parent.corners(grid);
+  double moved = (x[(c[0] + c[3]) / 2] - middleOfDiagonal(parent, c, x)).norm();
+  for (const auto& [a, b] : sidesOf(c)) moved = std::max(moved, (x[(a + b) / 2] - 0.5 * (x[a] + x[b])).norm());
+  return moved;
+}
+
+void transferAfterSplit(const Grid& grid, const std::vector<Cell>& cells, const std::vector<char>& crowded,
+                        ParticleState& state) {
   for (const Cell& cell : cells) {
     const auto c = cell.corners(grid);
     const int middle = (c[0] + c[3]) / 2;
-    const std::pair<int, int> sides[] = {{c[0], c[1]}, {c[2], c[3]}, {c[0], c[2]}, {c[1], c[3]}};
+    const auto sides = sidesOf(c);
     for (auto* values : {&state.position, &state.velocity, &state.moved, &state.gained}) {
       auto& x = *values;
       if (x.empty()) continue;
       for (const auto& [a, b] : sides) x[(a + b) / 2] = 0.5 * (x[a] + x[b]);
       x[middle] = 0.25 * (x[c[0]] + x[c[1]] + x[c[2]] + x[c[3]]);
     }
+    if (crowded[grid.cell(cell.i, cell.j)])
+      state.position[middle] = middleOfDiagonal(cell, c, state.position);
     if (state.jumped.empty()) continue;
     auto& jumped = state.jumped;
     for (const auto& [a, b] : sides) jumped[(a + b) / 2] = jumped[a] | jumped[b];

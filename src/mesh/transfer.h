@@ -33,9 +33,19 @@ struct ParticleState {
 void interpolateCell(const Grid& grid, const Cell& cell, std::vector<Vec3>& values);
 
 /// Gives the new particles of split cells the interpolated values of their cell ([M04] 3.3). This
-/// keeps momentum, because mass lumping is the transpose of that interpolation.
+/// keeps momentum, because mass lumping is the transpose of that interpolation. A new centre leaves
+/// the triangles of its cell (TriangleSurface) if the cell is twisted.
 /// @param cells in the order of the splits, see LeafMesh::split()
-void transferAfterSplit(const Grid& grid, const std::vector<Cell>& cells, ParticleState& state);
+/// @param crowded flag for each finest cell: cells with their lower left corner there have no room for
+/// that, so their centre is placed on their diagonal
+void transferAfterSplit(const Grid& grid, const std::vector<Cell>& cells, const std::vector<char>& crowded,
+                        ParticleState& state);
+
+/// Largest distance by which the surface moves when a leaf is split [m].
+double movedBySplit(const Grid& grid, const Cell& cell, const std::vector<Vec3>& positions);
+
+/// Largest distance by which the surface moves when four leaves merge into `parent` [m].
+double movedByMerge(const Grid& grid, const Cell& parent, const std::vector<Vec3>& positions);
 
 /// Hands over the momentum of particles that were removed or now hang, after a merge. What BDF2 keeps
 /// of the last step moves on with the mass like velocity.

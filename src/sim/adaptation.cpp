@@ -6,7 +6,11 @@
 namespace haptic_cloth {
 
 Adaptation::Adaptation(const AdaptOptions& options, const Grid& grid)
-    : options_(options), grid_(grid), born_(grid.cells(), -options.minimum_age), merge_transfer_(grid) {
+    : options_(options),
+      grid_(grid),
+      born_(grid.cells(), -options.minimum_age),
+      crowded_(grid.cells(), 0),
+      merge_transfer_(grid) {
   for (auto* list : {&leaves_, &marked_, &merged_, &split_}) list->reserve(grid.cells());
   for (auto* list : {&curvature_, &strain_[kWarp], &strain_[kWeft]}) list->reserve(grid.particles());
   edges_.reserve(grid.particles());
@@ -28,7 +32,7 @@ bool Adaptation::coarsens() const {
 
 bool Adaptation::plan(long step, const Field& nodes, const InternalEnergy& internal, const FineRegions& fine,
                       const LeafMesh& leaves, const ActiveMesh& mesh, const ParticleState& state,
-                      const HiddenTurn& hidden) {
+                      const HiddenTurn& hidden, const Room& room) {
   if (!looks(step)) return false;
   measureCurvature(nodes, internal, mesh);
   measureStrain(nodes, mesh);
@@ -45,8 +49,9 @@ bool Adaptation::plan(long step, const Field& nodes, const InternalEnergy& inter
   for (const Cell& cell : leaves_) {
     if (!coarsens() || !hasParent(cell)) continue;
     const Cell parent{cell.i, cell.j, cell.level + 1};
-    if (mayMerge(parent, step, fine, leaves, mesh, state, hidden)) merged_.push_back(parent);
+    if (mayMerge(parent, step, fine, leaves, mesh, state, hidden, room)) merged_.push_back(parent);
   }
+  for (const Cell& cell : marked_) findCrowded(cell, leaves, state, room);
   return !marked_.empty() || !merged_.empty();
 }
 
@@ -148,7 +153,7 @@ void Adaptation::mergeCells(long step, LeafMesh& leaves, ActiveMesh& mesh, Parti
 
 bool Adaptation::mayMerge(const Cell& parent, long step, const FineRegions& fine, const LeafMesh& leaves,
                           const ActiveMesh& mesh, const ParticleState& state,
-                          const HiddenTurn& hidden) const {
+                          const HiddenTurn& hidden, const Room& room) const {
   const int half = parent.span() / 2;
   for (const int j : {parent.j, parent.j + half}) {
     for (const int i : {parent.i, parent.i + half}) {
@@ -157,7 +162,22 @@ bool Adaptation::mayMerge(const Cell& parent, long step, const FineRegions& fine
   }
   return leaves.canMerge(parent) && turning(parent, 2, mesh) < options_.coarsen_below &&
          strainDifference(parent, 2, mesh) < options_.coarsen_below_strain &&
-         !touches(fine, parent, state.position) && hidden(parent, 2) < options_.coarsen_below;
+         !touches(fine, parent, state.position) && hidden(parent, 2) < options_.coarsen_below &&
+         room(parent, movedByMerge(grid_, parent, state.position));
+}
+
+/// Finds which of the leaves that are split with a leaf, for balance, have no room for their centre.
+void Adaptation::findCrowded(const Cell& cell, const LeafMesh& leaves, const ParticleState& state,
+                             const Room& room) {
+  const int s = cell.span();
+  for (const int j : {cell.j - 1, cell.j, cell.j + s}) {
+    for (const int i : {cell.i - 1, cell.i, cell.i + s}) {
+      if (i < 0 || j < 0 || i > grid_.columns - 2 || j > grid_.rows - 2) continue;
+      const Cell neighbour = leaves.leafAt(i, j);
+      if (neighbour.level > cell.level) findCrowded(neighbour, leaves, state, room);
+    }
+  }
+  crowded_[grid_.cell(cell.i, cell.j)] = !room(cell, movedBySplit(grid_, cell, state.position));
 }
 
 void Adaptation::splitCells(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state) {
@@ -169,7 +189,7 @@ void Adaptation::splitCells(long step, LeafMesh& leaves, ActiveMesh& mesh, Parti
       for (const int i : {cell.i, cell.i + half}) born_[grid_.cell(i, j)] = step;
     }
   }
-  transferAfterSplit(grid_, split_, state);
+  transferAfterSplit(grid_, split_, crowded_, state);
   mesh.rebuild(leaves);
 }
 

@@ -50,12 +50,16 @@ class Adaptation {
   /// four leaves (parts 2).
   using HiddenTurn = std::function<double(const Cell& cell, int parts)>;
 
+  /// Tells whether the surface of a leaf or of the parent of four has room to move by a distance [m]
+  /// without meeting another part of the cloth.
+  using Room = std::function<bool(const Cell& cell, double moved)>;
+
   /// Decides all splits and merges from the current mesh.
   /// @param nodes positions of the nodes [m]
   /// @return whether apply() has anything to do
   bool plan(long step, const Field& nodes, const InternalEnergy& internal, const FineRegions& fine,
             const LeafMesh& leaves, const ActiveMesh& mesh, const ParticleState& state,
-            const HiddenTurn& hidden);
+            const HiddenTurn& hidden, const Room& room);
 
   /// Makes the planned changes: rebuilds `mesh` and hands the state over.
   void apply(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
@@ -71,7 +75,9 @@ class Adaptation {
   bool refines() const;
   bool coarsens() const;
   bool mayMerge(const Cell& parent, long step, const FineRegions& fine, const LeafMesh& leaves,
-                const ActiveMesh& mesh, const ParticleState& state, const HiddenTurn& hidden) const;
+                const ActiveMesh& mesh, const ParticleState& state, const HiddenTurn& hidden,
+                const Room& room) const;
+  void findCrowded(const Cell& cell, const LeafMesh& leaves, const ParticleState& state, const Room& room);
   bool touches(const FineRegions& fine, const Cell& cell, const std::vector<Vec3>& positions) const;
   double length(const Cell& cell) const;
 
@@ -83,6 +89,9 @@ class Adaptation {
   std::vector<int> edges_;  ///< edges at each node, scratch of measureStrain()
   std::vector<long> born_;  ///< step in which a leaf was created, at its lower left finest cell
   std::vector<Cell> leaves_, marked_, merged_, split_;
+  /// Flag for each finest cell: the leaf with its lower left corner there has no room for the bilinear
+  /// place of its centre. Set for all leaves that apply() splits.
+  std::vector<char> crowded_;
   MergeTransfer merge_transfer_;
 };
 

@@ -235,7 +235,7 @@ void ClothObjective::setMotion(const Vector& d) {
 Objective::Along ClothObjective::along(const Vector& d) {
   setMotion(d);
   return {formAlongMotion(false, true).sum(),
-          present_ > 0 ? contacts_.maxStep(motion_, proxy_motions_) : 1e300};
+          limitsSteps() ? contacts_.maxStep(nodes_, motion_, proxy_motions_) : 1e300};
 }
 
 ClothObjective::QuadraticForm ClothObjective::quadraticForm(const Vector& d, bool deforms) {
@@ -244,9 +244,9 @@ ClothObjective::QuadraticForm ClothObjective::quadraticForm(const Vector& d, boo
 }
 
 double ClothObjective::maxStep(const Vector& d) {
-  if (present_ == 0) return 1e300;
+  if (!limitsSteps()) return 1e300;
   setMotion(d);
-  return contacts_.maxStep(motion_, proxy_motions_);
+  return contacts_.maxStep(nodes_, motion_, proxy_motions_);
 }
 
 ClothObjective::QuadraticForm ClothObjective::formAlongMotion(bool whole_motion, bool deforms) {

@@ -172,6 +172,7 @@ class ClothObjective : public Objective {
   void forPresent(const Visit& visit) const;
   Vec3 slip(int probe) const;
   double lossPotential() const;
+  bool limitsSteps() const { return present_ > 0 || contacts_.meetsItself(); }
   void placeProbes();
   void fitMultilevel();
   double evaluateProbes(Vector& gradient);

@@ -15,7 +15,10 @@ constexpr double kSlipSpeed = 3e-4;
 constexpr double kFineReach = 2.0;
 
 ContactSet::Options contactOptions(const Scene& scene) {
-  return {scene.cloth.fabric.thickness, kSlipSpeed, scene.solver.time_step};
+  // The joint cost knows no pairs.
+  const bool self_contact = scene.cloth.self_contact && scene.solver.cost == Cost::Condensed;
+  return {scene.cloth.fabric.thickness, kSlipSpeed, scene.solver.time_step, self_contact,
+          scene.cloth.self_friction};
 }
 
 }  // namespace
@@ -57,7 +60,7 @@ void ClothWorld::takeStep(int length, StepReport& report) {
   grasps_.update(probes_, cloth_.mesh(), cloth_.state());
   report.minimizer = solver_.solve(grasps_.nodes());  // finds the contacts, too
   energy_.noteStart(solver_.start(), solidsMove());
-  report.failed = report.minimizer.why == Termination::NotFinite;
+  report.failed = hasFailed(report.minimizer.why);
   if (report.failed) {
     restore();
   } else {
@@ -101,9 +104,13 @@ bool ClothWorld::planMesh() {
   }
   const LoadEstimate::View view = loadView();
   load_.begin(view, std::min(scene_.adapt.refine_above, scene_.adapt.coarsen_below));
-  return adaptation_.plan(steps_, cloth_.nodes(), cloth_.internal(), fine_, cloth_.leaves(), cloth_.mesh(),
-                          cloth_.state(),
-                          [&](const Cell& cell, int parts) { return load_.turn(view, cell, parts); });
+  contacts_.beginChange(cloth_.mesh(), cloth_.nodes());
+  return adaptation_.plan(
+      steps_, cloth_.nodes(), cloth_.internal(), fine_, cloth_.leaves(), cloth_.mesh(), cloth_.state(),
+      [&](const Cell& cell, int parts) { return load_.turn(view, cell, parts); },
+      [&](const Cell& cell, double moved) {
+        return contacts_.hasRoom(cloth_.mesh(), cloth_.nodes(), cell, moved);
+      });
 }
 
 LoadEstimate::View ClothWorld::loadView() {

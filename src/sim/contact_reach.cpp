@@ -6,20 +6,43 @@
 #include "sim/cloth_objective.h"
 
 namespace haptic_cloth {
+namespace {
+
+/// Tells whether a motion is within reach; widens a reach that it nearly uses up.
+bool isWithin(const Vec3& motion, double& reach) {
+  const double squared = motion.squaredNorm();
+  if (4.0 * squared <= reach * reach) return true;
+  const double moved = std::sqrt(squared);
+  const bool within = !(moved > reach);
+  reach = std::max(reach, 2.0 * moved);
+  return within;
+}
+
+}  // namespace
 
 ContactReach::ContactReach(const Scene& scene, const Cloth& cloth, const Probes& probes)
     : scene_(scene), cloth_(cloth), probes_(probes), proxies_(probes.count(), 0.0) {
   nodes_.reserve(cloth.grid().particles());
+  deviation_.reserve(cloth.grid().particles());
+  motion_.reserve(cloth.grid().particles());
   nodes_.assign(cloth.mesh().nodes(), 0.0);
+  deviation_ = nodes_;
+  motion_.clear(cloth.mesh().nodes());
 }
 
 void ContactReach::estimate() {
   const double h = cloth_.integrator().stepLength();
   const Grid& grid = cloth_.grid();
-  nodes_.resize(cloth_.mesh().nodes());
-  for (int n = 0; n < cloth_.mesh().nodes(); ++n) {
-    nodes_[n] = 2.0 * h * (cloth_.velocities()[n].norm() + h * scene_.gravity.norm()) +
-                0.1 * std::min(grid.dx, grid.dy);
+  const int count = cloth_.mesh().nodes();
+  const double spacing = std::min(grid.dx, grid.dy), gravity = scene_.gravity.norm();
+  nodes_.resize(count);
+  deviation_.resize(count);
+  motion_.resize(count);
+  for (int n = 0; n < count; ++n) {
+    const Vec3 moves = h * cloth_.velocities()[n];
+    nodes_[n] = 2.0 * (moves.norm() + h * h * gravity) + 0.1 * spacing;
+    motion_.set(n, moves);
+    deviation_[n] = 0.05 * moves.norm() + 2.0 * h * h * gravity + 0.04 * spacing;
   }
   for (int k = 0; k < probes_.count(); ++k) {
     const ProbeStep& probe = probes_.steps()[k];
@@ -37,14 +60,18 @@ bool ContactReach::covers(const ClothObjective& solved) {
   return nodes_covered && proxies_covered;
 }
 
+bool ContactReach::coversPairs(const ClothObjective& solved) {
+  bool all = true;
+  for (int n = 0; n < cloth_.mesh().nodes(); ++n) {
+    all = isWithin(solved.nodes()[n] - cloth_.nodes()[n] - motion_[n], deviation_[n]) && all;
+  }
+  return all;
+}
+
 bool ContactReach::coversNodes(const ClothObjective& solved) {
   bool all = true;
   for (int n = 0; n < cloth_.mesh().nodes(); ++n) {
-    const double squared = (solved.nodes()[n] - cloth_.nodes()[n]).squaredNorm();
-    if (4.0 * squared <= nodes_[n] * nodes_[n]) continue;
-    const double moved = std::sqrt(squared);
-    all = all && !(moved > nodes_[n]);
-    nodes_[n] = std::max(nodes_[n], 2.0 * moved);
+    all = isWithin(solved.nodes()[n] - cloth_.nodes()[n], nodes_[n]) && all;
   }
   return all;
 }

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "contact/pair_finder.h"
 #include "haptic_cloth/scene.h"
 #include "sim/cloth.h"
 #include "sim/probes.h"
@@ -25,7 +26,11 @@ class ContactReach {
   /// reach to twice the displacements.
   bool covers(const ClothObjective& solved);
 
+  /// The same for pairs(): how far nodes deviate from the motion that their velocity gives them.
+  bool coversPairs(const ClothObjective& solved);
+
   const std::vector<double>& nodes() const { return nodes_; }      ///< [m]
+  PairFinder::Reach pairs() const { return {motion_, deviation_}; }
   const std::vector<double>& proxies() const { return proxies_; }  ///< [m]
 
  private:
@@ -36,6 +41,8 @@ class ContactReach {
   const Cloth& cloth_;
   const Probes& probes_;
   std::vector<double> nodes_, proxies_;
+  Field motion_;                   ///< see PairFinder::Reach
+  std::vector<double> deviation_;  ///< see PairFinder::Reach
 };
 
 }  // namespace haptic_cloth

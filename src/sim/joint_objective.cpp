@@ -133,7 +133,7 @@ void JointObjective::gatherGradient(Vector& gradient) {
 Objective::Along JointObjective::along(const Vector& d) {
   step_.unpack(d, motion_, proxy_motions_);
   step_.carryHeld(proxy_motions_, false, motion_);
-  return {changeOfForces(d.data() + step_.size()), contacts_.maxStep(motion_, proxy_motions_)};
+  return {changeOfForces(d.data() + step_.size()), contacts_.maxStep(nodes_, motion_, proxy_motions_)};
 }
 
 /// Quadratic form of the Gauss-Newton Hessian along (motion_, proxy_motions_, d_forces).

@@ -44,28 +44,44 @@ StepSolver::StepSolver(const Scene& scene, Cloth& cloth, ContactSet& contacts, P
   const int unknowns = joint_ ? joint_->capacity() : objective_.capacity();
   minimizer_.reserve(unknowns);
   team.reserve(std::max(unknowns, NodeGather::capacity(cloth.mesh()) + contacts.capacity()));
+  contacts.rebuild(cloth.mesh());
   findContacts();  // cloth that starts in contact has contact energy
   objective_.begin(cloth.nodes(), cloth.velocities(), probes.steps());
   evaluateStart();
 }
 
+void StepSolver::resize() {
+  objective_.resize();
+  contacts_.rebuild(cloth_.mesh());
+}
+
 MinimizerReport StepSolver::solve(const std::vector<HeldNode>& held) {
-  constexpr int kAttempts = 3;
+  constexpr int kAttempts = 4;
   MinimizerReport report;
   reach_.estimate();
+  contacts_.forgetRough();
+  bool apart = true;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     findContacts();
     beginSolve(held);
     const MinimizerReport last = joint_ ? minimizeJoint() : minimizeCondensed();
     report = attempt == 0 ? last : sum(report, last);
-    if (reach_.covers(objective_) || last.why == Termination::TimeBudget) break;
+    const bool covered = reach_.covers(objective_);
+    apart = contacts_.staysApart(cloth_.mesh(), cloth_.nodes(), objective_.nodes(),
+                                 !reach_.coversPairs(objective_));
+    if (getenv("HC_DEBUG")) fprintf(stderr, "attempt %d pairs %d touching %d min %g it %d covered %d apart %d\n", attempt, contacts_.self() ? contacts_.self()->size() : 0, contacts_.self() ? contacts_.self()->touching() : 0, contacts_.self() ? contacts_.self()->smallestDistance() : 0, last.iterations, covered, apart);
+    if ((covered && apart) || last.why == Termination::TimeBudget) break;
   }
+  // The cloth might have passed through itself where it was not looked at.
+  if (contacts_.meetsItself() && !apart && report.why != Termination::NotFinite)
+    report.why = Termination::OutOfReach;
   return report;
 }
 
 void StepSolver::findContacts() {
   const auto& touching = probes_.findTouching(cloth_.mesh(), cloth_.nodes(), reach_.proxies(), contacts_);
-  contacts_.collect(cloth_.mesh(), cloth_.nodes(), reach_.nodes(), touching);
+  contacts_.collect(cloth_.mesh(), cloth_.nodes(), cloth_.internal().nodeNormals(), reach_.nodes(),
+                    reach_.pairs(), touching);
 }
 
 /// Evaluates Φ and its gradient with all nodes and proxies at x⁰. @return Φ

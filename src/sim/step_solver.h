@@ -34,7 +34,7 @@ class StepSolver {
   }
 
   /// Must follow a change of the mesh.
-  void resize() { objective_.resize(); }
+  void resize();
 
   /// Starts the time limit of a step.
   void startBudget() { minimizer_.startBudget(); }

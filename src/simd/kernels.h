@@ -11,6 +11,7 @@ struct GatherColumn;
 struct GatherDetail;
 struct LawView;
 struct Motion;
+struct PairPack;
 struct PatchCorners;
 struct PatchPack;
 struct SampleContext;
@@ -20,7 +21,8 @@ struct StepPack;
 struct TriplePack;
 
 /// Calls KERNEL(result, name, arguments) for each kernel. The kernels are described beside their
-/// data: energy/packs.h, contact/sample_packs.h, mesh/node_gather.h (NodeGather::add) and
+/// data: energy/packs.h, contact/sample_packs.h, contact/pair_packs.h,
+/// mesh/node_gather.h (NodeGather::add) and
 /// sim/motion.h; those of the preconditioner in sim/precondition_kernels.cpp.
 #define HAPTIC_CLOTH_KERNELS(KERNEL)                                                                         \
   KERNEL(double, evaluateEdges,                                                                              \
@@ -81,6 +83,13 @@ struct TriplePack;
   KERNEL(void, patchMargins,                                                                                 \
          (const PatchCorners* corners, int count, double range, const ConstArrays& x, const double* reach,   \
           const double* gaps, const ConstArrays& normals, double* margins))                                  \
+  KERNEL(void, measurePairs, (PairPack * packs, int begin, int end, const ConstArrays& x))                   \
+  KERNEL(ContactEnergy, evaluatePairs,                                                                       \
+         (PairPack * packs, int begin, int end, double slip, const ConstArrays& x))                          \
+  KERNEL(double, pairQuadraticForm, (const PairPack* packs, int begin, int end, const ConstArrays& d))       \
+  KERNEL(double, largestPairStep,                                                                            \
+         (const PairPack* packs, int begin, int end, double share, const ConstArrays& x,                     \
+          const ConstArrays& d))                                                                             \
   KERNEL(void, loadPoints, (const double* gradient, int free, int begin, int end, float* values))            \
   KERNEL(void, addOwnBlocks,                                                                                 \
          (const BlockArrays& own, const double* gradient, const float* values, int free, int begin, int end, \

@@ -1,0 +1,157 @@
+/// Tree of boxes and tangents over the leaves of the mesh: which parts of the cloth may meet.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "mesh/active_mesh.h"
+#include "mesh/field.h"
+
+namespace haptic_cloth {
+
+/// The quadtree of the mesh as a hierarchy of bounding volumes. Each part of the tree knows a box
+/// around it and the range of its tangents, the derivatives of position by warp and weft.
+///
+/// Smooth parts cannot meet themselves. Let e₁, e₂ be orthonormal and Δ = (Δu, Δv) the distance of two
+/// points of a rectangle in the flat cloth. Their distance x(q) - x(p) is the mean of t_u Δu + t_v Δv
+/// along the line between them, so in the direction e₁ Δu + e₂ Δv it is at least λ |Δ|², where λ is
+/// the smallest eigenvalue of the symmetric part of (t_i · e_j) over the rectangle. If λ > 0, no two
+/// points of the rectangle touch [after Noshiro and Warschawski's condition for univalence]. This
+/// takes the place of normal cones, whose test of outlines is usually left out.
+class ClothTree {
+ public:
+  explicit ClothTree(const Grid& grid);
+
+  /// Adapts to a new mesh.
+  void rebuild(const ActiveMesh& mesh);
+
+  /// Fits boxes and tangents to positions [m].
+  /// @param motion expected displacement of each node [m]
+  /// @param margins of the boxes at each node [m]
+  void fit(const ActiveMesh& mesh, const Field& nodes, const Field& motion, const std::vector<double>& margins);
+
+  /// Calls visit(a, b) for all pairs of patches, a = b included, whose boxes overlap somewhere on the
+  /// way of the expected motion, unless they lie in one smooth rectangle.
+  template <class Visit>
+  void forNear(const Visit& visit) {
+    smooth_.clear();
+    visitSelf(top_, visit);
+  }
+
+  /// Tells whether visit(a, b) is true for all patches a that touch a cell, and patches b whose boxes
+  /// come within `margin` of that of a [m].
+  template <class Visit>
+  bool allAround(const Cell& cell, double margin, const Visit& visit) const {
+    return allTouching(top_, cell, margin, visit);
+  }
+
+  /// Tells whether the rectangles that forNear() took as smooth are still so at these positions [m],
+  /// and were so on the way there in a straight line. Those that were not count as rough, so not as
+  /// smooth, until forgetRough().
+  bool staysSmooth(const ActiveMesh& mesh, const Field& nodes);
+  void forgetRough() { rough_.assign(parts_.size(), 0); }
+
+  struct Box {
+    Vec3 low, high;
+    void add(const Box& other) {
+      low = low.cwiseMin(other.low);
+      high = high.cwiseMax(other.high);
+    }
+  };
+
+ private:
+  /// Ranges of the two tangents [-].
+  struct Tangents {
+    Box warp, weft;
+    void add(const Tangents& other) {
+      warp.add(other.warp);
+      weft.add(other.weft);
+    }
+  };
+  struct Axes {
+    Vec3 first, second;
+  };
+  struct Part {
+    int level, i, j;  ///< cell in units of its size
+    int patch;        ///< of a leaf, else -1
+    std::array<int, 4> children;  ///< -1: none
+  };
+  /// Rectangle that was found smooth: up to 2 × 2 parts.
+  struct Smooth {
+    std::array<int, 4> parts;
+    int count;
+    Axes axes;
+  };
+
+  int at(int level, int i, int j) const;
+  bool mayMeet(int a, int b, double margin = 0.0) const;
+  template <class Value>
+  void unite(std::vector<Value>& values) const;
+  void fitTangents(const ActiveMesh& mesh, const Field& nodes, std::vector<Tangents>& tangents) const;
+  bool isSmooth(const std::array<int, 4>& parts, int count);
+  bool isSmoothTogether(int a, int b);
+  static Axes axesOf(const Tangents& tangents);
+  static double smoothness(const Tangents& tangents, const Axes& axes);
+
+  bool touchesCell(const Part& part, const Cell& cell) const {
+    const int i = part.i << part.level, j = part.j << part.level, size = 1 << part.level;
+    return i <= cell.i + cell.span() && cell.i <= i + size && j <= cell.j + cell.span() && cell.j <= j + size;
+  }
+
+  template <class Visit>
+  bool allTouching(int a, const Cell& cell, double margin, const Visit& visit) const {
+    if (!touchesCell(parts_[a], cell)) return true;
+    if (parts_[a].patch >= 0) return allNear(a, top_, margin, visit);
+    for (const int child : parts_[a].children) {
+      if (child >= 0 && !allTouching(child, cell, margin, visit)) return false;
+    }
+    return true;
+  }
+
+  template <class Visit>
+  bool allNear(int a, int b, double margin, const Visit& visit) const {
+    if (!mayMeet(a, b, margin)) return true;
+    if (parts_[b].patch >= 0) return visit(parts_[a].patch, parts_[b].patch);
+    for (const int child : parts_[b].children) {
+      if (child >= 0 && !allNear(a, child, margin, visit)) return false;
+    }
+    return true;
+  }
+
+  template <class Visit>
+  void visitSelf(int a, const Visit& visit) {
+    const Part& part = parts_[a];
+    if (isSmooth({a}, 1)) return;
+    if (part.patch >= 0) return visit(part.patch, part.patch);
+    for (int k = 0; k < 4; ++k) {
+      if (part.children[k] < 0) continue;
+      visitSelf(part.children[k], visit);
+      for (int l = k + 1; l < 4; ++l) {
+        if (part.children[l] >= 0) visitPair(part.children[k], part.children[l], visit);
+      }
+    }
+  }
+
+  template <class Visit>
+  void visitPair(int a, int b, const Visit& visit) {
+    if (!mayMeet(a, b) || isSmoothTogether(a, b)) return;
+    if (parts_[a].patch >= 0 && parts_[b].patch >= 0) return visit(parts_[a].patch, parts_[b].patch);
+    const bool divide_a = parts_[b].patch >= 0 || (parts_[a].patch < 0 && parts_[a].level >= parts_[b].level);
+    for (const int child : parts_[divide_a ? a : b].children) {
+      if (child >= 0) divide_a ? visitPair(child, b, visit) : visitPair(a, child, visit);
+    }
+  }
+
+  Grid grid_;
+  int levels_;  ///< level of the top
+  int top_ = 0;
+  std::vector<Part> parts_;          ///< leaves in the order of the patches, then by level
+  std::vector<int> level_offset_;    ///< first index of each level in index_
+  std::vector<int> index_;           ///< part at each place of each level; -1: within a coarser leaf
+  std::vector<Box> boxes_, motions_;  ///< of the parts: of positions with margins, of motions [m]
+  std::vector<Tangents> tangents_, tangents_after_;
+  std::vector<Smooth> smooth_;  ///< found by the last forNear()
+  std::vector<char> rough_;     ///< one flag for each part
+};
+
+}  // namespace haptic_cloth

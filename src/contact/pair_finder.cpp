@@ -1,0 +1,296 @@
+#include "contact/pair_finder.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptic_cloth {
+namespace {
+
+// Range of lines over that of nodes and triangles: flat layers press by their nodes alone.
+constexpr double kLineRange = 0.25;
+// Range over the distance in the flat cloth, at most. ClothTree leaves out parts whose distance is at
+// least this share of it.
+constexpr double kShareOfRest = 0.5;
+
+using Point = Eigen::Vector2d;
+
+double distance(const Point& p, const Point& a, const Point& b) {
+  const Point side = b - a;
+  const double t = std::clamp((p - a).dot(side) / side.squaredNorm(), 0.0, 1.0);
+  return (p - a - t * side).norm();
+}
+
+double cross(const Point& a, const Point& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+/// Distance of a point from a triangle in the plane.
+double distance(const Point& p, const Point& a, const Point& b, const Point& c) {
+  const double turns[] = {cross(b - a, p - a), cross(c - b, p - b), cross(a - c, p - c)};
+  const bool left = turns[0] >= 0.0 && turns[1] >= 0.0 && turns[2] >= 0.0,
+             right = turns[0] <= 0.0 && turns[1] <= 0.0 && turns[2] <= 0.0;
+  if (left || right) return 0.0;
+  return std::min({distance(p, a, b), distance(p, b, c), distance(p, c, a)});
+}
+
+Vec3 nearestOnTriangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 ab = b - a, ac = c - a, ap = p - a;
+  const double uu = ab.squaredNorm(), uv = ab.dot(ac), vv = ac.squaredNorm(), up = ap.dot(ab), vp = ap.dot(ac);
+  const double determinant = uu * vv - uv * uv;
+  if (determinant > 0.0) {
+    const double v = (vv * up - uv * vp) / determinant, u = (uu * vp - uv * up) / determinant;
+    if (u >= 0.0 && v >= 0.0 && u + v <= 1.0) return a + v * ab + u * ac;
+  }
+  const auto onSide = [&p](const Vec3& from, const Vec3& to) {
+    const Vec3 side = to - from;
+    const double square = side.squaredNorm();
+    return Vec3(from + (square > 0.0 ? std::clamp((p - from).dot(side) / square, 0.0, 1.0) : 0.0) * side);
+  };
+  Vec3 best = onSide(a, b);
+  for (const Vec3& other : {onSide(b, c), onSide(c, a)}) {
+    if ((p - other).squaredNorm() < (p - best).squaredNorm()) best = other;
+  }
+  return best;
+}
+
+double distanceOfLines(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  const Vec3 u = b - a, v = d - c, r = a - c;
+  const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), ur = u.dot(r), vr = v.dot(r);
+  if (!(uu > 0.0) || !(vv > 0.0)) return 0.0;
+  const double determinant = uu * vv - uv * uv;
+  double s = determinant > 1e-14 * uu * vv ? std::clamp((uv * vr - ur * vv) / determinant, 0.0, 1.0) : 0.0;
+  const double t = std::clamp((uv * s + vr) / vv, 0.0, 1.0);
+  s = std::clamp((uv * t - ur) / uu, 0.0, 1.0);
+  return (r + s * u - t * v).norm();
+}
+
+/// Largest motion of two groups of nodes relative to each other [m].
+double apart(const PairFinder::Reach& reach, std::initializer_list<int> ones, std::initializer_list<int> others) {
+  double moved = 0.0, one_deviates = 0.0, other_deviates = 0.0;
+  for (const int a : ones) {
+    one_deviates = std::max(one_deviates, reach.deviation[a]);
+    for (const int b : others) moved = std::max(moved, (reach.motion[a] - reach.motion[b]).squaredNorm());
+  }
+  for (const int b : others) other_deviates = std::max(other_deviates, reach.deviation[b]);
+  return std::sqrt(moved) + one_deviates + other_deviates;
+}
+
+void put(PairPack& pack, int lane, const std::array<int, 4>& nodes, double range, double area) {
+  for (int c = 0; c < 4; ++c) pack.nodes[c].set(lane, nodes[c]);
+  pack.range[lane] = range;
+  pack.area[lane] = area;
+}
+
+/// An empty pack: its lanes refer to node 0 and have no range.
+PairPack emptyPack(bool lines) {
+  PairPack pack{};
+  pack.lines = lines;
+  for (int l = 0; l < kPack; ++l) pack.group[l] = l;
+  return pack;
+}
+
+}  // namespace
+
+PairFinder::PairFinder(const Grid& grid, double thickness)
+    : grid_(grid), thickness_(thickness), surface_(grid), tree_(grid) {
+  margins_.reserve(grid.particles());
+  rows_.reserve(grid.particles() + 1);
+  none_.reserve(grid.particles());
+  motion_.reserve(grid.particles());
+  for (auto* list : {&nodes_, &lines_, &sorted_}) list->reserve(grid.particles());
+}
+
+void PairFinder::rebuild(const ActiveMesh& mesh) {
+  surface_.rebuild(mesh);
+  tree_.rebuild(mesh);
+}
+
+void PairFinder::find(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals,
+                      const Reach& reach, std::vector<PairPack>& packs) {
+  normals_ = normals;
+  search(mesh, nodes, reach, thickness_);
+  packs.clear();
+  sortByNode(mesh.nodes());
+  listGroups(packs);
+  listLines(packs);
+  for (PairPack& pack : packs) {
+    for (PackIndices& list : pack.nodes) list.finish();
+  }
+}
+
+/// Lists all pairs that may come within `thickness` of each other [m].
+void PairFinder::search(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, double thickness) {
+  within_ = thickness;
+  lines_within_ = kLineRange * thickness;
+  margins_.resize(mesh.nodes());
+  for (int n = 0; n < mesh.nodes(); ++n) margins_[n] = reach.deviation[n] + 0.5 * thickness;
+  tree_.fit(mesh, nodes, reach.motion, margins_);
+  nodes_.clear();
+  lines_.clear();
+  tree_.forNear([&](int a, int b) { addPatches(mesh, nodes, reach, a, b); });
+}
+
+bool PairFinder::mayMeetUnlisted(const ActiveMesh& mesh, const Field& start, const Field& end, bool deviates,
+                                 const std::vector<PairPack>& packs) {
+  if (tree_.staysSmooth(mesh, end) && !deviates) return false;
+  motion_.resize(mesh.nodes());
+  for (int n = 0; n < mesh.nodes(); ++n) motion_.set(n, end[n] - start[n]);
+  none_.assign(mesh.nodes(), 0.0);
+  search(mesh, start, {motion_, none_}, 0.0);
+  if (nodes_.empty() && lines_.empty()) return false;
+  listed_.clear();
+  for (const PairPack& pack : packs) {
+    for (int l = 0; l < kPack; ++l) {
+      if (pack.range[l] > 0.0)
+        listed_.push_back({pack.nodes[0].index[l], pack.nodes[1].index[l], pack.nodes[2].index[l],
+                           pack.nodes[3].index[l]});
+    }
+  }
+  std::sort(listed_.begin(), listed_.end());
+  const auto isListed = [this](const Candidate& c) {
+    return std::binary_search(listed_.begin(), listed_.end(), c.nodes);
+  };
+  return !std::all_of(nodes_.begin(), nodes_.end(), isListed) ||
+         !std::all_of(lines_.begin(), lines_.end(), isListed);
+}
+
+void PairFinder::beginChange(const ActiveMesh& mesh, const Field& nodes) {
+  motion_.clear(mesh.nodes());
+  none_.assign(mesh.nodes(), 0.0);
+  margins_.assign(mesh.nodes(), 0.0);
+  normals_ = motion_.arrays();  // sides do not matter
+  tree_.fit(mesh, nodes, motion_, none_);
+}
+
+bool PairFinder::hasRoom(const ActiveMesh& mesh, const Field& nodes, const Cell& cell, double moved) {
+  // Both parts of a pair may move.
+  within_ = lines_within_ = 2.0 * moved;
+  nodes_.clear();
+  lines_.clear();
+  return tree_.allAround(cell, within_, [&](int a, int b) {
+    addPatches(mesh, nodes, {motion_, none_}, a, b);
+    return nodes_.empty() && lines_.empty();
+  });
+}
+
+/// Adds the pairs of two patches, which may be the same.
+void PairFinder::addPatches(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int a,
+                            int b) {
+  for (int swap = 0; swap < (a == b ? 1 : 2); ++swap) {
+    const int of = swap ? b : a, on = swap ? a : b;
+    const TriangleSurface::Range own = surface_.nodesOf(of);
+    for (int k = own.begin; k < own.end; ++k) {
+      for (const int half : {0, 1}) addNode(mesh, nodes, reach, surface_.node(k), surface_.triangle(on, half));
+    }
+  }
+  const TriangleSurface::Range first = surface_.linesOf(a), second = surface_.linesOf(b);
+  for (int k = first.begin; k < first.end; ++k) {
+    for (int l = a == b ? k + 1 : second.begin; l < second.end; ++l) {
+      addLines(mesh, nodes, reach, surface_.line(k), surface_.line(l));
+    }
+  }
+}
+
+void PairFinder::addNode(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int node,
+                         const TriangleSurface::Triangle& t) {
+  if (node == t[0] || node == t[1] || node == t[2]) return;
+  const Vec3 p = nodes[node], a = nodes[t[0]], b = nodes[t[1]], c = nodes[t[2]];
+  const double near = within_ + apart(reach, {node}, {t[0], t[1], t[2]});
+  for (int k = 0; k < 3; ++k) {
+    if (p[k] - near > std::max({a[k], b[k], c[k]}) || p[k] + near < std::min({a[k], b[k], c[k]})) return;
+  }
+  const Vec3 between = p - nearestOnTriangle(p, a, b, c);
+  const double distance = between.norm();
+  if (distance > near) return;
+  const std::array<int, 4> list{node, t[0], t[1], t[2]};
+  const double range = rangeOf(mesh, list, false);
+  const double above =
+      between.x() * normals_.x[node] + between.y() * normals_.y[node] + between.z() * normals_.z[node];
+  if (range > 0.0) nodes_.push_back({list, range, distance, above > 0.0 ? 1 : 0});
+}
+
+void PairFinder::addLines(const ActiveMesh& mesh, const Field& nodes, const Reach& reach,
+                          const TriangleSurface::Line& one, const TriangleSurface::Line& other) {
+  if (one.a == other.a || one.a == other.b || one.b == other.a || one.b == other.b) return;
+  const Vec3 a = nodes[one.a], b = nodes[one.b], c = nodes[other.a], d = nodes[other.b];
+  const double near = lines_within_ + apart(reach, {one.a, one.b}, {other.a, other.b});
+  for (int k = 0; k < 3; ++k) {
+    if (std::min(a[k], b[k]) - near > std::max(c[k], d[k]) || std::max(a[k], b[k]) + near < std::min(c[k], d[k]))
+      return;
+  }
+  const double distance = distanceOfLines(a, b, c, d);
+  if (distance > near) return;
+  const std::array<int, 4> list{one.a, one.b, other.a, other.b};
+  const double range = rangeOf(mesh, list, true);
+  if (range > 0.0) lines_.push_back({list, kLineRange * range, distance, 0});
+}
+
+/// Distance at which a pair begins to press: the thickness, or less if it is that near in the flat
+/// cloth. 0 for parts that touch there.
+double PairFinder::rangeOf(const ActiveMesh& mesh, const std::array<int, 4>& nodes, bool lines) const {
+  std::array<Point, 4> p;
+  for (int k = 0; k < 4; ++k) {
+    const int particle = mesh.particle[nodes[k]];
+    p[k] = {grid_.column(particle) * grid_.dx, grid_.row(particle) * grid_.dy};
+  }
+  const double rest = lines ? std::min({distance(p[0], p[2], p[3]), distance(p[1], p[2], p[3]),
+                                        distance(p[2], p[0], p[1]), distance(p[3], p[0], p[1])})
+                            : distance(p[0], p[1], p[2], p[3]);
+  const double touching = 1e-9 * std::min(grid_.dx, grid_.dy);
+  return rest > touching ? std::min(thickness_, kShareOfRest * rest) : 0.0;
+}
+
+/// Sorts candidates of nodes by node, side and distance.
+void PairFinder::sortByNode(int nodes) {
+  rows_.assign(nodes + 1, 0);
+  for (const Candidate& c : nodes_) ++rows_[c.nodes[0] + 1];
+  for (int n = 0; n < nodes; ++n) rows_[n + 1] += rows_[n];
+  sorted_.resize(nodes_.size());
+  for (const Candidate& c : nodes_) sorted_[rows_[c.nodes[0]]++] = c;
+  for (int n = nodes; n > 0; --n) rows_[n] = rows_[n - 1];
+  rows_[0] = 0;
+  const auto before = [](const Candidate& a, const Candidate& b) {
+    if (a.side != b.side) return a.side < b.side;
+    if (a.distance * b.range != b.distance * a.range) return a.distance * b.range < b.distance * a.range;
+    return a.nodes < b.nodes;
+  };
+  for (int n = 0; n < nodes; ++n) std::sort(sorted_.begin() + rows_[n], sorted_.begin() + rows_[n + 1], before);
+}
+
+/// Lists groups: the triangles near a node on one of its sides. A group lies within one pack. If it has
+/// more members, the nearest make the group, and the others only must not be crossed.
+void PairFinder::listGroups(std::vector<PairPack>& packs) {
+  int lane = kPack;
+  for (std::size_t first = 0; first < sorted_.size();) {
+    std::size_t end = first + 1;
+    const Candidate& head = sorted_[first];
+    while (end < sorted_.size() && sorted_[end].nodes[0] == head.nodes[0] && sorted_[end].side == head.side) ++end;
+    const int together = std::min<int>(end - first, kPack);
+    if (lane + together > kPack) {
+      packs.push_back(emptyPack(false));
+      lane = 0;
+    }
+    const int group = lane;
+    for (std::size_t k = first; k < end; ++k) {
+      const bool presses = static_cast<int>(k - first) < together;
+      if (lane == kPack) {
+        packs.push_back(emptyPack(false));
+        lane = 0;
+      }
+      PairPack& pack = packs.back();
+      put(pack, lane, sorted_[k].nodes, sorted_[k].range,
+          presses ? 0.5 * surface_.area(sorted_[k].nodes[0]) : 0.0);
+      pack.group[lane] = presses ? group : lane;
+      ++lane;
+    }
+    first = end;
+  }
+}
+
+void PairFinder::listLines(std::vector<PairPack>& packs) const {
+  for (std::size_t k = 0; k < lines_.size(); ++k) {
+    if (k % kPack == 0) packs.push_back(emptyPack(true));
+    const Candidate& c = lines_[k];
+    put(packs.back(), k % kPack, c.nodes, c.range, thickness_ * std::min(grid_.dx, grid_.dy));
+  }
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,88 @@
+/// Search for pairs of parts of the cloth that may meet in a step.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "contact/cloth_tree.h"
+#include "contact/pair_packs.h"
+#include "mesh/active_mesh.h"
+#include "mesh/field.h"
+#include "mesh/triangle_surface.h"
+
+namespace haptic_cloth {
+
+/// Finds pairs of a node and a triangle, and of two lines, that may touch within a step. Two surfaces
+/// of triangles that do not cross can only begin to cross where such a pair meets. Nodes and triangles
+/// carry the pressure between layers: each node presses with half of its area on the nearest triangle
+/// on either of its sides, and the other layer's nodes do the same. Lines press only where nodes
+/// cannot: at folds and borders that cross each other.
+class PairFinder {
+ public:
+  /// Expected motion of the nodes in a step.
+  struct Reach {
+    const Field& motion;                   ///< displacement by their velocity [m]
+    const std::vector<double>& deviation;  ///< largest distance from it at the end [m]
+  };
+
+  /// @param thickness distance at which layers begin to press [m]
+  PairFinder(const Grid& grid, double thickness);
+
+  /// Must follow a change of the mesh.
+  void rebuild(const ActiveMesh& mesh);
+
+  /// Lists pairs in packs: those of nodes and triangles first.
+  /// @param normals of the surface at the nodes
+  void find(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals, const Reach& reach,
+            std::vector<PairPack>& packs);
+
+  /// Tells whether parts that are not in the list of the last find() may have met on the straight way
+  /// from the start of the step to its end.
+  /// @param deviates nodes have moved farther than their Reach allows
+  bool mayMeetUnlisted(const ActiveMesh& mesh, const Field& start, const Field& end, bool deviates,
+                       const std::vector<PairPack>& packs);
+
+  /// Prepares hasRoom() for positions of the nodes [m].
+  void beginChange(const ActiveMesh& mesh, const Field& nodes);
+
+  /// Tells whether the surface may move by `moved` in a cell, and in its neighbours along with it,
+  /// without meeting another part that moves as little as its own room allows [m].
+  bool hasRoom(const ActiveMesh& mesh, const Field& nodes, const Cell& cell, double moved);
+
+  /// Starts a step, in which all parts may count as smooth; see ClothTree::staysSmooth().
+  void forgetRough() { tree_.forgetRough(); }
+
+ private:
+  struct Candidate {
+    std::array<int, 4> nodes;
+    double range;     ///< [m]
+    double distance;  ///< at the start of the step [m]
+    int side;         ///< of the node's surface: 0 below, 1 above
+  };
+
+  void search(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, double thickness);
+  void addPatches(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int a, int b);
+  void addNode(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int node,
+               const TriangleSurface::Triangle& triangle);
+  void addLines(const ActiveMesh& mesh, const Field& nodes, const Reach& reach,
+                const TriangleSurface::Line& a, const TriangleSurface::Line& b);
+  double rangeOf(const ActiveMesh& mesh, const std::array<int, 4>& nodes, bool lines) const;
+  void sortByNode(int nodes);
+  void listGroups(std::vector<PairPack>& packs);
+  void listLines(std::vector<PairPack>& packs) const;
+
+  Grid grid_;
+  double thickness_;
+  TriangleSurface surface_;
+  ClothTree tree_;
+  std::vector<double> margins_;                   ///< of the boxes at the nodes [m]
+  double within_ = 0.0, lines_within_ = 0.0;      ///< distances of the pairs that are searched [m]
+  ConstArrays normals_{};                         ///< during find()
+  std::vector<Candidate> nodes_, lines_, sorted_;
+  Field motion_;                                  ///< scratch of mayMeetUnlisted(), as the next two
+  std::vector<double> none_;
+  std::vector<std::array<int, 4>> listed_;
+  std::vector<int> rows_;                         ///< sorted_ of node n: rows_[n] .. rows_[n + 1]
+};
+
+}  // namespace haptic_cloth

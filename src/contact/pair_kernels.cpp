@@ -1,0 +1,208 @@
+#include "contact/contact_law.h"
+#include "contact/pair_packs.h"
+#include "contact/sample_packs.h"
+#include "simd/kernels.h"
+#include "simd/lanes.h"
+
+namespace haptic_cloth {
+namespace HAPTIC_CLOTH_PATH {
+namespace {
+
+constexpr double kTiny = 1e-300;
+
+HAPTIC_CLOTH_INLINE Lanes3 load3(const double (*values)[kPack], int l) {
+  return {load(values[0] + l), load(values[1] + l), load(values[2] + l)};
+}
+
+HAPTIC_CLOTH_INLINE void store3(double (*values)[kPack], int l, const Lanes3& v) {
+  store(values[0] + l, v.x);
+  store(values[1] + l, v.y);
+  store(values[2] + l, v.z);
+}
+
+HAPTIC_CLOTH_INLINE Lanes clamp01(const Lanes& t) { return smaller(larger(t, Lanes{}), all(1.0)); }
+
+/// Σ weights · values
+HAPTIC_CLOTH_INLINE Lanes3 weighted(const PairPack& pack, const double (*weights)[kPack], int l,
+                                    const ConstArrays& values) {
+  Lanes3 sum = load(weights[0] + l) * gather(values, pack.nodes[0], l);
+  for (int c = 1; c < 4; ++c) sum = sum + load(weights[c] + l) * gather(values, pack.nodes[c], l);
+  return sum;
+}
+
+struct Nearest {
+  Lanes3 between;  ///< from the second part to the first
+  Lanes weights[4];
+};
+
+/// Weights of the nearest point of a triangle's side, if it is nearer than `least`.
+HAPTIC_CLOTH_INLINE void trySide(const Lanes3& p, const Lanes3& a, const Lanes3& b, int at_a, int at_b, int off,
+                                 Lanes& least, Lanes* weights) {
+  const Lanes3 side = b - a, from = p - a;
+  const Lanes t = clamp01(dot(from, side) / larger(dot(side, side), all(kTiny)));
+  const Lanes3 rest = from - t * side;
+  const Lanes square = dot(rest, rest), none{};
+  weights[at_a] = ifLess(square, least, 1.0 - t, weights[at_a]);
+  weights[at_b] = ifLess(square, least, t, weights[at_b]);
+  weights[off] = ifLess(square, least, none, weights[off]);
+  least = smaller(square, least);
+}
+
+HAPTIC_CLOTH_INLINE Nearest nodeAndTriangle(const Lanes3& p, const Lanes3& a, const Lanes3& b, const Lanes3& c) {
+  Lanes w[3]{};
+  Lanes least = all(1e300);
+  trySide(p, a, b, 0, 1, 2, least, w);
+  trySide(p, b, c, 1, 2, 0, least, w);
+  trySide(p, c, a, 2, 0, 1, least, w);
+  // Within the sides the foot of the perpendicular is nearest.
+  const Lanes3 ab = b - a, ac = c - a, ap = p - a;
+  const Lanes uu = dot(ab, ab), uv = dot(ab, ac), vv = dot(ac, ac), up = dot(ap, ab), vp = dot(ap, ac);
+  const Lanes scale = 1.0 / larger(uu * vv - uv * uv, all(kTiny));
+  const Lanes v = (vv * up - uv * vp) * scale, u = (uu * vp - uv * up) * scale, rest = 1.0 - u - v;
+  const Lanes inside = smaller(smaller(u, v), rest);
+  w[0] = ifPositive(inside, rest, w[0]);
+  w[1] = ifPositive(inside, v, w[1]);
+  w[2] = ifPositive(inside, u, w[2]);
+  const Lanes3 between = w[0] * (p - a) + w[1] * (p - b) + w[2] * (p - c);
+  return {between, {all(1.0), -w[0], -w[1], -w[2]}};
+}
+
+HAPTIC_CLOTH_INLINE Nearest twoLines(const Lanes3& a, const Lanes3& b, const Lanes3& c, const Lanes3& d) {
+  const Lanes3 u = b - a, v = d - c, r = a - c;
+  const Lanes uu = larger(dot(u, u), all(kTiny)), vv = larger(dot(v, v), all(kTiny)), uv = dot(u, v),
+              ur = dot(u, r), vr = dot(v, r);
+  const Lanes determinant = uu * vv - uv * uv;
+  const Lanes limit = 1e-14 * uu * vv;
+  Lanes s = ifLess(limit, determinant, clamp01((uv * vr - ur * vv) / larger(determinant, limit)), Lanes{});
+  const Lanes t = clamp01((uv * s + vr) / vv);
+  s = clamp01((uv * t - ur) / uu);
+  const Lanes3 between = r + s * u - t * v;
+  return {between, {1.0 - s, s, t - 1.0, -t}};
+}
+
+HAPTIC_CLOTH_INLINE void measureOne(PairPack& pack, int l, const ConstArrays& x) {
+  const Lanes3 a = gather(x, pack.nodes[0], l), b = gather(x, pack.nodes[1], l), c = gather(x, pack.nodes[2], l),
+               d = gather(x, pack.nodes[3], l);
+  const Nearest nearest = pack.lines ? twoLines(a, b, c, d) : nodeAndTriangle(a, b, c, d);
+  const Lanes distance = squareRoot(dot(nearest.between, nearest.between));
+  store3(pack.normal, l, 1.0 / larger(distance, all(kTiny)) * nearest.between);
+  store(pack.distance + l, ifPositive(load(pack.range + l), distance, all(1e150)));
+  for (int k = 0; k < 4; ++k) store(pack.weights[k] + l, nearest.weights[k]);
+}
+
+/// Clears the area of the pairs that are not the nearest of their group. @return areas that count
+HAPTIC_CLOTH_INLINE void nearestAreas(const PairPack& pack, double* areas) {
+  for (int l = 0; l < kPack; ++l) areas[l] = pack.area[l];
+  if (pack.lines) return;
+  int nearest[kPack]{};
+  for (int l = 0; l < kPack; ++l) {
+    const int first = pack.group[l];
+    const bool nearer = first == l || pack.distance[l] * pack.range[nearest[first]] <
+                                          pack.distance[nearest[first]] * pack.range[l];
+    if (nearer) nearest[first] = l;
+  }
+  for (int l = 0; l < kPack; ++l) {
+    if (nearest[pack.group[l]] != l) areas[l] = 0.0;
+  }
+}
+
+/// Writes forces of one vector of pairs; adds their stored energy and their friction potential.
+HAPTIC_CLOTH_INLINE void pressOne(PairPack& pack, int l, const double* areas, double slip, const ConstArrays& x,
+                                  Lanes& energy, Lanes& loss) {
+  const Lanes range = larger(load(pack.range + l), all(kTiny)), area = load(areas + l), none{};
+  const Lanes u = larger(1.0 - load(pack.distance + l) / range, none);
+  const Lanes left = larger(1.0 - u, all(kTiny)), inverse = 1.0 / left;
+  const Lanes pressing = ContactLaw::kPressure * area * u * u * inverse;
+  energy += ContactLaw::kPressure * area * range * (-0.5 * u * u - u - logarithm(left));
+  store(pack.pressing + l, pressing);
+  store(pack.stiffness + l, ContactLaw::kPressure * area / range * u * (2.0 - u) * inverse * inverse);
+  const Lanes limit = load(pack.friction + l);
+  const Lanes3 start_normal = load3(pack.start_normal, l);
+  const Lanes3 moved = weighted(pack, pack.start_weights, l, x) - load3(pack.start, l);
+  const Lanes3 slipped = moved - dot(start_normal, moved) * start_normal;
+  const Lanes y = squareRoot(dot(slipped, slipped)), t = y / slip, slow = all(slip);
+  loss += limit * ifLess(y, slow, slow * t * t * (1.0 - t / 3.0), y - slow / 3.0);
+  const Lanes tangent = limit * ifLess(y, slow, (2.0 - t) / slow, 1.0 / larger(y, slow));
+  store3(pack.drag, l, tangent * slipped);
+  store(pack.drag_stiffness + l, tangent);
+}
+
+HAPTIC_CLOTH_INLINE bool isIdle(const PairPack& pack) {
+  for (int l = 0; l < kPack; l += kLanes) {
+    if (!allLess(load(pack.range + l), load(pack.distance + l))) return false;
+    if (!allLess(load(pack.friction + l), all(kTiny))) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void measurePairs(PairPack* packs, int begin, int end, const ConstArrays& x) {
+  for (int p = begin; p < end; ++p) {
+    for (int l = 0; l < kPack; l += kLanes) measureOne(packs[p], l, x);
+  }
+}
+
+ContactEnergy evaluatePairs(PairPack* packs, int begin, int end, double slip, const ConstArrays& x) {
+  Lanes energy{}, loss{};
+  for (int p = begin; p < end; ++p) {
+    PairPack& pack = packs[p];
+    for (int l = 0; l < kPack; l += kLanes) measureOne(pack, l, x);
+    if (isIdle(pack)) {
+      for (int l = 0; l < kPack; l += kLanes) {
+        store(pack.pressing + l, Lanes{});
+        store(pack.stiffness + l, Lanes{});
+        store(pack.drag_stiffness + l, Lanes{});
+      }
+      continue;
+    }
+    double areas[kPack];
+    nearestAreas(pack, areas);
+    for (int l = 0; l < kPack; l += kLanes) pressOne(pack, l, areas, slip, x, energy, loss);
+  }
+  return {total(energy), total(loss)};
+}
+
+double pairQuadraticForm(const PairPack* packs, int begin, int end, const ConstArrays& d) {
+  Lanes sum{};
+  for (int p = begin; p < end; ++p) {
+    const PairPack& pack = packs[p];
+    for (int l = 0; l < kPack; l += kLanes) {
+      const Lanes along = load(pack.stiffness + l), across = load(pack.drag_stiffness + l);
+      if (allLess(larger(along, across), all(kTiny))) continue;  // no contact
+      const Lanes normal = dot(load3(pack.normal, l), weighted(pack, pack.weights, l, d));
+      const Lanes3 moved = weighted(pack, pack.start_weights, l, d);
+      const Lanes start = dot(load3(pack.start_normal, l), moved);
+      sum += along * normal * normal + across * larger(dot(moved, moved) - start * start, Lanes{});
+    }
+  }
+  return total(sum);
+}
+
+double largestPairStep(const PairPack* packs, int begin, int end, double share, const ConstArrays& x,
+                       const ConstArrays& d) {
+  Lanes step = all(1e300);
+  for (int p = begin; p < end; ++p) {
+    const PairPack& pack = packs[p];
+    for (int l = 0; l < kPack; l += kLanes) {
+      const Lanes3 normal = load3(pack.normal, l);
+      Lanes at[4], by[4];
+      for (int c = 0; c < 4; ++c) {
+        at[c] = dot(normal, gather(x, pack.nodes[c], l));
+        by[c] = dot(normal, gather(d, pack.nodes[c], l));
+      }
+      // Of the first part the nearest node along the normal counts, of the second the farthest.
+      const int firsts = pack.lines ? 2 : 1;
+      for (int a = 0; a < firsts; ++a) {
+        for (int b = firsts; b < 4; ++b) {
+          const Lanes apart = larger(at[a] - at[b] - (1.0 - share) * load(pack.distance + l), Lanes{}), closing = by[b] - by[a];
+          step = smaller(step, ifPositive(closing, apart / larger(closing, all(kTiny)), all(1e300)));
+        }
+      }
+    }
+  }
+  return least(step);
+}
+
+}  // namespace HAPTIC_CLOTH_PATH
+}  // namespace haptic_cloth

@@ -1,0 +1,165 @@
+#include "contact/self_contact.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "simd/kernels.h"
+
+namespace haptic_cloth {
+namespace {
+
+Vec3 laneOf(const double (&values)[3][kPack], int lane) {
+  return {values[0][lane], values[1][lane], values[2][lane]};
+}
+
+/// Calls visit(pack, lane) for the pairs, unused lanes left out.
+template <class Visit>
+void forPairs(const std::vector<PairPack>& packs, const Visit& visit) {
+  for (const PairPack& pack : packs) {
+    for (int l = 0; l < kPack; ++l) {
+      if (pack.range[l] > 0.0) visit(pack, l);
+    }
+  }
+}
+
+}  // namespace
+
+SelfContact::SelfContact(const Grid& grid, const Options& options)
+    : friction_(options.friction), slip_(options.slip), finder_(grid, options.thickness) {
+  packs_.reserve(grid.particles() / 2);
+  rows_.reserve(grid.particles() + 1);
+  entries_.reserve(4 * kPack * (grid.particles() / 2));
+}
+
+void SelfContact::clear(const ActiveMesh& mesh) {
+  packs_.clear();
+  listEntries(mesh.nodes());
+}
+
+void SelfContact::collect(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals,
+                          const PairFinder::Reach& reach) {
+  finder_.find(mesh, nodes, normals, reach, packs_);
+  listEntries(mesh.nodes());
+  evaluate(0, size(), nodes);  // without friction yet
+  for (PairPack& pack : packs_) {
+    for (int l = 0; l < kPack; ++l) {
+      pack.friction[l] = friction_ * pack.pressing[l];
+      for (int c = 0; c < 3; ++c) pack.start_normal[c][l] = pack.normal[c][l];
+      Vec3 start = Vec3::Zero();
+      for (int c = 0; c < 4; ++c) {
+        pack.start_weights[c][l] = pack.weights[c][l];
+        start += pack.weights[c][l] * nodes[pack.nodes[c].index[l]];
+      }
+      for (int c = 0; c < 3; ++c) pack.start[c][l] = start[c];
+    }
+  }
+}
+
+/// Lists the pairs of each node in a fixed order, so that the bits of the sums do not depend on the
+/// number of threads.
+void SelfContact::listEntries(int nodes) {
+  rows_.assign(nodes + 1, 0);
+  const auto visit = [&](const auto& put) {
+    for (int p = 0; p < static_cast<int>(packs_.size()); ++p) {
+      for (int l = 0; l < kPack; ++l) {
+        if (!(packs_[p].area[l] > 0.0)) continue;
+        for (int c = 0; c < 4; ++c) {
+          put(packs_[p].nodes[c].index[l], Entry{p, static_cast<unsigned char>(l), static_cast<unsigned char>(c)});
+        }
+      }
+    }
+  };
+  visit([&](int node, const Entry&) { ++rows_[node + 1]; });
+  for (int n = 0; n < nodes; ++n) rows_[n + 1] += rows_[n];
+  entries_.resize(rows_[nodes]);
+  visit([&](int node, const Entry& entry) { entries_[rows_[node]++] = entry; });
+  for (int n = nodes; n > 0; --n) rows_[n] = rows_[n - 1];
+  rows_[0] = 0;
+}
+
+ContactEnergy SelfContact::evaluate(int begin, int end, const Field& nodes) {
+  return kernels().evaluatePairs(packs_.data(), begin / kPack, end / kPack, slip_, nodes.arrays());
+}
+
+double SelfContact::quadraticForm(int begin, int end, const Field& d) const {
+  return kernels().pairQuadraticForm(packs_.data(), begin / kPack, end / kPack, d.arrays());
+}
+
+void SelfContact::addGradient(int begin, int end, Field& gradient) const {
+  for (int n = begin; n < end; ++n) {
+    if (rows_[n] == rows_[n + 1]) continue;
+    Vec3 sum = gradient[n];
+    for (int e = rows_[n]; e < rows_[n + 1]; ++e) {
+      const auto& [p, lane, corner] = entries_[e];
+      const PairPack& pack = packs_[p];
+      if (pack.pressing[lane] > 0.0)
+        sum -= pack.pressing[lane] * pack.weights[corner][lane] * laneOf(pack.normal, lane);
+      if (pack.drag_stiffness[lane] > 0.0) sum += pack.start_weights[corner][lane] * laneOf(pack.drag, lane);
+    }
+    gradient.set(n, sum);
+  }
+}
+
+void SelfContact::addSprings(Blocks& blocks) const {
+  const double kSides = getenv("HC_SIDES") ? atof(getenv("HC_SIDES")) : 1.0;
+  forPairs(packs_, [&](const PairPack& pack, int l) {
+    const double along = pack.stiffness[l], across = pack.drag_stiffness[l];
+    if (along == 0.0 && across == 0.0) return;
+    const Block pressed = along * square(laneOf(pack.normal, l)),
+                dragged = across * (isotropic(1.0) - square(laneOf(pack.start_normal, l)));
+    for (int c = 0; c < 4; ++c) {
+      blocks[pack.nodes[c].index[l]] +=
+          kSides * (std::abs(pack.weights[c][l]) * pressed + std::abs(pack.start_weights[c][l]) * dragged);
+    }
+  });
+}
+
+void SelfContact::addDiagonal(Field& diagonal) const {
+  forPairs(packs_, [&](const PairPack& pack, int l) {
+    const Vec3 normal = laneOf(pack.normal, l), start = laneOf(pack.start_normal, l);
+    for (int c = 0; c < 4; ++c) {
+      const double w = pack.weights[c][l], s = pack.start_weights[c][l];
+      diagonal.add(pack.nodes[c].index[l], w * w * pack.stiffness[l] * normal.cwiseAbs2() +
+                                               s * s * pack.drag_stiffness[l] *
+                                                   (Vec3::Ones() - start.cwiseAbs2()));
+    }
+  });
+}
+
+double SelfContact::maxStep(const Field& nodes, const Field& d) const {
+  constexpr double kShare = 0.9;
+  return kernels().largestPairStep(packs_.data(), 0, static_cast<int>(packs_.size()), kShare, nodes.arrays(),
+                                   d.arrays());
+}
+
+void SelfContact::appendAwake(const std::vector<char>& awake, int first, Runs& runs) const {
+  for (int k = 0; k < size(); k += kPack) {
+    const PairPack& pack = packs_[k / kPack];
+    const bool wanted =
+        std::any_of(pack.nodes, pack.nodes + 4, [&](const PackIndices& n) { return n.anyOf(awake.data()); });
+    if (wanted) runs.add(first + k, first + k + kPack);
+  }
+}
+
+void SelfContact::markTouched(std::vector<char>& nodes) const {
+  forPairs(packs_, [&](const PairPack& pack, int l) {
+    if (!(pack.pressing[l] > 0.0)) return;
+    for (int c = 0; c < 4; ++c) {
+      if (pack.weights[c][l] != 0.0) nodes[pack.nodes[c].index[l]] = 1;
+    }
+  });
+}
+
+int SelfContact::touching() const {
+  int count = 0;
+  forPairs(packs_, [&](const PairPack& pack, int l) { count += pack.pressing[l] > 0.0 ? 1 : 0; });
+  return count;
+}
+
+double SelfContact::smallestDistance() const {
+  double smallest = std::numeric_limits<double>::infinity();
+  forPairs(packs_, [&](const PairPack& pack, int l) { smallest = std::min(smallest, pack.distance[l]); });
+  return smallest;
+}
+
+}  // namespace haptic_cloth

@@ -1,0 +1,100 @@
+/// Contact of the cloth with itself.
+#pragma once
+
+#include <vector>
+
+#include "contact/pair_finder.h"
+#include "contact/pair_packs.h"
+#include "contact/sample_packs.h"
+#include "mesh/active_mesh.h"
+#include "mesh/block.h"
+#include "mesh/field.h"
+#include "parallel/runs.h"
+
+namespace haptic_cloth {
+
+/// Pairs of parts of the cloth that may meet in a step (PairFinder), their pressure and friction. No
+/// pair ever crosses: maxStep() limits each step of the solve.
+class SelfContact {
+ public:
+  struct Options {
+    double thickness;  ///< distance at which layers begin to press [m]
+    double friction;   ///< coefficient of friction between layers [-]
+    double slip;       ///< slip in a step below which friction is smoothed [m]
+  };
+
+  SelfContact(const Grid& grid, const Options& options);
+
+  void setSlip(double slip) { slip_ = slip; }  ///< see Options [m]
+
+  /// Must follow a change of the mesh.
+  void rebuild(const ActiveMesh& mesh) { finder_.rebuild(mesh); }
+
+  /// Finds the pairs of a step and freezes their friction. The parameters are those of
+  /// PairFinder::find().
+  void collect(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals,
+               const PairFinder::Reach& reach);
+  void clear(const ActiveMesh& mesh);
+
+  void beginChange(const ActiveMesh& mesh, const Field& nodes) { finder_.beginChange(mesh, nodes); }
+  bool hasRoom(const ActiveMesh& mesh, const Field& nodes, const Cell& cell, double moved) {
+    return finder_.hasRoom(mesh, nodes, cell, moved);
+  }
+
+  void forgetRough() { finder_.forgetRough(); }
+
+  /// Tells whether no part of the cloth can have passed through another on the way to the end of the
+  /// step. @param deviates see PairFinder::mayMeetUnlisted()
+  bool staysApart(const ActiveMesh& mesh, const Field& start, const Field& end, bool deviates) {
+    return !finder_.mayMeetUnlisted(mesh, start, end, deviates, packs_);
+  }
+
+  /// Number of pairs: length of the range that evaluate() and quadraticForm() divide in multiples of
+  /// kPack.
+  int size() const { return kPack * static_cast<int>(packs_.size()); }
+  int capacity() const { return kPack * static_cast<int>(packs_.capacity()); }
+
+  /// Evaluates pairs begin..end. @return their energy
+  ContactEnergy evaluate(int begin, int end, const Field& nodes);
+
+  /// Quadratic form d · H⁺ d of pairs begin..end at the last evaluation.
+  double quadraticForm(int begin, int end, const Field& d) const;
+
+  /// Adds the energy gradient at nodes begin..end [N].
+  void addGradient(int begin, int end, Field& gradient) const;
+
+  /// Adds the stiffness of all pairs to their nodes in proportion to the weights [N/m].
+  void addSprings(Blocks& blocks) const;
+
+  /// Adds the diagonal of H⁺ at all nodes [N/m].
+  void addDiagonal(Field& diagonal) const;
+
+  /// Largest factor of d from `nodes`, the last evaluated point, at which no pair uses up more than 0.9
+  /// of its distance.
+  double maxStep(const Field& nodes, const Field& d) const;
+
+  /// Adds the packs that act on an awake node to `runs`, counted from `first`.
+  void appendAwake(const std::vector<char>& awake, int first, Runs& runs) const;
+
+  /// Sets the flags of the nodes of pairs that carried force at the last evaluation to 1.
+  void markTouched(std::vector<char>& nodes) const;
+
+  int touching() const;            ///< number of pairs that press
+  double smallestDistance() const;  ///< of all pairs at the last evaluation; infinite without pairs [m]
+
+ private:
+  /// A pair at one of its nodes.
+  struct Entry {
+    int pack;
+    unsigned char lane, corner;
+  };
+  void listEntries(int nodes);
+
+  double friction_, slip_;
+  PairFinder finder_;
+  std::vector<PairPack> packs_;
+  std::vector<int> rows_;  ///< entries of node n: rows_[n] .. rows_[n + 1]
+  std::vector<Entry> entries_;
+};
+
+}  // namespace haptic_cloth
