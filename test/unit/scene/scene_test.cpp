@@ -136,9 +136,33 @@ TEST(Scene, NamedPinsAreCornersAndEdgesOfTheGrid) {
                                                  {0, 0, 0, 8}, {4, 4, 0, 8}, {0, 4, 0, 0}, {0, 4, 8, 8}};
   ASSERT_EQ(scene.cloth.pins.size(), expected.size());
   for (std::size_t p = 0; p < expected.size(); ++p) {
-    const ParticleRange& pin = scene.cloth.pins[p];
+    const Pin& pin = scene.cloth.pins[p];
     EXPECT_EQ((std::array<int, 4>{pin.i0, pin.i1, pin.j0, pin.j1}), expected[p]) << p;
   }
+}
+
+TEST(Scene, PinsMove) {
+  const Scene scene = parse(withCloth(
+      "particles: [5, 9], pins: [edge_x0, {particles: edge_x1, velocity: [1, 2, 3], turn: [4, 5, 6], "
+      "centre: [7, 8, 9]}, {particles: [[1, 2], [3, 4]], turn: [0, 0, 1]}]"));
+  ASSERT_EQ(scene.cloth.pins.size(), 3U);
+  EXPECT_FALSE(scene.cloth.pins[0].moves());
+  const Pin& edge = scene.cloth.pins[1];
+  EXPECT_EQ((std::array<int, 4>{edge.i0, edge.i1, edge.j0, edge.j1}), (std::array<int, 4>{4, 4, 0, 8}));
+  EXPECT_EQ(edge.velocity, Vec3(1, 2, 3));
+  EXPECT_EQ(edge.turn, Vec3(4, 5, 6));
+  EXPECT_EQ(edge.centre, Vec3(7, 8, 9));
+  EXPECT_TRUE(scene.cloth.pins[2].moves());
+  EXPECT_EQ(scene.cloth.pins[2].j1, 4);
+  expectMessages(
+      {{withCloth("pins: [{particles: edge}]"),
+        "scene: cloth.pins[0].particles = edge: must be one of corner_00, corner_10, corner_01, "
+        "corner_11, edge_x0, edge_x1, edge_y0, edge_y1"},
+       {withCloth("pins: [{particles: edge_x0, spin: 1}]"),
+        "scene: cloth.pins[0].spin: unknown key; known here: particles, velocity, turn, centre"},
+       {withCloth("pins: [{particles: edge_x0, turn: [1, 2]}]"),
+        "scene: cloth.pins[0].turn = [1, 2]: must be a list of 3 numbers"},
+       {withCloth("pins: [{velocity: [0, 0, 1]}]"), "scene: cloth.pins[0].particles: is required"}});
 }
 
 TEST(Scene, EveryShape) {
