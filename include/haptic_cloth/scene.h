@@ -30,9 +30,9 @@ struct ClothOptions {
   std::array<double, 2> size{0.30, 0.30};             ///< [m]
   Pose pose{Vec3(0.0, 0.0, 0.10), Quat::Identity()};  ///< centre of the flat cloth
   Fabric fabric;
-  std::vector<Pin> pins;  ///< a particle of several pins belongs to the first
-  bool self_contact = true;         ///< layers of the cloth do not pass through each other
-  double self_friction = 0.3;       ///< Coulomb coefficient of cloth on cloth [-]
+  std::vector<Pin> pins;       ///< a particle of several pins belongs to the first
+  bool self_contact = true;    ///< layers of the cloth do not pass through each other
+  double self_friction = 0.3;  ///< Coulomb coefficient of cloth on cloth [-]
 };
 
 /// Form of an obstacle.
