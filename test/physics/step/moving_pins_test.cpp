@@ -73,7 +73,8 @@ TEST_P(TurnedSheet, KeepsItsShape) {
   const EnergyReport energy = simulation.energy();
   const double kinetic = 0.5 * simulation.mass() * speed * speed;
   EXPECT_NEAR(energy.kinetic, kinetic, tolerance(0.05 * kinetic));  // r differs from the arm at the sides
-  EXPECT_LE(energy.stretch + energy.bend + energy.shear, tolerance(1e-3 * kinetic));
+  // The sudden start may make it ring with ½ m v²; a tenth of that amplitude is left.
+  EXPECT_LE(energy.stretch + energy.bend + energy.shear, tolerance(1e-2 * kinetic));
   EXPECT_GE(energy.dissipated, -tolerance(1e-3 * kinetic));
 }
 
