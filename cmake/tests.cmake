@@ -30,8 +30,15 @@ endfunction()
 
 # Compiled once for all programs that use it.
 file(GLOB support_sources CONFIGURE_DEPENDS test/support/*.cpp)
+list(REMOVE_ITEM support_sources "${PROJECT_SOURCE_DIR}/test/support/exact_geometry.cpp")
 add_library(test_support STATIC EXCLUDE_FROM_ALL ${support_sources})
 haptic_cloth_test_settings(test_support)
+
+# Alone, because CGAL brings compiler flags.
+find_package(CGAL REQUIRED QUIET)
+add_library(exact_geometry STATIC EXCLUDE_FROM_ALL test/support/exact_geometry.cpp)
+target_include_directories(exact_geometry PRIVATE test)
+target_link_libraries(exact_geometry PRIVATE haptic_cloth_private CGAL::CGAL)
 
 foreach(folder unit physics stability fuzz)
   file(GLOB sources CONFIGURE_DEPENDS test/${folder}/*.cpp test/${folder}/*/*.cpp)
@@ -49,6 +56,7 @@ if(HAPTIC_CLOTH_SANITIZE STREQUAL "thread")  # of the unit tests those with thre
 endif()
 target_compile_definitions(unit_tests PRIVATE HAPTIC_CLOTH_SIMULATE="$<TARGET_FILE:simulate>"
   HAPTIC_CLOTH_KES_TEST="$<TARGET_FILE:kes_test>")
+target_link_libraries(unit_tests exact_geometry)
 add_dependencies(unit_tests simulate kes_test)
 
 # Every path of the kernels: all unit tests, and of the others those that go through each kernel (stretch, bending,

@@ -4,7 +4,7 @@
 set -euo pipefail
 case "${1:-}" in -h | --help) sed -n 2,3p "$0"; exit 0 ;; esac
 
-common=(build-essential cmake libeigen3-dev libgtest-dev libyaml-cpp-dev libboost-program-options-dev nlohmann-json3-dev libbenchmark-dev valgrind)
+common=(build-essential cmake libeigen3-dev libgtest-dev libyaml-cpp-dev libboost-program-options-dev nlohmann-json3-dev libbenchmark-dev libcgal-dev valgrind)
 # Debian 12 has ROS 1 in its own archive.
 debian=(catkin libroscpp-dev pluginlib-dev libtf2-ros-dev libtopic-tools-dev libdynamic-reconfigure-config-init-mutex-dev libinteractive-markers-dev librostest-dev libnodeletlib-dev libnodeletlib-tools librosbag-dev
         ros-geometry-msgs libstd-msgs-dev libstd-srvs-dev libgeometry-msgs-dev libvisualization-msgs-dev

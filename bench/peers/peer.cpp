@@ -240,7 +240,7 @@ std::vector<double> particleMasses(const Scene& scene) {
 std::vector<char> pinnedParticles(const Scene& scene) {
   const Grid grid = finestGrid(scene);
   std::vector<char> pinned(grid.particles(), 0);
-  for (const ParticleRange& range : scene.cloth.pins) {
+  for (const Pin& range : scene.cloth.pins) {
     for (int j = range.j0; j <= range.j1; ++j) {
       for (int i = range.i0; i <= range.i1; ++i) pinned[grid.particle(i, j)] = 1;
     }

@@ -1,6 +1,7 @@
 /// Reports of the solver about a step.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "haptic_cloth/types.h"
@@ -35,7 +36,7 @@ struct MinimizerReport {
 struct EnergyReport {
   double kinetic = 0.0, gravity = 0.0, stretch = 0.0, bend = 0.0, shear = 0.0, contact = 0.0;
   double coupling = 0.0;    ///< energy of the springs between devices and proxies
-  double work = 0.0;        ///< work of devices and obstacles since reset; pins do none
+  double work = 0.0;        ///< work of devices, obstacles and moving pins since reset
   double dissipated = 0.0;  ///< since reset: initial energy + work - energy now
   double total() const { return kinetic + gravity + stretch + bend + shear + contact + coupling; }
 };
@@ -76,6 +77,14 @@ struct ProbeReport {
   Vec3 torque = Vec3::Zero();
   bool contact = false;  ///< a sample of the cloth presses on the probe, or the probe grasps
   bool grasps = false;   ///< the probe holds some of the cloth
+};
+
+/// Where the cloth passes through itself. Cells are named by their particle (i, j) at the lower left.
+struct Crossings {
+  int pairs = 0;  ///< pairs of an edge and a triangle of the surface that cut each other
+  /// First pair, if there is one: cell of the triangle, cell of the edge, and place [m].
+  std::array<int, 2> cell{}, other{};
+  Vec3 position = Vec3::Zero();
 };
 
 }  // namespace haptic_cloth

@@ -12,9 +12,16 @@
 
 namespace haptic_cloth {
 
-/// Particles i0 … i1 × j0 … j1 of the finest grid, ends included.
-struct ParticleRange {
+/// Particles i0 … i1 × j0 … j1 of the finest grid, ends included, which are held. They keep their
+/// place in the flat cloth at the start, or move from there as a rigid body: turn about an axis through
+/// `centre`, which moves with `velocity`.
+struct Pin {
   int i0, i1, j0, j1;
+  Vec3 velocity = Vec3::Zero();  ///< [m/s]
+  Vec3 turn = Vec3::Zero();      ///< angular velocity [rad/s]
+  Vec3 centre = Vec3::Zero();    ///< point of the axis at time 0 [m]
+
+  bool moves() const { return !velocity.isZero(0.0) || !turn.isZero(0.0); }
 };
 
 /// The sheet: a flat rectangle at the start.
@@ -23,7 +30,9 @@ struct ClothOptions {
   std::array<double, 2> size{0.30, 0.30};             ///< [m]
   Pose pose{Vec3(0.0, 0.0, 0.10), Quat::Identity()};  ///< centre of the flat cloth
   Fabric fabric;
-  std::vector<ParticleRange> pins;  ///< particles held at their initial position
+  std::vector<Pin> pins;       ///< a particle of several pins belongs to the first
+  bool self_contact = true;    ///< layers of the cloth do not pass through each other
+  double self_friction = 0.3;  ///< Coulomb coefficient of cloth on cloth [-]
 };
 
 /// Form of an obstacle.

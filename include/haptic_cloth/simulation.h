@@ -104,6 +104,10 @@ class Simulation {
   /// Hash over the bits of the state: equal for equal bits.
   std::uint64_t stateHash() const;
 
+  /// Finds where the cloth passes through itself: pairs of an edge and a triangle that cut each other,
+  /// of the surface with two triangles for each leaf. Takes about as long as a step.
+  Crossings crossings() const;
+
   /// Positions [m] of all I·J finest particles, index j·I + i. Inactive ones are interpolated in
   /// their cell.
   void positions(std::vector<Vec3>& positions) const;

@@ -47,6 +47,7 @@ class YamlValue {
   T choice(const std::vector<std::pair<std::string, T>>& names) const;
 
   bool isMap() const { return node_.IsMap(); }
+  bool isList() const { return node_.IsSequence(); }
   bool isScalar() const { return node_.IsScalar(); }
   const YAML::Node& node() const { return node_; }
   const std::string& key() const { return key_; }

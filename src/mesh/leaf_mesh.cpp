@@ -4,9 +4,9 @@
 
 namespace haptic_cloth {
 
-LeafMesh::LeafMesh(const Grid& grid, const std::vector<ParticleRange>& pins, int start_level)
+LeafMesh::LeafMesh(const Grid& grid, const std::vector<Pin>& pins, int start_level)
     : grid_(grid), pinned_(grid.particles(), 0), level_(grid.cells(), start_level) {
-  for (const ParticleRange& pin : pins) {
+  for (const Pin& pin : pins) {
     for (int j = pin.j0; j <= pin.j1; ++j) {
       for (int i = pin.i0; i <= pin.i1; ++i) pinned_[grid.particle(i, j)] = 1;
     }

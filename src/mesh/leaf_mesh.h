@@ -16,7 +16,7 @@ namespace haptic_cloth {
 class LeafMesh {
  public:
   /// @param start_level initial level of all leaves, 0..grid.levels; leaves at pins may be finer
-  LeafMesh(const Grid& grid, const std::vector<ParticleRange>& pins, int start_level);
+  LeafMesh(const Grid& grid, const std::vector<Pin>& pins, int start_level);
 
   const Grid& grid() const { return grid_; }
   bool pinned(int particle) const { return pinned_[particle]; }

@@ -62,9 +62,10 @@ void serializeCloth(Archive& archive, ClothOptions& cloth) {
   same(archive, "cloth.", optionsOf(cloth));
   archive.same("cloth.pins (how many)", static_cast<int>(cloth.pins.size()));
   for (std::size_t k = 0; k < cloth.pins.size(); ++k) {
-    const ParticleRange& pin = cloth.pins[k];
+    Pin& pin = cloth.pins[k];
     const std::array<double, 4> ends{double(pin.i0), double(pin.i1), double(pin.j0), double(pin.j1)};
     archive.same(indexed("cloth.pins", k), ends.data(), ends.size());
+    same(archive, indexed("cloth.pins", k) + ".", optionsOf(pin));
   }
   serializeFabric(archive, cloth.fabric);
 }

@@ -69,8 +69,8 @@ void readGroup(const YamlMap& root, const std::string& key, const Options& optio
 
 /// Particles of a named pin: "corner_01" is the first particle along x and the last along y,
 /// "edge_x1" all particles that are last along x.
-ParticleRange namedPin(const YamlValue& value, int last_i, int last_j) {
-  const std::vector<std::pair<std::string, ParticleRange>> names{
+Pin namedPin(const YamlValue& value, int last_i, int last_j) {
+  const std::vector<std::pair<std::string, Pin>> names{
       {"corner_00", {0, 0, 0, 0}},           {"corner_10", {last_i, last_i, 0, 0}},
       {"corner_01", {0, 0, last_j, last_j}}, {"corner_11", {last_i, last_i, last_j, last_j}},
       {"edge_x0", {0, 0, 0, last_j}},        {"edge_x1", {last_i, last_i, 0, last_j}},
@@ -78,16 +78,24 @@ ParticleRange namedPin(const YamlValue& value, int last_i, int last_j) {
   return value.choice(names);
 }
 
-ParticleRange readPin(const YamlValue& value, const std::array<int, 2>& particles) {
-  if (!value.isMap()) {
-    // Counts below 1 are refused later; here they must not overflow.
-    return namedPin(value, std::max(particles[0], 1) - 1, std::max(particles[1], 1) - 1);
+Pin readPin(const YamlValue& value, const std::array<int, 2>& particles) {
+  // Counts below 1 are refused later; here they must not overflow.
+  const int last_i = std::max(particles[0], 1) - 1, last_j = std::max(particles[1], 1) - 1;
+  if (!value.isMap()) return namedPin(value, last_i, last_j);
+  Pin pin{};
+  const Options options = optionsOf(pin);
+  const YamlMap map(value, keysOf(options));
+  const YamlValue range = map.require("particles");
+  if (range.isList()) {
+    const std::vector<YamlValue> ranges = range.list(2, "ranges [first, last]");
+    const auto [i0, i1] = ranges[0].integers<2>();
+    const auto [j0, j1] = ranges[1].integers<2>();
+    pin = {i0, i1, j0, j1};
+  } else {
+    pin = namedPin(range, last_i, last_j);
   }
-  const YamlMap map(value, {"particles"});
-  const std::vector<YamlValue> ranges = map.require("particles").list(2, "ranges [first, last]");
-  const auto [i0, i1] = ranges[0].integers<2>();
-  const auto [j0, j1] = ranges[1].integers<2>();
-  return {i0, i1, j0, j1};
+  readOptions(map, options);
+  return pin;
 }
 
 Fabric readFabric(const YamlValue& value, const std::string& base_directory) {

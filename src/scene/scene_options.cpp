@@ -22,7 +22,18 @@ Options optionsOf(ClothOptions& cloth) {
       {"orientation", field(cloth.pose.orientation), kNoRange, "", "grid in the local x-y plane", kFixed,
        kInState},
       {"fabric", OwnReader{"", "required"}, kNoRange, "", "name, or path that ends in `.yaml`"},
-      {"pins", OwnReader{"[]", "list"}, kNoRange, "", "particles held at their start position"}};
+      {"pins", OwnReader{"[]", "list"}, kNoRange, "", "particles that are held, see below"},
+      {"self_contact", field(cloth.self_contact), kNoRange, "", "layers do not pass through each other",
+       kFixed, kInState},
+      {"self_friction", field(cloth.self_friction), kNotNegative, "", "Coulomb coefficient of cloth on cloth",
+       kFixed, kInState}};
+}
+
+Options optionsOf(Pin& pin) {
+  return {{"particles", OwnReader{"", "required"}, kNoRange, "", "name, or ranges [[i0, i1], [j0, j1]]"},
+          {"velocity", field(pin.velocity), kPosition, "m/s", "of the point `centre`", kFixed, kInState},
+          {"turn", field(pin.turn), kPosition, "rad/s", "angular velocity", kFixed, kInState},
+          {"centre", field(pin.centre), kPosition, "m", "point of the axis at time 0", kFixed, kInState}};
 }
 
 Options worldOptions(Scene& scene) {
@@ -148,7 +159,9 @@ std::string probeKey(const Scene& scene, const ProbeOptions& probe, char separat
 std::vector<std::pair<std::string, std::string>> sceneTables() {
   Scene scene;
   Obstacle obstacle;
+  Pin pin{};
   return {{"cloth", markdownTable({"cloth.", "", optionsOf(scene.cloth)})},
+          {"pins", markdownTable({"", "", optionsOf(pin)})},
           {"world", markdownTable({"", "", worldOptions(scene)})},
           {"obstacles", markdownTable({"", "", ownOptions(obstacle)})},
           {"probe", markdownTable({"probe.", "", optionsOf(scene.probes[0])})},

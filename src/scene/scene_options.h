@@ -40,6 +40,8 @@ inline Names<StartMesh> startNames() {
 }
 
 Options optionsOf(ClothOptions& cloth);
+/// Rows of the motion of a pin.
+Options optionsOf(Pin& pin);
 Options worldOptions(Scene& scene);
 /// Rows of all shapes.
 Options optionsOf(Obstacle& obstacle);

@@ -76,7 +76,7 @@ void checkGrid(const Check& check, const ClothOptions& cloth, const AdaptOptions
 void checkPins(const Check& check, const ClothOptions& cloth) {
   check.count("cloth.pins", cloth.pins.size(), kMostPins);
   for (std::size_t p = 0; p < cloth.pins.size(); ++p) {
-    const ParticleRange& pin = cloth.pins[p];
+    Pin pin = cloth.pins[p];  // rows point to members that could be written
     const std::string key = indexed("cloth.pins", p);
     const auto range = [&](const std::string& name, int from, int to, int count) {
       check.that(
@@ -86,6 +86,7 @@ void checkPins(const Check& check, const ClothOptions& cloth) {
     };
     range("particles[0]", pin.i0, pin.i1, cloth.particles[0]);
     range("particles[1]", pin.j0, pin.j1, cloth.particles[1]);
+    check.options(key + ".", optionsOf(pin));
   }
 }
 

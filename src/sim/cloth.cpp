@@ -34,6 +34,7 @@ Cloth::Cloth(const Scene& scene)
       leaves_(grid_, scene.cloth.pins, Adaptation::startLevel(scene.adapt)),
       mesh_(leaves_, scene.cloth.fabric.areal_density),
       state_(flatState(scene, grid_)),
+      pins_(scene.cloth.pins, grid_, state_.position),
       integrator_(scene.solver.integrator, scene.solver.time_step, scene.air_damping, grid_),
       internal_(scene.cloth.fabric, mesh_) {
   if (internal_.hasMemory()) history_.emplace(grid_);
@@ -126,6 +127,13 @@ double Cloth::maxSpeed() const {
 double Cloth::kineticEnergy() const {
   double kinetic = 0.0;
   for (int n = 0; n < mesh_.active(); ++n) kinetic += 0.5 * mesh_.mass[n] * velocities_[n].squaredNorm();
+  return kinetic;
+}
+
+double Cloth::pinnedKineticEnergy() const {
+  double kinetic = 0.0;
+  for (int n = mesh_.free; n < mesh_.active(); ++n)
+    kinetic += 0.5 * mesh_.mass[n] * velocities_[n].squaredNorm();
   return kinetic;
 }
 

@@ -13,6 +13,7 @@
 #include "mesh/transfer.h"
 #include "parallel/parallel_for.h"
 #include "sim/adaptation.h"
+#include "sim/moving_pins.h"
 #include "sim/time_integrator.h"
 #include "state/archive.h"
 
@@ -37,9 +38,16 @@ class Cloth {
   const Field& velocities() const { return velocities_; }  ///< [m/s]
 
   const TimeIntegrator& integrator() const { return integrator_; }
-  /// Starts a step. @param length [s]
-  void beginStep(double length) { integrator_.begin(length); }
+  /// Starts a step. @param length [s]  @param end time at its end [s]
+  void beginStep(double length, double end) {
+    integrator_.begin(length);
+    step_end_ = end;
+  }
   void setAirDamping(double air_damping) { integrator_.setAirDamping(air_damping); }
+
+  bool pinsMove() const { return pins_.any(); }
+  /// Sets moving pinned nodes to where they are at the end of the step.
+  void placePins(Field& nodes) const { pins_.place(step_end_, mesh_, nodes); }
 
   /// Gravity minus acceleration of the nodes in the last step, along the surface normal [m/s²].
   const std::vector<double>& weight() const { return weight_; }
@@ -72,9 +80,10 @@ class Cloth {
   /// Stops all nodes where they are.
   void stop();
 
-  double mass() const;           ///< [kg]
-  double maxSpeed() const;       ///< [m/s]
-  double kineticEnergy() const;  ///< [J]
+  double mass() const;                 ///< [kg]
+  double maxSpeed() const;             ///< [m/s]
+  double kineticEnergy() const;        ///< [J]
+  double pinnedKineticEnergy() const;  ///< its part of the pinned nodes [J]
 
   /// Work of gravity on a motion to the positions `to` [J].
   double gravityWork(const Field& to) const;
@@ -97,6 +106,8 @@ class Cloth {
   LeafMesh leaves_;
   ActiveMesh mesh_;
   ParticleState state_;
+  MovingPins pins_;
+  double step_end_ = 0.0;     ///< time at the end of the current step [s]
   Field nodes_, velocities_;  ///< state_ by node
   TimeIntegrator integrator_;
   std::vector<double> weight_;

@@ -92,6 +92,10 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
   awake_.begin();
 }
 
+void ClothObjective::setPinned(const Field& nodes) {
+  for (int n = mesh_.free; n < mesh_.active(); ++n) nodes_.set(n, nodes[n]);
+}
+
 void ClothObjective::serialize(Archive& archive) {
   archive.each("present", probes_, &ProbeStep::present);
   archive.each("devices", probes_, &ProbeStep::device);
@@ -369,6 +373,12 @@ Vec3 ClothObjective::pinForce() const {
   Vec3 force = Vec3::Zero();
   for (int n = mesh_.free; n < mesh_.active(); ++n) force += gradient_[n];
   return force;
+}
+
+double ClothObjective::pinWork() const {
+  double work = 0.0;
+  for (int n = mesh_.free; n < mesh_.active(); ++n) work += gradient_[n].dot(nodes_[n] - start_[n]);
+  return work;
 }
 
 }  // namespace haptic_cloth

@@ -95,6 +95,9 @@ class ClothObjective : public Objective {
   void precondition(const Vector& gradient, Vector& z) override;
   double residual(const Vector& gradient) const override;
 
+  /// Moves the pinned nodes within a step. Call after begin(), and then evaluate().
+  void setPinned(const Field& nodes);
+
   /// Packs node values, and the proxies given to begin(), as unknowns.
   void pack(const Field& nodes, Vector& x) const;
 
@@ -162,6 +165,8 @@ class ClothObjective : public Objective {
   double storedAndLost() const;
   double motionCost() const;  ///< E^n = Σ h²/(2m) |residual|² over the free nodes [J]
   Vec3 pinForce() const;      ///< force of the pins on the cloth [N]
+  /// Work of that force as the pins move from x⁰ to where they are [J].
+  double pinWork() const;
 
  private:
   struct Coupling {

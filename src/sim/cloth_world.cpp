@@ -43,7 +43,7 @@ ClothWorld::ClothWorld(const Scene& scene)
 }
 
 StepReport ClothWorld::step(int length) {
-  if (idle_.isIdle(probes_, contacts_)) return skipStep(length);
+  if (!cloth_.pinsMove() && idle_.isIdle(probes_, contacts_)) return skipStep(length);
   StepReport report;
   team_.run(cloth_.mesh().active(), [&] { takeStep(length, report); });
   return report;
@@ -54,7 +54,7 @@ void ClothWorld::takeStep(int length, StepReport& report) {
   const double h = length * scene_.solver.time_step;
   solver_.startBudget();
   energy_.beginStep(solver_.objective());
-  cloth_.beginStep(h);
+  cloth_.beginStep(h, time() + h);
   contacts_.advance(h);
   adapt(report);
   grasps_.update(probes_, cloth_.mesh(), cloth_.state());
@@ -149,10 +149,12 @@ bool ClothWorld::solidsMove() const {
 void ClothWorld::accept(StepReport& report) {
   const ClothObjective& solved = solver_.objective();
   const double kinetic_before = cloth_.kineticEnergy(), gravity_work = cloth_.gravityWork(solved.nodes());
+  const double pinned_before = cloth_.pinnedKineticEnergy();
   // Ejected cloth is stopped after each step, but does not count as resting.
   markEjected();
   markJumped();
   cloth_.move(solved, jumped_);
+  energy_.notePinWork(solved.pinWork() + cloth_.pinnedKineticEnergy() - pinned_before);
   sleep_.update(cloth_.mesh(), cloth_.velocities(), solved.awake().flags(), ejected_);
   cloth_.stopEjected(contacts_);
   report.velocity_scale = energy_.guard(kinetic_before, gravity_work, solved, cloth_);

@@ -11,6 +11,7 @@ EnergyBalance::EnergyBalance(const Cloth& cloth, const ClothObjective& solved) {
 
 void EnergyBalance::beginStep(const ClothObjective& last) {
   created_by_mesh_ = 0.0;
+  pin_work_ = 0.0;
   contact_before_ = last.contactEnergy();
 }
 
@@ -24,7 +25,7 @@ void EnergyBalance::noteStart(const StepSolver::Start& start, bool solids_move) 
 double EnergyBalance::guard(double kinetic_before, double gravity_work, const ClothObjective& solved,
                             Cloth& cloth) const {
   const double spent = solved.storedAndLost();
-  const double allowed = std::max(0.0, energy_before_ + kinetic_before + gravity_work - spent);
+  const double allowed = std::max(0.0, energy_before_ + kinetic_before + gravity_work + pin_work_ - spent);
   const double kinetic = cloth.kineticEnergy();
   if (kinetic <= allowed || kinetic == 0.0) return 1.0;
   const double scale = std::sqrt(allowed / kinetic);
@@ -43,7 +44,7 @@ void EnergyBalance::update(const Scene& scene, const ClothObjective& solved, con
     supplied_ += 0.5 * options.coupling_stiffness * (made.device - made.proxy).squaredNorm() +
                  options.coupling_damping * solved.timeStep() * slip.dot(made.device_velocity);
   }
-  supplied_ += contacts.obstacleWork() + ejection_work_;
+  supplied_ += contacts.obstacleWork() + ejection_work_ + pin_work_;
   ejection_work_ = contacts.ejectionWork();
 }
 

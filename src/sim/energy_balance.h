@@ -30,6 +30,9 @@ class EnergyBalance {
   /// @param solids_move an obstacle moves or a probe turns in the step
   void noteStart(const StepSolver::Start& start, bool solids_move);
 
+  /// Records the work of moving pins in the step [J].
+  void notePinWork(double work) { pin_work_ = work; }
+
   /// Limits the kinetic energy to the energy at the start of the step plus the work of its inputs
   /// minus what is now stored or dissipated. Energy that a mesh change created beyond the kinetic
   /// energy is not carried over to later steps: that debt would freeze cloth that is about to
@@ -39,7 +42,7 @@ class EnergyBalance {
   /// @return factor applied to the velocities, 1 if none was needed
   double guard(double kinetic_before, double gravity_work, const ClothObjective& solved, Cloth& cloth) const;
 
-  /// Adds the work of devices and obstacles. Devices work on spring and damper of their couplings;
+  /// Adds the work of devices, obstacles and pins. Devices work on spring and damper of their couplings;
   /// removing a device removes the energy of its spring. Obstacles work by moving and by ejecting
   /// cloth.
   void update(const Scene& scene, const ClothObjective& solved, const ContactSet& contacts, Probes& probes);
@@ -53,7 +56,8 @@ class EnergyBalance {
 
  private:
   double initial_ = 0.0;             ///< energy at the start [J]
-  double supplied_ = 0.0;            ///< initial_ plus work of devices and obstacles [J]
+  double supplied_ = 0.0;            ///< initial_ plus work of devices, obstacles and pins [J]
+  double pin_work_ = 0.0;            ///< in the current step [J]
   double created_by_mesh_ = 0.0;     ///< in the current step [J]
   double created_by_samples_ = 0.0;  ///< in the current step [J]
   double contact_before_ = 0.0;      ///< contact energy at the end of the last step [J]

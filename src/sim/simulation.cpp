@@ -4,6 +4,7 @@
 #include <cstring>
 #include <new>
 
+#include "contact/crossings.h"
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/machine.h"
 #include "scene/scene_options.h"
@@ -160,6 +161,11 @@ void Simulation::positions(std::vector<Vec3>& positions) const {
   for (const Patch& patch : cloth.mesh().patches) {
     if (patch.cell.level > 0) interpolateCell(cloth.grid(), patch.cell, positions);
   }
+}
+
+Crossings Simulation::crossings() const {
+  const Cloth& cloth = implementation_->world.cloth();
+  return findCrossings(cloth.mesh(), cloth.nodes());
 }
 
 void Simulation::activeFlags(std::vector<char>& flags) const {

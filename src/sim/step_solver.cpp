@@ -34,6 +34,7 @@ StepSolver::StepSolver(const Scene& scene, Cloth& cloth, ContactSet& contacts, P
       minimizer_(scene.solver.minimizer),
       reach_(scene, cloth, probes) {
   forces_.reserve(cloth.grid().particles());
+  if (cloth.pinsMove()) pinned_.reserve(cloth.grid().particles());
   // Eigen does not initialise these vectors, so pages that no mesh needs take no memory.
   for (Vector* v : {&x_, &start_, &directions_[0], &directions_[1], &motion_, &gradient_})
     v->resize(objective_.capacity());
@@ -96,7 +97,16 @@ void StepSolver::beginSolve(const std::vector<HeldNode>& held) {
   start_values_.potential = evaluateStart();
   start_values_.energy = objective_.storedAndLost();
   start_values_.contact = objective_.contactEnergy();
+  if (cloth_.pinsMove()) movePins();
   x_.head(objective_.size()) = start_.head(objective_.size());
+}
+
+/// Moves the pins to where they end in the step; the other nodes follow in the solve.
+void StepSolver::movePins() {
+  pinned_ = cloth_.nodes();
+  cloth_.placePins(pinned_);
+  objective_.setPinned(pinned_);
+  start_values_.potential = evaluateStart();
 }
 
 /// Minimises over the awake nodes. After each solve everything is evaluated, and sleeping nodes

@@ -44,9 +44,12 @@ class StepSolver {
   MinimizerReport solve(const std::vector<HeldNode>& held);
 
   /// Returns to the start of the step, after a solve that failed.
-  void restore() { evaluateStart(); }
+  void restore() {
+    objective_.setPinned(cloth_.nodes());
+    evaluateStart();
+  }
 
-  /// Values where the last step started.
+  /// Values where the last step started; Φ with the pins where they end.
   struct Start {
     double potential = 0.0;  ///< Φ(x⁰) [J]
     double energy = 0.0;     ///< energies in Φ(x⁰) [J]
@@ -65,6 +68,7 @@ class StepSolver {
   void findContacts();
   double evaluateStart();
   void beginSolve(const std::vector<HeldNode>& held);
+  void movePins();
   MinimizerReport minimizeCondensed();
   MinimizerReport minimizeJoint();
   bool wakeDisturbed();
@@ -85,6 +89,7 @@ class StepSolver {
   Start start_values_;
   CostReport cost_;
   Field forces_;  ///< negative forces on the nodes at rest, for sleep_ [N]
+  Field pinned_;  ///< scratch of movePins(): positions with the pins where they end [m]
   Vector x_, start_, motion_, gradient_, joint_x_;
   /// Directions of the initial guess: inertial motion, and the motion that gravity adds.
   std::array<Vector, 2> directions_;

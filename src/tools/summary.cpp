@@ -74,6 +74,7 @@ std::string summaryJson(const Simulation& simulation, const RunTotals& totals, b
   summary["max_strain"] = simulation.maxStrain();
   summary["max_speed"] = simulation.maxSpeed();
   summary["max_penetration"] = totals.max_penetration;
+  summary["crossings"] = simulation.crossings().pairs;
   const std::vector<ProbeOptions>& probes = simulation.scene().probes;
   summary["probe_force"] = toJson(simulation.probe().force);
   summary["probe_force_of"] = probes.front().name;

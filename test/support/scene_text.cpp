@@ -32,11 +32,17 @@ void writeCloth(std::ostream& out, const ClothOptions& cloth, const std::string&
   out << "cloth:\n  particles: [" << cloth.particles[0] << ", " << cloth.particles[1] << "]\n  size: ["
       << cloth.size[0] << ", " << cloth.size[1] << "]\n  position: " << cloth.pose.position
       << "\n  orientation: " << cloth.pose.orientation << "\n  fabric: " << fabric_file << "\n  pins: [";
-  for (const ParticleRange& pin : cloth.pins) {
+  for (const Pin& pin : cloth.pins) {
+    Pin copy = pin;  // rows point to members that could be written
     out << (&pin == &cloth.pins.front() ? "" : ", ") << "{particles: [[" << pin.i0 << ", " << pin.i1 << "], ["
-        << pin.j0 << ", " << pin.j1 << "]]}";
+        << pin.j0 << ", " << pin.j1 << "]]";
+    for (const Option& option : optionsOf(copy)) {
+      if (option.key != "particles" && pin.moves()) out << ", " << option.key << ": " << valueText(option);
+    }
+    out << '}';
   }
-  out << "]\n";
+  out << "]\n  self_contact: " << (cloth.self_contact ? "true" : "false")
+      << "\n  self_friction: " << cloth.self_friction << '\n';
 }
 
 void writeObstacle(std::ostream& out, const Obstacle& obstacle) {

@@ -36,7 +36,7 @@ void disturb(LeafMesh& leaves, std::mt19937& random, std::vector<Cell>& split, s
   }
 }
 
-LeafMesh mixedMesh(unsigned seed, const std::vector<ParticleRange>& pins = {}) {
+LeafMesh mixedMesh(unsigned seed, const std::vector<Pin>& pins = {}) {
   LeafMesh leaves(kGrid, pins, 3);
   std::mt19937 random(seed);
   std::vector<Cell> split, merged;
@@ -87,7 +87,7 @@ TEST(MeshTest, FinestAndCoarsestHaveTheKnownNumberOfParticles) {
 }
 
 TEST(MeshTest, PinnedParticlesAreAlwaysActive) {
-  const std::vector<ParticleRange> pins{{5, 5, 7, 7}, {0, 0, 0, 32}};
+  const std::vector<Pin> pins{{5, 5, 7, 7}, {0, 0, 0, 32}};
   const LeafMesh leaves = mixedMesh(3, pins);
   const ActiveMesh mesh(leaves, 1.0);
   EXPECT_EQ(mesh.pinned, 1 + 33);

@@ -20,6 +20,7 @@
 #include "haptic_cloth/simulation.h"
 #include "sim/recording.h"
 #include "simd/path.h"
+#include "support/state_cases.h"
 
 namespace {
 
@@ -138,6 +139,7 @@ TEST_F(Simulate, SummaryHasItsKeys) {
         "max_penetration", "probe_force", "support_force", "failed_steps", "mass", "state_hash"}) {
     EXPECT_TRUE(summary.contains(key)) << key;
   }
+  EXPECT_EQ(summary["crossings"], 0);
   for (const char* key : {"min", "mean", "max", "final"})
     EXPECT_TRUE(summary["active_particles"].contains(key));
   for (const char* key : {"total", "motion", "stretch", "bend", "shear"}) {
@@ -538,6 +540,30 @@ TEST_F(Simulate, StatesAreReadFromRegularFilesOnly) {
   ASSERT_EQ(run("scene.yaml --set stop.time=0.002 --save-state a.state").status, 0);
   ASSERT_EQ(truncate((folder_ / "a.state").c_str(), off_t{1} << 36), 0);
   expectRefused("scene.yaml --resume a.state", {"a.state: has 68719476693 bytes of ", "has grown"}, guard);
+}
+
+/// One end of the strip turns over and through it. The state says then that it was made with
+/// self-contact.
+TEST_F(Simulate, RefusesAStartThatCrossesItself) {
+  const std::string scene =
+      "scene.yaml --set probe.path=[] --set cloth.pins='[edge_x0, {particles: edge_x1, turn: [0, -60, 0], "
+      "centre: [0, 0, 0.05]}]' ";
+  const std::string off = "--set cloth.self_contact=false ";
+  const Outcome made = run(scene + off + "--set stop.time=0.06 --save-state crossed.state --out crossed");
+  ASSERT_EQ(made.status, 0) << made.error;
+  EXPECT_GT(nlohmann::json::parse(readText(folder_ / "crossed/summary.json"))["crossings"], 0);
+  EXPECT_EQ(run(scene + off + "--set stop.time=0.062 --resume crossed.state").status, 0);
+
+  std::vector<haptic_cloth::StateEntry> entries =
+      haptic_cloth::stateEntries(readText(folder_ / "crossed.state"));
+  const auto entry = std::find_if(entries.begin(), entries.end(),
+                                  [](const auto& e) { return e.name == "cloth.self_contact"; });
+  ASSERT_NE(entry, entries.end());
+  entry->bytes[0] = 1;
+  write("on.state", haptic_cloth::sealState(entries));
+  expectRefused(
+      scene + "--set stop.time=0.062 --resume on.state",
+      {"on.state: cloth = ", " crossings, first of cells (", ") at [", "must not pass through itself"});
 }
 
 TEST_F(Simulate, RefusesStatesItCannotUse) {
