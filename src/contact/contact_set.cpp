@@ -27,13 +27,11 @@ void ContactSet::advance(double time_step) {
   solids_.advance();
 }
 
-void ContactSet::collect(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals,
-                         const std::vector<double>& reach, const PairFinder::Reach& self_reach,
+void ContactSet::collect(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
                          const std::vector<Reach>& touching) {
   finder_.find(mesh, nodes, reach, touching, samples_);
   forces_.rebuild();
   gather_.rebuild(samples_, mesh.nodes());
-  if (self_) self_->collect(mesh, nodes, normals, self_reach);
 }
 
 ContactSet::Energy ContactSet::evaluate(int begin, int end, const Field& nodes) {

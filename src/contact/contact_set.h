@@ -30,8 +30,8 @@ class ContactSet {
     double range;       ///< gap at which contact begins [m]
     double slip_speed;  ///< speed below which friction is smoothed [m/s]
     double time_step;   ///< length of the first step [s]
-    bool self_contact;  ///< the cloth meets itself
-    double self_friction;  ///< coefficient of friction between layers [-]
+    bool self_contact = false;   ///< the cloth meets itself
+    double self_friction = 0.0;  ///< coefficient of friction between layers [-]
   };
   using Reach = SampleFinder::Reach;
   using Energy = ContactEnergy;
@@ -67,14 +67,18 @@ class ContactSet {
     if (self_) self_->rebuild(mesh);
   }
 
-  /// Finds samples and pairs that may touch within a step and freezes their friction.
+  /// Finds samples that may touch within a step and freezes their friction.
   /// @param nodes positions of all nodes [m]
-  /// @param normals of the surface at the nodes
   /// @param reach largest expected displacement of each node in the step [m]
   /// @param touching probes to be sampled, after startProbe()
-  void collect(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals,
-               const std::vector<double>& reach, const PairFinder::Reach& self_reach,
+  void collect(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
                const std::vector<Reach>& touching);
+
+  /// The same for pairs of parts of the cloth. The parameters are those of PairFinder::find().
+  void collectPairs(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals,
+                    const PairFinder::Reach& reach) {
+    if (self_) self_->collect(mesh, nodes, normals, reach);
+  }
 
   /// Prepares hasRoom() for positions of the nodes [m].
   void beginChange(const ActiveMesh& mesh, const Field& nodes) {
@@ -97,7 +101,7 @@ class ContactSet {
 
   /// Tells whether no part of the cloth can have passed through another on the way from the start to
   /// the end of the step, both positions of all nodes [m].
-  /// @param deviates nodes moved farther than `self_reach` allowed
+  /// @param deviates nodes moved farther than the reach of collectPairs() allowed
   bool staysApart(const ActiveMesh& mesh, const Field& start, const Field& end, bool deviates) {
     return !self_ || self_->staysApart(mesh, start, end, deviates);
   }

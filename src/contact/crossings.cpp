@@ -206,7 +206,7 @@ class Surface {
     const auto& n = patch.nodes;
     Leaf leaf;
     leaf.cell = patch.cell;
-    if (diagonalRises(patch.cell)) {
+    if (patch.cell.diagonalRises()) {
       leaf.triangles = {{{n[0], n[1], n[3]}, {n[0], n[3], n[2]}}};
       leaf.add(n[0], n[3]);
     } else {

@@ -12,16 +12,6 @@ Vec3 laneOf(const double (&values)[3][kPack], int lane) {
   return {values[0][lane], values[1][lane], values[2][lane]};
 }
 
-/// Calls visit(pack, lane) for the pairs, unused lanes left out.
-template <class Visit>
-void forPairs(const std::vector<PairPack>& packs, const Visit& visit) {
-  for (const PairPack& pack : packs) {
-    for (int l = 0; l < kPack; ++l) {
-      if (pack.range[l] > 0.0) visit(pack, l);
-    }
-  }
-}
-
 }  // namespace
 
 SelfContact::SelfContact(const Grid& grid, const Options& options)
@@ -101,21 +91,20 @@ void SelfContact::addGradient(int begin, int end, Field& gradient) const {
 }
 
 void SelfContact::addSprings(Blocks& blocks) const {
-  const double kSides = getenv("HC_SIDES") ? atof(getenv("HC_SIDES")) : 1.0;
-  forPairs(packs_, [&](const PairPack& pack, int l) {
+  forPairs([&](const PairPack& pack, int l) {
     const double along = pack.stiffness[l], across = pack.drag_stiffness[l];
     if (along == 0.0 && across == 0.0) return;
     const Block pressed = along * square(laneOf(pack.normal, l)),
                 dragged = across * (isotropic(1.0) - square(laneOf(pack.start_normal, l)));
     for (int c = 0; c < 4; ++c) {
       blocks[pack.nodes[c].index[l]] +=
-          kSides * (std::abs(pack.weights[c][l]) * pressed + std::abs(pack.start_weights[c][l]) * dragged);
+          std::abs(pack.weights[c][l]) * pressed + std::abs(pack.start_weights[c][l]) * dragged;
     }
   });
 }
 
 void SelfContact::addDiagonal(Field& diagonal) const {
-  forPairs(packs_, [&](const PairPack& pack, int l) {
+  forPairs([&](const PairPack& pack, int l) {
     const Vec3 normal = laneOf(pack.normal, l), start = laneOf(pack.start_normal, l);
     for (int c = 0; c < 4; ++c) {
       const double w = pack.weights[c][l], s = pack.start_weights[c][l];
@@ -142,7 +131,7 @@ void SelfContact::appendAwake(const std::vector<char>& awake, int first, Runs& r
 }
 
 void SelfContact::markTouched(std::vector<char>& nodes) const {
-  forPairs(packs_, [&](const PairPack& pack, int l) {
+  forPairs([&](const PairPack& pack, int l) {
     if (!(pack.pressing[l] > 0.0)) return;
     for (int c = 0; c < 4; ++c) {
       if (pack.weights[c][l] != 0.0) nodes[pack.nodes[c].index[l]] = 1;
@@ -152,13 +141,13 @@ void SelfContact::markTouched(std::vector<char>& nodes) const {
 
 int SelfContact::touching() const {
   int count = 0;
-  forPairs(packs_, [&](const PairPack& pack, int l) { count += pack.pressing[l] > 0.0 ? 1 : 0; });
+  forPairs([&](const PairPack& pack, int l) { count += pack.pressing[l] > 0.0 ? 1 : 0; });
   return count;
 }
 
 double SelfContact::smallestDistance() const {
   double smallest = std::numeric_limits<double>::infinity();
-  forPairs(packs_, [&](const PairPack& pack, int l) { smallest = std::min(smallest, pack.distance[l]); });
+  forPairs([&](const PairPack& pack, int l) { smallest = std::min(smallest, pack.distance[l]); });
   return smallest;
 }
 

@@ -79,7 +79,17 @@ class SelfContact {
   /// Sets the flags of the nodes of pairs that carried force at the last evaluation to 1.
   void markTouched(std::vector<char>& nodes) const;
 
-  int touching() const;            ///< number of pairs that press
+  /// Calls visit(pack, lane) for all pairs.
+  template <class Visit>
+  void forPairs(const Visit& visit) const {
+    for (const PairPack& pack : packs_) {
+      for (int l = 0; l < kPack; ++l) {
+        if (pack.range[l] > 0.0) visit(pack, l);
+      }
+    }
+  }
+
+  int touching() const;             ///< number of pairs that press
   double smallestDistance() const;  ///< of all pairs at the last evaluation; infinite without pairs [m]
 
  private:

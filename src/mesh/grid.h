@@ -28,6 +28,11 @@ struct Cell {
 
   int span() const { return 1 << level; }
 
+  /// Tells whether the two triangles of this leaf meet along the line from corner 0 to corner 3; else
+  /// they meet from 1 to 2. The children of a leaf divide its triangles; mirror images have mirrored
+  /// triangles.
+  bool diagonalRises() const { return ((i >> level) + (j >> level)) % 2 == 0; }
+
   /// Particles (i,j), (i+s,j), (i,j+s), (i+s,j+s).
   std::array<int, 4> corners(const Grid& grid) const {
     const int s = span();

@@ -4,8 +4,6 @@
 #include <array>
 #include <utility>
 
-#include "mesh/triangle_surface.h"
-
 namespace haptic_cloth {
 namespace {
 
@@ -16,7 +14,7 @@ std::array<std::pair<int, int>, 4> sidesOf(const std::array<int, 4>& c) {
 
 /// Middle of the diagonal of a cell's triangles.
 Vec3 middleOfDiagonal(const Cell& cell, const std::array<int, 4>& c, const std::vector<Vec3>& x) {
-  return TriangleSurface::rises(cell) ? 0.5 * (x[c[0]] + x[c[3]]) : 0.5 * (x[c[1]] + x[c[2]]);
+  return cell.diagonalRises() ? 0.5 * (x[c[0]] + x[c[3]]) : 0.5 * (x[c[1]] + x[c[2]]);
 }
 
 }  // namespace

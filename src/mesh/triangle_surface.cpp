@@ -20,7 +20,7 @@ void TriangleSurface::rebuild(const ActiveMesh& mesh) {
   areas_.assign(mesh.nodes(), 0.0);
   for (const Patch& patch : mesh.patches) {
     const auto& n = patch.nodes;
-    if (rises(patch.cell)) {
+    if (patch.cell.diagonalRises()) {
       triangles_.push_back({n[0], n[1], n[3]});
       triangles_.push_back({n[0], n[3], n[2]});
     } else {
@@ -63,7 +63,7 @@ void TriangleSurface::listLines(const ActiveMesh& mesh) {
       taken_[side] = 1;
     }
     const auto& n = patch.nodes;
-    lines_.push_back(rises(patch.cell) ? Line{n[0], n[3]} : Line{n[1], n[2]});
+    lines_.push_back(patch.cell.diagonalRises() ? Line{n[0], n[3]} : Line{n[1], n[2]});
     line_rows_.push_back(static_cast<int>(lines_.size()));
   }
 }

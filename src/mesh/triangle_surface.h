@@ -8,10 +8,8 @@
 
 namespace haptic_cloth {
 
-/// Triangles of the leaves, and the lines that bound them. The diagonals of a parent's four children
-/// run from its corners to its centre, so finer leaves divide the triangles of coarser ones, and a
-/// scene and its mirror image have mirrored triangles. Hanging nodes lie on the sides of triangles, so
-/// the surface has no gaps. Lines are the sides of leaves, halved where a node hangs, and diagonals.
+/// Triangles of the leaves (Cell::diagonalRises()), and the lines that bound them. Hanging nodes lie on
+/// the sides of triangles, so the surface has no gaps. Lines are the sides of leaves, halved where a node hangs, and diagonals.
 class TriangleSurface {
  public:
   using Triangle = std::array<int, 3>;  ///< nodes
@@ -20,9 +18,6 @@ class TriangleSurface {
   };
 
   explicit TriangleSurface(const Grid& grid);
-
-  /// Tells whether the diagonal of a leaf joins its corners 0 and 3; otherwise it joins 1 and 2.
-  static bool rises(const Cell& cell) { return ((cell.i >> cell.level) + (cell.j >> cell.level)) % 2 == 0; }
 
   void rebuild(const ActiveMesh& mesh);
 

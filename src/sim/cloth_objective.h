@@ -95,8 +95,12 @@ class ClothObjective : public Objective {
   void precondition(const Vector& gradient, Vector& z) override;
   double residual(const Vector& gradient) const override;
 
-  /// Moves the pinned nodes within a step. Call after begin(), and then evaluate().
+  /// Places the pinned nodes [m]. Call evaluate() after it.
   void setPinned(const Field& nodes);
+
+  /// Moves the pinned nodes towards these positions, as far as nothing is crossed [m]. Call it after
+  /// begin() and evaluate(), and evaluate() again after it.
+  void movePinned(const Field& nodes);
 
   /// Packs node values, and the proxies given to begin(), as unknowns.
   void pack(const Field& nodes, Vector& x) const;

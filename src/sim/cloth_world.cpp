@@ -164,6 +164,10 @@ void ClothWorld::accept(StepReport& report) {
   grasps_.noteTouched(probes_, contacts_, cloth_.mesh());
   support_force_ = contacts_.obstacleForce() + solved.pinForce();
   report.max_penetration = contacts_.deepest();
+  if (contacts_.meetsItself()) {
+    report.self_contacts = contacts_.self()->touching();
+    report.min_self_gap = contacts_.self()->smallestDistance();
+  }
 }
 
 /// Marks the nodes whose velocity may have jumped: ejected, touched, held or asleep.

@@ -70,7 +70,6 @@ MinimizerReport StepSolver::solve(const std::vector<HeldNode>& held) {
     const bool covered = reach_.covers(objective_);
     apart = contacts_.staysApart(cloth_.mesh(), cloth_.nodes(), objective_.nodes(),
                                  !reach_.coversPairs(objective_));
-    if (getenv("HC_DEBUG")) fprintf(stderr, "attempt %d pairs %d touching %d min %g it %d covered %d apart %d\n", attempt, contacts_.self() ? contacts_.self()->size() : 0, contacts_.self() ? contacts_.self()->touching() : 0, contacts_.self() ? contacts_.self()->smallestDistance() : 0, last.iterations, covered, apart);
     if ((covered && apart) || last.why == Termination::TimeBudget) break;
   }
   // The cloth might have passed through itself where it was not looked at.
@@ -81,8 +80,8 @@ MinimizerReport StepSolver::solve(const std::vector<HeldNode>& held) {
 
 void StepSolver::findContacts() {
   const auto& touching = probes_.findTouching(cloth_.mesh(), cloth_.nodes(), reach_.proxies(), contacts_);
-  contacts_.collect(cloth_.mesh(), cloth_.nodes(), cloth_.internal().nodeNormals(), reach_.nodes(),
-                    reach_.pairs(), touching);
+  contacts_.collect(cloth_.mesh(), cloth_.nodes(), reach_.nodes(), touching);
+  contacts_.collectPairs(cloth_.mesh(), cloth_.nodes(), cloth_.internal().nodeNormals(), reach_.pairs());
 }
 
 /// Evaluates Φ and its gradient with all nodes and proxies at x⁰. @return Φ
@@ -101,11 +100,12 @@ void StepSolver::beginSolve(const std::vector<HeldNode>& held) {
   x_.head(objective_.size()) = start_.head(objective_.size());
 }
 
-/// Moves the pins to where they end in the step; the other nodes follow in the solve.
+/// Moves the pins to where they end in the step, or as near to it as nothing is crossed; the other
+/// nodes follow in the solve.
 void StepSolver::movePins() {
   pinned_ = cloth_.nodes();
   cloth_.placePins(pinned_);
-  objective_.setPinned(pinned_);
+  objective_.movePinned(pinned_);
   start_values_.potential = evaluateStart();
 }
 

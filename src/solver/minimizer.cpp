@@ -142,9 +142,7 @@ bool Minimizer::lineSearch(Objective& objective, Team& team, Vector& x, double& 
   constexpr int kTrials = 20;
   const Objective::Along along = objective.along(direction_);
   double step = std::min(along.quadratic_form > 0.0 ? -slope_ / along.quadratic_form : 1.0, along.max_step);
-  if (getenv("HC_STEP")) fprintf(stderr, "it %d newton %g max %g value %g residual %g\n", report.iterations, -slope_ / along.quadratic_form, along.max_step, value, report.residual);
   for (int trial = 0; trial < kTrials; ++trial) {
-    if (trial > 0 && getenv("HC_STEP")) fprintf(stderr, "  trial %d step %g\n", trial, step);
     const auto go = [&](int begin, int end) {
       trial_.segment(begin, end - begin) =
           x.segment(begin, end - begin) + step * direction_.segment(begin, end - begin);

@@ -24,6 +24,7 @@ void add(const StepReport& report, double wall_time, RunTotals& totals) {
   totals.refined += report.refined;
   totals.coarsened += report.coarsened;
   totals.max_penetration = std::max(totals.max_penetration, report.max_penetration);
+  totals.min_self_gap = std::min(totals.min_self_gap, report.min_self_gap);
   totals.wall_time += wall_time;
   totals.last = report;
 }

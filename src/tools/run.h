@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -42,6 +43,8 @@ struct RunTotals {
   double mean_active = 0.0;            ///< particles
   long refined = 0, coarsened = 0;     ///< cells split, groups of four merged
   double max_penetration = 0.0;        ///< [m]
+  /// Smallest StepReport::min_self_gap [m].
+  double min_self_gap = std::numeric_limits<double>::infinity();
   double start_time = 0.0;         ///< simulated time before the first step: not 0 where a run is resumed [s]
   double wall_time = 0.0;          ///< of all steps [s]
   bool at_rest = false;            ///< ended by stop.rest_speed, not by stop.time

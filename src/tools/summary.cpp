@@ -1,5 +1,6 @@
 #include "tools/summary.h"
 
+#include <cmath>
 #include <cstdio>
 #include <iomanip>
 #include <nlohmann/json.hpp>
@@ -74,6 +75,9 @@ std::string summaryJson(const Simulation& simulation, const RunTotals& totals, b
   summary["max_strain"] = simulation.maxStrain();
   summary["max_speed"] = simulation.maxSpeed();
   summary["max_penetration"] = totals.max_penetration;
+  summary["self_contacts"] = totals.last.self_contacts;
+  // JSON has no infinity: null, if nothing came near.
+  summary["min_self_gap"] = std::isfinite(totals.min_self_gap) ? json(totals.min_self_gap) : json();
   summary["crossings"] = simulation.crossings().pairs;
   const std::vector<ProbeOptions>& probes = simulation.scene().probes;
   summary["probe_force"] = toJson(simulation.probe().force);

@@ -190,7 +190,7 @@ TEST(TransferTest, MomentumIsKeptThroughSplitsAndMerges) {
   for (int k = 0; k < 400; ++k) {
     merge.capture(mesh);
     disturb(leaves, random, split, merged);
-    if (!split.empty()) transferAfterSplit(kGrid, split, state);
+    if (!split.empty()) transferAfterSplit(kGrid, split, std::vector<char>(kGrid.cells(), 0), state);
     mesh.rebuild(leaves);
     if (!merged.empty()) merge.apply(leaves, mesh, state);
     splits += !split.empty();
@@ -219,7 +219,7 @@ TEST(TransferTest, AJumpGoesOnWithTheMotion) {
   EXPECT_TRUE(state.jumped[grid.particle(0, 0)]);
   EXPECT_TRUE(state.jumped[grid.particle(2, 0)]);
   EXPECT_FALSE(state.jumped[grid.particle(0, 2)]);
-  transferAfterSplit(grid, {{0, 0, 1}}, state);
+  transferAfterSplit(grid, {{0, 0, 1}}, std::vector<char>(grid.cells(), 0), state);
   EXPECT_TRUE(state.jumped[grid.particle(1, 0)]);
   EXPECT_TRUE(state.jumped[grid.particle(1, 1)]);
   EXPECT_FALSE(state.jumped[grid.particle(1, 2)]);
