@@ -37,19 +37,24 @@ class StateListener {
   explicit StateListener(ros::NodeHandle& node) {
     subscriber_ = node.subscribe<ClothState>("cloth/state", 1, [this](const ClothState::ConstPtr& message) {
       const std::lock_guard<std::mutex> lock(mutex_);
-      ++messages_;
-      if (message->slipped > state_.slipped) ++slips_;
+      const double now = steadyNow();
+      const bool prompt = now - received_ <= kLag;
+      if (prompt) ++messages_;
+      if (prompt && message->slipped > state_.slipped) ++slips_;
+      received_ = now;
       state_ = *message;
       heard_ = true;
       worst_rung_ = std::max<int>(worst_rung_, message->rung);
-      behind_ = std::min(behind_, steadyNow() - message->time - message->slipped);
+      behind_ = std::min(behind_, now - message->time - message->slipped);
     });
   }
   struct Reading {
     ClothState state;
     int worst_rung;  ///< since the last reading
-    int messages;    ///< since the last reading
-    int slips;       ///< of these, how many found that time had slipped
+    /// Messages since the last reading that came soon enough after the one before: where they take longer
+    /// the machine did not run the node, which then may let time slip.
+    int messages;
+    int slips;  ///< of these, how many found that time had slipped
     /// Wall time minus simulated and slipped time [s]: a constant, plus the lag and the delay of the message.
     /// This is the least since the last reading.
     double behind;
@@ -70,11 +75,12 @@ class StateListener {
 
  private:
   static constexpr double kNever = 1e300;
+  static constexpr double kLag = 0.1;  ///< that a node makes up for without a slip [s]
   mutable std::mutex mutex_;
   ClothState state_;
   std::atomic<bool> heard_{false};
   int worst_rung_ = 0, messages_ = 0, slips_ = 0;
-  double behind_ = kNever;
+  double behind_ = kNever, received_ = -kNever;
   ros::Subscriber subscriber_;  ///< last member: its callback uses all members above
 };
 
@@ -142,14 +148,17 @@ TEST_F(KeepClock, GivesUpQualityUnderLoadAndTakesItBack) {
   const StateListener::Reading start = state_.read();
   stir(8.0);
   const StateListener::Reading end = state_.read();
-  // A solver that is too slow slips between any two messages. One that the system stops for a second, as a
+  // A solver that is too slow slips between any two messages. One that the system stops now and then, as a
   // full machine does, slips only then.
   EXPECT_TRUE(4 * end.slips <= end.messages || end.worst_rung == kLastRung)
-      << "slipped between " << end.slips << " of " << end.messages << " messages, rung " << end.worst_rung;
+      << "slipped between " << end.slips << " of " << end.messages << " prompt messages, rung "
+      << end.worst_rung;
   EXPECT_GT(end.worst_rung, 0);
   EXPECT_LE(end.state.step_length, 1.001 * kLongest);
-  EXPECT_TRUE(waitFor([&] { return diagnostics_.number("solver", "quality rung") > 0.0; }));
-  EXPECT_NE(diagnostics_.value("solver", "given up"), "nothing");
+  EXPECT_TRUE(waitFor([&] {
+    return diagnostics_.number("solver", "quality rung") > 0.0 &&
+           diagnostics_.value("solver", "given up") != "nothing";
+  }));
 
   burners.clear();
   ask(0.1, 200, true);
@@ -208,7 +217,8 @@ TEST(Recording, ReplaysASessionToTheSameBits) {
   ReactionListener reaction(node, "probe/reaction");
   Process cloth({programDirectory() + "/haptic_cloth_node", "__ns:=recorded", "__name:=cloth",
                  "_scene_file:=" + scene, "_record:=" + file.string(), "_step_budget:=0.0",
-                 "_solver/tolerance:=0.0001"});
+                 "_solver/tolerance:=0.0001", "_haptics/pose_timeout:=1.0",
+                 "_haptics/snapshot_timeout:=1.0"});
   ASSERT_TRUE(waitFor([&] { return reaction.count() > 0; })) << cloth.output();
   {
     TestDevice device(node, kAbove);
