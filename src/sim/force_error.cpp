@@ -10,7 +10,7 @@ namespace {
 constexpr double kReach = 3.0;      // [radii of the probe]
 constexpr double kMemory = 0.02;    // motion by which U_past fades to 1/e [radii of the probe]
 constexpr double kPastShare = 0.5;  // [-]
-// Fitted to strip_probe, fold_probe and box_probe (bench/force_error), and rounded.
+// Fitted to scenes of bench/force_error, and rounded.
 constexpr double kStretchShare = 2.5e-5, kBendShare = 4e-4;
 constexpr double kStretchError = 0.012;
 constexpr double kDelay = 0.2;  // [time steps]
