@@ -11,7 +11,7 @@ namespace haptic_cloth {
 
 class AdmittanceLoop;
 class ProbeTracker;
-class StepPace;
+class StepInterval;
 class VelocityFilter;
 
 /// Grasp of a probe on the cloth that it touches.
@@ -105,7 +105,7 @@ class ProbeSession {
   int cloth_ = 0;             ///< see ProbeSnapshot
   DeviceSample step_device_;  ///< of the current step
   std::unique_ptr<ProbeTracker> tracker_;
-  std::unique_ptr<StepPace> pace_;
+  std::unique_ptr<StepInterval> step_interval_;
 };
 
 /// Session with an impedance device: pose in, force out.

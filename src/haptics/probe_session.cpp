@@ -1,7 +1,7 @@
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/haptic_session.h"
 #include "haptics/probe_tracker.h"
-#include "haptics/step_pace.h"
+#include "haptics/step_interval.h"
 
 namespace haptic_cloth {
 namespace {
@@ -19,7 +19,9 @@ HapticOptions coupledAs(const Scene& scene, int probe, HapticOptions options) {
 }  // namespace
 
 ProbeSession::ProbeSession(const Scene& scene, int probe, const HapticOptions& options)
-    : number_(probe), tracker_(std::make_unique<ProbeTracker>()), pace_(std::make_unique<StepPace>()) {
+    : number_(probe),
+      tracker_(std::make_unique<ProbeTracker>()),
+      step_interval_(std::make_unique<StepInterval>()) {
   takeOptions(coupledAs(scene, probe, options));
 }
 
@@ -33,7 +35,7 @@ void ProbeSession::takeOptions(const HapticOptions& options) {
 void ProbeSession::beforeStep(Simulation& simulation, double now, int length) {
   const double time_step = length * simulation.scene().solver.time_step;
   const HapticOptions& options = options_for_solver_.read();
-  pace_->begin(now, time_step, options.snapshot_timeout);
+  step_interval_->begin(now, time_step, options.snapshot_timeout);
   simulation.setCoupling(number_, options.coupling_stiffness, options.coupling_damping);
   takeDevice(simulation, options.probe_timeout, time_step, now);
 }
@@ -79,7 +81,7 @@ void ProbeSession::open(Simulation& simulation) {
 
 void ProbeSession::afterStep(const Simulation& simulation, double now) {
   const ProbeReport report = simulation.probe(number_);
-  ProbeSnapshot snapshot = tracker_->update(report, step_device_, pace_->seconds(), now);
+  ProbeSnapshot snapshot = tracker_->update(report, step_device_, step_interval_->seconds(), now);
   snapshot.cloth = cloth_;
   snapshot_.write(snapshot);
   const bool holds = closed_ && report.grasps;
@@ -88,12 +90,12 @@ void ProbeSession::afterStep(const Simulation& simulation, double now) {
 
 void ProbeSession::pause(Simulation& simulation) {
   open(simulation);
-  pace_->interrupt();
+  step_interval_->interrupt();
 }
 
 void ProbeSession::restart(Simulation& simulation) {
   leave(simulation);
-  pace_->interrupt();
+  step_interval_->interrupt();
   // "None yet": the force ramps down. A tick that misses it still starts softly on another cloth.
   snapshot_.write(ProbeSnapshot());
 }

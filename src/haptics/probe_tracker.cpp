@@ -14,7 +14,7 @@ constexpr double kDriftTime = 0.001;
 
 }  // namespace
 
-ProbeSnapshot ProbeTracker::update(const ProbeReport& probe, const DeviceSample& device, double pace,
+ProbeSnapshot ProbeTracker::update(const ProbeReport& probe, const DeviceSample& device, double step_interval,
                                    double taken) {
   ProbeSnapshot snapshot;
   snapshot.taken = taken;
@@ -31,8 +31,8 @@ ProbeSnapshot ProbeTracker::update(const ProbeReport& probe, const DeviceSample&
     const Vec3 device_moved = probe.device - device_, proxy_moved = probe.proxy - proxy_;
     if (touched_) learn(device_moved, proxy_moved);
     // From moves of the same step, so that what the hand did cancels in what the proxy did beside it.
-    const Vec3 drift = (proxy_moved - follow_ * device_moved) / pace;
-    drift_ -= std::expm1(-pace / kDriftTime) * (drift - drift_);
+    const Vec3 drift = (proxy_moved - follow_ * device_moved) / step_interval;
+    drift_ -= std::expm1(-step_interval / kDriftTime) * (drift - drift_);
   }
   snapshot.follow = follow_;
   snapshot.drift = drift_;

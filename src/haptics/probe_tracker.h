@@ -13,9 +13,10 @@ namespace haptic_cloth {
 class ProbeTracker {
  public:
   /// Makes the snapshot after a step.
-  /// @param device pose for which the step was solved  @param pace wall-clock time of a step [s]
+  /// @param device pose for which the step was solved  @param step_interval wall-clock time of a step [s]
   /// @param taken see ProbeSnapshot
-  ProbeSnapshot update(const ProbeReport& probe, const DeviceSample& device, double pace, double taken);
+  ProbeSnapshot update(const ProbeReport& probe, const DeviceSample& device, double step_interval,
+                       double taken);
 
   /// Forgets what was learned.
   void reset() { *this = ProbeTracker(); }

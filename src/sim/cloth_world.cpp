@@ -145,6 +145,14 @@ bool ClothWorld::solidsMove() const {
   return false;
 }
 
+/// Tells whether a probe touches or holds the cloth at the end of the solve.
+bool ClothWorld::feelsCloth() const {
+  for (int k = 0; k < probes_.count(); ++k) {
+    if (probes_.isPresent(k) && (contacts_.probeTouched(k) || grasps_.holds(k))) return true;
+  }
+  return false;
+}
+
 /// Takes the solution as the state at the end of the step.
 void ClothWorld::accept(StepReport& report) {
   const ClothObjective& solved = solver_.objective();
@@ -159,7 +167,7 @@ void ClothWorld::accept(StepReport& report) {
   cloth_.stopEjected(contacts_);
   report.velocity_scale = energy_.guard(kinetic_before, gravity_work, solved, cloth_);
   cloth_.commit(team_);
-  if (steps_ % scene_.adapt.interval == 0) force_error_.noteMesh(cloth_);
+  force_error_.noteCloth(cloth_, feelsCloth(), steps_ % scene_.adapt.interval == 0);
   probes_.accept(solved, contacts_, cloth_.mesh(), grasps_, force_error_);
   grasps_.noteTouched(probes_, contacts_, cloth_.mesh());
   support_force_ = contacts_.obstacleForce() + solved.pinForce();

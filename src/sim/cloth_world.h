@@ -78,6 +78,7 @@ class ClothWorld {
   void adapt(StepReport& report);
   bool planMesh();
   bool solidsMove() const;
+  bool feelsCloth() const;
   void accept(StepReport& report);
   void markEjected();
   void markJumped();

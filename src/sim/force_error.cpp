@@ -7,25 +7,40 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kReach = 5.0;  // [radii of the probe]
-// Fitted to strip_probe, fold_probe and box_probe (bench/force_error), and rounded.
-constexpr double kStretchShare = 2.5e-5, kBendShare = 5e-4;
+constexpr double kReach = 3.0;      // [radii of the probe]
+constexpr double kMemory = 0.02;    // motion by which U_past fades to 1/e [radii of the probe]
+constexpr double kPastShare = 0.5;  // [-]
+// Fitted to scenes of bench/force_error, and rounded.
+constexpr double kStretchShare = 2.5e-5, kBendShare = 4e-4;
+constexpr double kStretchError = 0.012;
 constexpr double kDelay = 0.2;  // [time steps]
 // Two references that differ only in time step and tolerance are up to this far apart.
-constexpr double kRest = 0.01;
+constexpr double kRest = 0.015;
 
-/// Length of an element over that of the finest grid beyond one, both squared [-].
+/// Length of an element over that of the finest grid beyond one, both squared [-]. Finest elements
+/// have none, whatever rounding says.
 double excess(double squared_length, double spacing) {
-  return std::max(0.0, squared_length / (spacing * spacing) - 1.0);
+  const double excess = squared_length / (spacing * spacing) - 1.0;
+  return excess < 0.5 ? 0.0 : excess;
 }
 
 }  // namespace
 
-double ForceError::estimate(int probe, const Vec3& unbalanced, const Vec3& before, const Vec3& force) const {
-  if (before.isZero(0.0) && force.isZero(0.0)) return 0.0;
-  const double coarse = 2.0 * scene_.probes[probe].coupling_stiffness * energy_;
+double ForceError::estimate(int probe, double moved, const Vec3& unbalanced, const Vec3& before,
+                            const Vec3& force) {
+  if (before.isZero(0.0) && force.isZero(0.0)) return past_[probe] = 0.0;
+  past_[probe] *= std::exp(-moved / (kMemory * scene_.probes[probe].radius));
+  const double unfinished = std::max(unbalanced.norm(), kPastShare * past_[probe]);
+  past_[probe] = std::max(past_[probe], unbalanced.norm());
+  const double stiffness = scene_.probes[probe].coupling_stiffness;
+  double stretched = 2.0 * stiffness * kStretchShare * coarse_.stretch;
+  if (stretched > 0.0) {
+    const double relative = kStretchError * coarse_.stretch / coarse_.whole;
+    stretched = std::min(stretched, relative * relative * force.squaredNorm());
+  }
+  const double bent = 2.0 * stiffness * kBendShare * coarse_.bend;
   const double delayed = kDelay * (force - before).norm(), rest = kRest * force.norm();
-  return std::sqrt(unbalanced.squaredNorm() + coarse + delayed * delayed + rest * rest);
+  return std::sqrt(unfinished * unfinished + stretched + bent + delayed * delayed + rest * rest);
 }
 
 Vec3 ForceError::unbalancedForce(int probe, const ClothObjective& solved, const ActiveMesh& mesh) const {
@@ -40,32 +55,46 @@ Vec3 ForceError::unbalancedForce(int probe, const ClothObjective& solved, const 
   return sum;
 }
 
-double ForceError::coarseEnergy(const Cloth& cloth) {
+void ForceError::noteCloth(const Cloth& cloth, bool felt, bool decision) {
+  if (felt && (decision || !felt_)) coarse_ = coarseEnergy(cloth);
+  felt_ = felt;
+}
+
+ForceError::CoarseEnergy ForceError::coarseEnergy(const Cloth& cloth) {
   const ActiveMesh& mesh = cloth.mesh();
   const InternalEnergy& internal = cloth.internal();
   const Field& x = cloth.nodes();
   const double spacing[] = {cloth.grid().dx, cloth.grid().dy};
-  double stretch = 0.0, bend = 0.0;
+  CoarseEnergy sum;
   for (int e = 0; e < static_cast<int>(mesh.edges.size()); ++e) {
     const Edge& edge = mesh.edges[e];
-    const double coarser = excess(edge.length * edge.length, spacing[edge.direction]);
-    if (coarser < 0.5) continue;  // finest
     const double stretched = (x[edge.b] - x[edge.a]).norm() - edge.length;
-    stretch += coarser * 0.5 * std::abs(internal.tension(e, x) * stretched) * edge.width;
+    const double energy = 0.5 * std::abs(internal.tension(e, x) * stretched) * edge.width;
+    sum.stretch += excess(edge.length * edge.length, spacing[edge.direction]) * energy;
+    sum.whole += energy;
   }
   for (int t = 0; t < static_cast<int>(mesh.triples.size()); ++t) {
     const Triple& triple = mesh.triples[t];
     const double finest = spacing[triple.direction];
-    const double coarser = excess(1.0 / std::sqrt(triple.left * triple.right), finest);
-    if (coarser < 0.5) continue;
     const double finest_turn = internal.curvature(t, x) * finest;
-    bend += coarser * finest_turn * finest_turn * internal.bendingDensity(t, x) * triple.area;
+    const double energy = std::max(0.0, internal.bendingDensity(t, x) * triple.area);
+    sum.bend +=
+        excess(1.0 / std::sqrt(triple.left * triple.right), finest) * finest_turn * finest_turn * energy;
+    sum.whole += energy;
   }
-  return std::max(0.0, kStretchShare * stretch + kBendShare * bend);
+  return sum;
+}
+
+void ForceError::CoarseEnergy::serialize(Archive& archive) {
+  archive.within("stretch", stretch, 0, LONG_MAX / 2);
+  archive.within("bend", bend, 0, LONG_MAX / 2);
+  archive.within("whole", whole, 0, LONG_MAX / 2);
 }
 
 void ForceError::serialize(Archive& archive) {
-  archive.within("force_error.energy", energy_, 0, LONG_MAX / 2);
+  archive("force_error.coarse", coarse_);
+  archive("force_error.felt", felt_);
+  archive.within("force_error.past", past_, 0, LONG_MAX / 2);
 }
 
 }  // namespace haptic_cloth

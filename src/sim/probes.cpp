@@ -58,16 +58,17 @@ const std::vector<ContactSet::Reach>& Probes::findTouching(const ActiveMesh& mes
 }
 
 void Probes::accept(const ClothObjective& solved, const ContactSet& contacts, const ActiveMesh& mesh,
-                    const Grasps& grasps, const ForceError& error) {
+                    const Grasps& grasps, ForceError& error) {
   for (int k = 0; k < count(); ++k) {
     if (!steps_[k].present) continue;
     ProbeReport& report = reports_[k];
     report.proxy = solved.proxy(k);
-    report.velocity = (report.proxy - steps_[k].proxy) / solved.timeStep();
+    const Vec3 moved = report.proxy - steps_[k].proxy;
+    report.velocity = moved / solved.timeStep();
     const Vec3 force = solved.holdForce(k) - contacts.proxyGradient(k);
     const bool felt = !report.force.isZero(0.0) || !force.isZero(0.0);
     const Vec3 unbalanced = felt ? error.unbalancedForce(k, solved, mesh) : Vec3(Vec3::Zero());
-    report.force_error = error.estimate(k, unbalanced, report.force, force);
+    report.force_error = error.estimate(k, moved.norm(), unbalanced, report.force, force);
     report.force = force;
     report.torque = solved.holdTorque(k) + contacts.proxyTorque(k, solved.nodes());
     report.grasps = grasps.holds(k);

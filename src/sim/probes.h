@@ -43,7 +43,7 @@ class Probes {
 
   /// Takes the results of a solved step.
   void accept(const ClothObjective& solved, const ContactSet& contacts, const ActiveMesh& mesh,
-              const Grasps& grasps, const ForceError& error);
+              const Grasps& grasps, ForceError& error);
 
   /// Ends a step whose solve failed: no motion, no force.
   void restore();

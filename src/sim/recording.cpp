@@ -213,6 +213,7 @@ bool Replay::apply(Simulation& simulation, const std::string& line, int& length)
   } else {
     fail("begins with the unknown word '" + word + "'");
   }
+  if (std::string rest; text >> rest) fail("has '" + rest + "' after its end");
   return word == "step";
 }
 

@@ -77,7 +77,7 @@ class Progress {
     const auto now = std::chrono::steady_clock::now();
     if (!enabled_ || now < next_) return;
     next_ = now + std::chrono::milliseconds(200);
-    std::fprintf(stderr, "\r%8.3f / %.3f s  %6d particles  %5d iterations  real time x %-8.3g",
+    std::fprintf(stderr, "\r%8.3f / %.3f s  %6d particles  %5d iterations  real-time factor %-8.3g",
                  simulation.time(), end_time_, simulation.activeParticles(), totals.last.minimizer.iterations,
                  haptic_cloth::realTimeFactor(simulation, totals));
     shown_ = true;

@@ -12,17 +12,10 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr char kOrigin[] = "input.yaml";
 constexpr std::size_t kLongestMessage = 10000;
 
 // Rounding of the sums in a law, relative to its largest force.
 constexpr double kRounding = 1e-9;
-
-constexpr char kScene[] = R"(cloth: {fabric: linear, particles: [5, 9], pins: [corner_00, edge_x1]}
-obstacles: [{shape: sphere, radius: 0.05}, {name: table, shape: box, size: [1, 1, 0.1]}]
-probes: {thumb: {radius: 0.01, path: [[0, 0, 0, 1], [1, 0, 0, 0]]}, index: {shape: capsule, length: 0.02}}
-solver: {time_step: 0.002}
-)";
 
 void require(bool holds, const std::string& what) {
   if (!holds) throw BrokenPromise(what);
@@ -36,18 +29,6 @@ void checkMessage(const std::string& what) {
   for (const char c : what) {
     require(std::iscntrl(static_cast<unsigned char>(c)) == 0, "is not one line of text: " + what);
   }
-}
-
-/// Runs a reader. If it refuses, checks its message.
-template <class Read>
-bool accepts(const Read& read) {
-  try {
-    read();
-  } catch (const InputError& error) {
-    checkMessage(error.what());
-    return false;
-  }
-  return true;
 }
 
 /// Checks a curve. @return the largest |force| at the ends of its intervals
@@ -94,6 +75,22 @@ void checkFabric(const Fabric& fabric) {
 
 }  // namespace
 
+const char kTestedScene[] = R"(cloth: {fabric: linear, particles: [5, 9], pins: [corner_00, edge_x1]}
+obstacles: [{shape: sphere, radius: 0.05}, {name: table, shape: box, size: [1, 1, 0.1]}]
+probes: {thumb: {radius: 0.01, path: [[0, 0, 0, 1], [1, 0, 0, 0]]}, index: {shape: capsule, length: 0.02}}
+solver: {time_step: 0.002}
+)";
+
+bool accepts(const std::function<void()>& read) {
+  try {
+    read();
+  } catch (const InputError& error) {
+    checkMessage(error.what());
+    return false;
+  }
+  return true;
+}
+
 bool readSceneBytes(const std::string& bytes) {
   return accepts([&] { validateScene(parseScene(bytes, kOrigin, "."), "accepted, but"); });
 }
@@ -106,7 +103,7 @@ bool readOverrideBytes(const std::string& bytes) {
   std::vector<std::string> overrides;
   std::istringstream lines(bytes);
   for (std::string line; std::getline(lines, line);) overrides.push_back(line);
-  return accepts([&] { validateScene(parseScene(kScene, kOrigin, ".", overrides), "accepted, but"); });
+  return accepts([&] { validateScene(parseScene(kTestedScene, kOrigin, ".", overrides), "accepted, but"); });
 }
 
 }  // namespace haptic_cloth

@@ -2,6 +2,7 @@
 /// libFuzzer and by the replay of its seeds.
 #pragma once
 
+#include <functional>
 #include <stdexcept>
 #include <string>
 
@@ -22,7 +23,16 @@ class BrokenPromise : public std::logic_error {
 bool readSceneBytes(const std::string& bytes);
 bool readFabricBytes(const std::string& bytes);
 
-/// Each line of `bytes` is one `--set` for a scene that is valid without them.
+/// Each line of `bytes` is one `--set` for kTestedScene.
 bool readOverrideBytes(const std::string& bytes);
+
+/// Scene that is valid as it stands, with two probes and two obstacles.
+extern const char kTestedScene[];
+
+/// Source that messages must name.
+constexpr char kOrigin[] = "input.yaml";
+
+/// Runs a reader and checks its refusal. @return whether it accepted
+bool accepts(const std::function<void()>& read);
 
 }  // namespace haptic_cloth

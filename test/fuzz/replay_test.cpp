@@ -1,8 +1,8 @@
-/// Runs the readers of scene files, fabric files and --set on unusual inputs: the kept seeds, a
-/// fixed set of mutations of them, and inputs that are far too large. Criteria as in the libFuzzer
-/// programs (scripts/fuzz.sh): those of readers.h; no crash, and no exception but InputError with
-/// source and rule. All of it uses less than kMost memory above that at the start: an input that
-/// stands for 1e9 values is refused before it is built.
+/// Runs the readers of scene files, fabric files, --set and recordings on unusual inputs: the kept
+/// seeds, a fixed set of mutations of them, and inputs that are far too large. Criteria as in the
+/// libFuzzer programs (scripts/fuzz.sh; not of recordings): those of readers.h; no crash, and no exception
+/// but InputError with source and rule. All of it uses less than kMost memory above that at the start: an
+/// input that stands for 1e9 values is refused before it is built.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -11,6 +11,7 @@
 
 #include "fuzz/mutation.h"
 #include "fuzz/readers.h"
+#include "fuzz/recording_reader.h"
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/fabric.h"
 #include "haptic_cloth/scene.h"
@@ -28,7 +29,8 @@ void PrintTo(const Reader& reader, std::ostream* stream) { *stream << reader.nam
 
 const Reader kReaders[] = {{"scene", readSceneBytes, {"test/fuzz/seeds/scene", "config/scenes"}},
                            {"fabric", readFabricBytes, {"test/fuzz/seeds/fabric", "config/fabrics"}},
-                           {"override", readOverrideBytes, {"test/fuzz/seeds/override"}}};
+                           {"override", readOverrideBytes, {"test/fuzz/seeds/override"}},
+                           {"recording", readRecordingBytes, {"test/fuzz/seeds/recording"}}};
 
 /// Runs one input. A broken promise fails the test and keeps the input in a file. @return 1 if the
 /// input was accepted

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "state/byte_hash.h"
 #include "support/scenes.h"
 
 namespace haptic_cloth {
@@ -166,23 +167,19 @@ StateCase coarseHammock() {
   return {"a coarse hammock", scene, drive, 40, {3}, [](const Exercised& did) { return did.refined > 0; }};
 }
 
-/// FNV-1a, 64 bit, as in the file format.
 class Hash {
  public:
-  void add(const void* data, std::size_t size) {
-    const auto* bytes = static_cast<const unsigned char*>(data);
-    for (std::size_t k = 0; k < size; ++k) value_ = (value_ ^ bytes[k]) * 1099511628211ull;
-  }
+  void add(const void* data, std::size_t size) { bytes_.add(data, size); }
   template <class T>
   void add(const std::vector<T>& values) {
     add(values.data(), values.size() * sizeof(T));
   }
   void add(double value) { add(&value, sizeof(value)); }
   void add(const Vec3& value) { add(value.data(), 3 * sizeof(double)); }
-  std::uint64_t value() const { return value_; }
+  std::uint64_t value() const { return bytes_.value(); }
 
  private:
-  std::uint64_t value_ = 14695981039346656037ull;
+  ByteHash bytes_;
 };
 
 void add(Hash& hash, const EnergyReport& energy) {

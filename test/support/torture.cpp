@@ -12,6 +12,7 @@
 #include <optional>
 #include <sstream>
 
+#include "state/byte_hash.h"
 #include "support/scene_text.h"
 #include "support/tolerance.h"
 
@@ -69,18 +70,15 @@ bool isFinite(const ClothWorld& world, const EnergyReport& energy) {
 }
 
 std::uint64_t hashOf(const ClothWorld& world) {
-  std::uint64_t hash = 14695981039346656037ull;  // FNV-1a
-  const auto add = [&hash](const Vec3& v) {
-    const auto* bytes = reinterpret_cast<const unsigned char*>(v.data());
-    for (std::size_t k = 0; k < sizeof(Vec3); ++k) hash = (hash ^ bytes[k]) * 1099511628211ull;
-  };
+  ByteHash hash;
+  const auto add = [&hash](const Vec3& v) { hash.add(v.data(), sizeof(Vec3)); };
   const ParticleState& state = world.cloth().state();
   for (const int p : world.cloth().mesh().particle) {
     add(state.position[p]);
     add(state.velocity[p]);
   }
   for (const ProbeReport& probe : world.probes()) add(probe.proxy);
-  return hash;
+  return hash.value();
 }
 
 /// One run of a case, step by step, with its energy balance.

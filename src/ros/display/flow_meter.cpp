@@ -96,7 +96,8 @@ void FlowMeter::clear() {
 
 std::string FlowMeter::line(double seconds) const {
   const double between = newest_.received - first_.received;
-  const double speed = state_.count > 1 && between > 0.0 ? (newest_.time - first_.time) / between : 0.0;
+  const double real_time_factor =
+      state_.count > 1 && between > 0.0 ? (newest_.time - first_.time) / between : 0.0;
   std::string text;
   char part[200];
   for (const Probe& probe : probes_) {
@@ -108,7 +109,8 @@ std::string FlowMeter::line(double seconds) const {
   std::snprintf(
       part, sizeof part,
       "markers %4.1f Hz  state %4.1f Hz | cells %5zu  t %6.2f s  speed %4.2f  rung %d  slipped %.2f s",
-      markers_.count / seconds, state_.count / seconds, cells_, newest_.time, speed, rung_, slipped_);
+      markers_.count / seconds, state_.count / seconds, cells_, newest_.time, real_time_factor, rung_,
+      slipped_);
   return text + part;
 }
 

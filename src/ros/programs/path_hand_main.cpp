@@ -26,26 +26,26 @@ namespace topics = haptic_cloth::topics;
 /// restarts [s].
 constexpr double kLead = 0.5;
 
-/// Estimates the time of the cloth between two state messages, at the pace of the last interval.
+/// Estimates the time of the cloth between two state messages, at the real-time factor of the last interval.
 class ClothClock {
  public:
   void hear(double cloth_time) {
     const double now = haptic_cloth::steadyNow();
     const bool forward = cloth_time > heard_ && now > when_;
-    if (when_ > 0.0 && forward) pace_ = std::min(1.0, (cloth_time - heard_) / (now - when_));
+    if (when_ > 0.0 && forward) real_time_factor_ = std::min(1.0, (cloth_time - heard_) / (now - when_));
     heard_ = cloth_time;
     when_ = now;
   }
   /// Estimated time. It never decreases and is at most 0.1 s ahead of the last message.
   double read() {
     const double ahead = std::min(haptic_cloth::steadyNow() - when_, kAhead);
-    time_ = std::max(time_, heard_ + pace_ * ahead);
+    time_ = std::max(time_, heard_ + real_time_factor_ * ahead);
     return time_;
   }
 
  private:
   static constexpr double kAhead = 0.1;  ///< [s]
-  double heard_ = 0.0, when_ = 0.0, pace_ = 0.0, time_ = 0.0;
+  double heard_ = 0.0, when_ = 0.0, real_time_factor_ = 0.0, time_ = 0.0;
 };
 
 /// Separates states of the restarted cloth from states sent before its reset. It uses the cloth's

@@ -37,19 +37,25 @@ class StateListener {
   explicit StateListener(ros::NodeHandle& node) {
     subscriber_ = node.subscribe<ClothState>("cloth/state", 1, [this](const ClothState::ConstPtr& message) {
       const std::lock_guard<std::mutex> lock(mutex_);
-      ++messages_;
-      if (message->slipped > state_.slipped) ++slips_;
+      const double now = steadyNow();
+      const bool prompt = now - received_ <= kLag;
+      if (prompt) ++messages_;
+      if (prompt && message->slipped > state_.slipped) ++slips_;
+      received_ = now;
+      if (message->rung > state_.rung) fallen_ = now;
       state_ = *message;
       heard_ = true;
       worst_rung_ = std::max<int>(worst_rung_, message->rung);
-      behind_ = std::min(behind_, steadyNow() - message->time - message->slipped);
+      behind_ = std::min(behind_, now - message->time - message->slipped);
     });
   }
   struct Reading {
     ClothState state;
     int worst_rung;  ///< since the last reading
-    int messages;    ///< since the last reading
-    int slips;       ///< of these, how many found that time had slipped
+    /// Messages since the last reading that came soon enough after the one before: where they take longer
+    /// the machine did not run the node, which then may let time slip.
+    int messages;
+    int slips;  ///< of these, how many found that time had slipped
     /// Wall time minus simulated and slipped time [s]: a constant, plus the lag and the delay of the message.
     /// This is the least since the last reading.
     double behind;
@@ -66,15 +72,20 @@ class StateListener {
     const std::lock_guard<std::mutex> lock(mutex_);
     return state_.rung;
   }
+  double fallen() const {  ///< when quality last went down [s]
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return fallen_;
+  }
   bool heard() const { return heard_; }
 
  private:
   static constexpr double kNever = 1e300;
+  static constexpr double kLag = 0.1;  ///< that a node makes up for without a slip [s]
   mutable std::mutex mutex_;
   ClothState state_;
   std::atomic<bool> heard_{false};
   int worst_rung_ = 0, messages_ = 0, slips_ = 0;
-  double behind_ = kNever;
+  double behind_ = kNever, received_ = -kNever, fallen_ = -kNever;
   ros::Subscriber subscriber_;  ///< last member: its callback uses all members above
 };
 
@@ -113,6 +124,15 @@ class KeepClock : public testing::Test {
   /// Asks for solutions to the last bit.
   void askForTooMuch(bool keep_clock) { ask(0.0, 2000, keep_clock); }
 
+  /// Waits until quality is back while the cloth rests, which takes no time. If it still goes down, the
+  /// machine has stopped the node, and patience starts again; the launch file limits the whole.
+  bool qualityComesBack() {
+    const double start = steadyNow();
+    const auto patient = [&] { return steadyNow() < std::max(start, state_.fallen()) + 4 * kPatience; };
+    waitFor([&] { return state_.rung() == 0 || !patient(); }, 20 * kPatience);
+    return state_.rung() == 0;
+  }
+
   /// Moves the hand up and down on the cloth. The probe keeps touching.
   void stir(double seconds) {
     for (const double end = steadyNow() + seconds; steadyNow() < end;) {
@@ -142,19 +162,22 @@ TEST_F(KeepClock, GivesUpQualityUnderLoadAndTakesItBack) {
   const StateListener::Reading start = state_.read();
   stir(8.0);
   const StateListener::Reading end = state_.read();
-  // A solver that is too slow slips between any two messages. One that the system stops for a second, as a
+  // A solver that is too slow slips between any two messages. One that the system stops now and then, as a
   // full machine does, slips only then.
   EXPECT_TRUE(4 * end.slips <= end.messages || end.worst_rung == kLastRung)
-      << "slipped between " << end.slips << " of " << end.messages << " messages, rung " << end.worst_rung;
+      << "slipped between " << end.slips << " of " << end.messages << " prompt messages, rung "
+      << end.worst_rung;
   EXPECT_GT(end.worst_rung, 0);
   EXPECT_LE(end.state.step_length, 1.001 * kLongest);
-  EXPECT_TRUE(waitFor([&] { return diagnostics_.number("solver", "quality rung") > 0.0; }));
-  EXPECT_NE(diagnostics_.value("solver", "given up"), "nothing");
+  EXPECT_TRUE(waitFor([&] {
+    return diagnostics_.number("solver", "quality rung") > 0.0 &&
+           diagnostics_.value("solver", "given up") != "nothing";
+  }));
 
   burners.clear();
   ask(0.1, 200, true);
-  device_.reset();  // the cloth comes to rest, which takes no time
-  EXPECT_TRUE(waitFor([&] { return state_.rung() == 0; }, 4 * kPatience)) << "quality does not come back";
+  device_.reset();  // the cloth comes to rest
+  EXPECT_TRUE(qualityComesBack());
   EXPECT_EQ(state_.read().state.given_up, "");
   // Before and after the load messages come soon. The lag of at most 0.1 s, and the least delay of 60
   // messages.
@@ -164,7 +187,7 @@ TEST_F(KeepClock, GivesUpQualityUnderLoadAndTakesItBack) {
 }
 
 TEST_F(KeepClock, IsLeftAloneWhereSlowMotionIsAskedFor) {
-  ASSERT_TRUE(waitFor([&] { return state_.rung() == 0; }, 4 * kPatience));
+  ASSERT_TRUE(qualityComesBack());
   askForTooMuch(false);
   device_->moveTo(kPressed);
   stir(2.0);
@@ -208,7 +231,8 @@ TEST(Recording, ReplaysASessionToTheSameBits) {
   ReactionListener reaction(node, "probe/reaction");
   Process cloth({programDirectory() + "/haptic_cloth_node", "__ns:=recorded", "__name:=cloth",
                  "_scene_file:=" + scene, "_record:=" + file.string(), "_step_budget:=0.0",
-                 "_solver/tolerance:=0.0001"});
+                 "_solver/tolerance:=0.0001", "_haptics/pose_timeout:=1.0",
+                 "_haptics/snapshot_timeout:=1.0"});
   ASSERT_TRUE(waitFor([&] { return reaction.count() > 0; })) << cloth.output();
   {
     TestDevice device(node, kAbove);

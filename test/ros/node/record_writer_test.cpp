@@ -3,6 +3,7 @@
 #include "ros/node/record_writer.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -53,6 +54,16 @@ TEST_F(RecordWriterTest, LeavesOtherFilesAlone) {
     writer.write("haptic_cloth recording 1");
   }
   EXPECT_EQ(content(), "the user's");
+}
+
+/// To open a FIFO that nobody reads would block for ever, and then so would the end of the writer.
+TEST_F(RecordWriterTest, LeavesAFifoAlone) {
+  ASSERT_EQ(mkfifo(file_.c_str(), 0600), 0);
+  {
+    RecordWriter writer(file_);
+    writer.write("haptic_cloth recording 1");
+  }
+  EXPECT_TRUE(fs::is_fifo(file_));
 }
 
 TEST_F(RecordWriterTest, SurvivesAFileThatCannotBeWritten) {

@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "haptic_cloth/error.h"
-#include "haptics/step_pace.h"
+#include "haptics/step_interval.h"
 #include "support/scenes.h"
 
 namespace haptic_cloth {
@@ -313,21 +313,21 @@ TEST_F(AdmittanceSessionTest, StopsWithoutForcesAndLeavesTheScene) {
   EXPECT_FALSE(session_.isPresent());
 }
 
-TEST(StepPace, IsTheMeanOfTheTimeBetweenStepsWithoutPauses) {
-  StepPace pace;
+TEST(StepInterval, IsTheMeanOfTheTimeBetweenStepsWithoutPauses) {
+  StepInterval interval;
   double now = 5.0;
-  const auto begin = [&](double passed) { pace.begin(now += passed, 1e-3, 0.1); };
+  const auto begin = [&](double passed) { interval.begin(now += passed, 1e-3, 0.1); };
   begin(0.0);
-  EXPECT_EQ(pace.seconds(), 1e-3);
+  EXPECT_EQ(interval.seconds(), 1e-3);
   for (int k = 0; k < 200; ++k) begin(3e-3);
-  EXPECT_NEAR(pace.seconds(), 3e-3, 1e-9);  // 0.9^200 of 2 ms
+  EXPECT_NEAR(interval.seconds(), 3e-3, 1e-9);  // 0.9^200 of 2 ms
   begin(10.0);
-  EXPECT_NEAR(pace.seconds(), 3e-3, 1e-9);
-  pace.interrupt();
+  EXPECT_NEAR(interval.seconds(), 3e-3, 1e-9);
+  interval.interrupt();
   begin(0.05);
-  EXPECT_NEAR(pace.seconds(), 3e-3, 1e-9);
+  EXPECT_NEAR(interval.seconds(), 3e-3, 1e-9);
   for (int k = 0; k < 200; ++k) begin(1e-5);
-  EXPECT_EQ(pace.seconds(), 1e-3);  // a solver that catches up is no faster than the clock
+  EXPECT_EQ(interval.seconds(), 1e-3);  // a solver that catches up is no faster than the clock
 }
 
 }  // namespace

@@ -442,6 +442,10 @@ TEST(ValidateScene, ChecksWhatIsBuiltInCode) {
   broken.probes[0].radius = 1e-5;
   EXPECT_EQ(fails(broken), "code: probe.radius = 1e-05: must be at least a fiftieth of the finest spacing");
   broken = scene;
+  broken.obstacles.emplace_back();
+  broken.obstacles[0].shape = static_cast<Shape>(shapeNames().size());
+  EXPECT_EQ(fails(broken), "code: obstacles[0].shape = 5: must be one of Shape");
+  broken = scene;
   broken.stop.time = nan;
   EXPECT_EQ(fails(broken), "code: stop.time = nan: must be > 0");
   broken = scene;

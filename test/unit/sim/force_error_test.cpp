@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "sim/cloth_world.h"
 #include "support/scenes.h"
 
@@ -15,8 +17,8 @@ class ForceErrorTest : public testing::Test {
  protected:
   ForceErrorTest() : scene_(sheetScene(makeFabric(LinearFabric()), 9, 9, 0.1, 0.1)), error_(scene_) {}
 
-  double estimate(const Vec3& unbalanced, const Vec3& before, const Vec3& force) const {
-    return error_.estimate(0, unbalanced, before, force);
+  double estimate(const Vec3& unbalanced, const Vec3& before, const Vec3& force, double moved = 0.0) {
+    return error_.estimate(0, moved, unbalanced, before, force);
   }
 
   Scene scene_;
@@ -35,6 +37,20 @@ TEST_F(ForceErrorTest, IsTheForceThatIsNotBalanced) {
   EXPECT_NEAR(estimate(Vec3(0, -1, 0), weak, weak), 1.0, 1e-12);
 }
 
+/// Half of it is remembered while the probe rests, and forgotten after a radius of motion, or without
+/// contact.
+TEST_F(ForceErrorTest, StaysWhileTheProbeRests) {
+  const Vec3 weak(0, 0, 1e-9);
+  estimate(Vec3(0, 0, 1), weak, weak);
+  for (int step = 0; step < 1000; ++step) EXPECT_NEAR(estimate(kNothing, weak, weak), 0.5, 1e-12);
+  const double radius = scene_.probes[0].radius;
+  EXPECT_NEAR(estimate(kNothing, weak, weak, 0.02 * radius), 0.5 / std::exp(1.0), 1e-12);
+  EXPECT_LT(estimate(kNothing, weak, weak, radius), 1e-9);
+  estimate(Vec3(0, 0, 1), weak, weak);
+  estimate(kNothing, kNothing, kNothing);
+  EXPECT_LT(estimate(kNothing, weak, weak), 1e-9);
+}
+
 /// A force that has just begun is less certain than one that stays, in any direction.
 TEST_F(ForceErrorTest, GrowsWithTheChangeOfTheForce) {
   const Vec3 force(0, 0, 1);
@@ -44,24 +60,84 @@ TEST_F(ForceErrorTest, GrowsWithTheChangeOfTheForce) {
   EXPECT_DOUBLE_EQ(estimate(kNothing, kNothing, force), estimate(kNothing, Vec3(1, 0, 1), force));
 }
 
-/// Energy of coarse cells, of a strip that stretches or bends under its weight after 0.1 s.
-double coarseEnergyOf(Strategy strategy, bool hangs) {
+/// Strip held at one end, without a probe.
+Scene stripScene(Strategy strategy, bool hangs) {
   LinearFabric linear;
   linear.rigidity = 1e-4;
   Scene scene = sheetScene(makeFabric(linear), 17, 5, 0.16, 0.04);
   setStrategy(scene, strategy, 2);
   pin(scene, 0, 0, 0, 4);
   if (hangs) hangDown(scene);
-  ClothWorld world(scene);
+  return scene;
+}
+
+/// Energies of a strip that stretches or bends under its weight after 0.1 s.
+ForceError::CoarseEnergy coarseEnergyOf(Strategy strategy, bool hangs) {
+  ClothWorld world(stripScene(strategy, hangs));
   for (int step = 0; step < 100; ++step) world.step();
   return ForceError::coarseEnergy(world.cloth());
 }
 
-TEST(CoarseEnergy, IsZeroOnTheFinestMesh) { EXPECT_EQ(coarseEnergyOf(Strategy::Finest, false), 0.0); }
+TEST(CoarseEnergy, IsZeroOnTheFinestMesh) {
+  const ForceError::CoarseEnergy energy = coarseEnergyOf(Strategy::Finest, false);
+  EXPECT_EQ(energy.stretch, 0.0);
+  EXPECT_EQ(energy.bend, 0.0);
+  EXPECT_GT(energy.whole, 0.0);
+}
 
+/// Cells of level 2 are 4 cells of the finest grid long: (l/l₀)² - 1 = 15. Those at the pins are smaller.
 TEST(CoarseEnergy, CountsStretchAndBending) {
-  EXPECT_GT(coarseEnergyOf(Strategy::Coarsest, true), 0.0) << "stretched by its weight, flat";
-  EXPECT_GT(coarseEnergyOf(Strategy::Coarsest, false), coarseEnergyOf(Strategy::Coarsest, true));
+  const ForceError::CoarseEnergy flat = coarseEnergyOf(Strategy::Coarsest, true);
+  EXPECT_GT(flat.stretch, flat.whole) << "stretched by its weight";
+  EXPECT_LT(flat.stretch, 15.0 * flat.whole);
+  EXPECT_GT(coarseEnergyOf(Strategy::Coarsest, false).bend, 0.0);
+}
+
+/// Estimate for a force of `size` at a coupling of `stiffness` on a hanging strip of coarse cells.
+double estimateFor(double stiffness, double size) {
+  Scene scene = stripScene(Strategy::Coarsest, true);
+  scene.probes[0].coupling_stiffness = stiffness;
+  ClothWorld world(scene);
+  for (int step = 0; step < 100; ++step) world.step();
+  ForceError error(scene);
+  error.noteCloth(world.cloth(), true, false);
+  return error.estimate(0, 0.0, kNothing, Vec3(0, 0, size), Vec3(0, 0, size));
+}
+
+/// Coarse stretched cells: a share of the force while it is small, at any stiffness of the coupling,
+/// and no more than what the coupling's spring makes of their energy.
+TEST(CoarseEnergy, IsFeltAsAShareOfTheForceUpToTheCoupling) {
+  const ForceError::CoarseEnergy flat = coarseEnergyOf(Strategy::Coarsest, true);
+  const double small = estimateFor(400, 1e-6);
+  EXPECT_NEAR(small, std::hypot(0.012 * flat.stretch / flat.whole, 0.015) * 1e-6, 1e-9 * small);
+  EXPECT_DOUBLE_EQ(estimateFor(100, 1e-6), small);
+  const double rest = 0.015 * 100.0;
+  const auto spring = [&](double stiffness) {
+    const double estimate = estimateFor(stiffness, 100.0);
+    return estimate * estimate - rest * rest;
+  };
+  EXPECT_NEAR(spring(400) / spring(100), 4.0, 1e-6);
+}
+
+/// Coarse cells are measured when a probe begins to feel the cloth, then at decisions, else never.
+TEST(CoarseEnergy, IsMeasuredWhileItIsFelt) {
+  const Scene scene = stripScene(Strategy::Coarsest, false);
+  ClothWorld world(scene);
+  for (int step = 0; step < 100; ++step) world.step();
+  const Vec3 force(0, 0, 1e-6);
+  ForceError error(scene);
+  const auto estimate = [&] { return error.estimate(0, 0.0, kNothing, force, force); };
+  const double without = estimate();
+  error.noteCloth(world.cloth(), false, true);
+  EXPECT_EQ(estimate(), without) << "nothing felt";
+  error.noteCloth(world.cloth(), true, false);
+  const double first = estimate();
+  EXPECT_GT(first, without);
+  for (int step = 0; step < 100; ++step) world.step();
+  error.noteCloth(world.cloth(), true, false);
+  EXPECT_EQ(estimate(), first) << "no decision";
+  error.noteCloth(world.cloth(), true, true);
+  EXPECT_NE(estimate(), first);
 }
 
 /// Unbalanced force near a probe that is pressed 5 mm into a sheet held at its sides [N].

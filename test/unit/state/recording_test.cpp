@@ -88,6 +88,7 @@ TEST(Recording, SaysWhatDoesNotFit) {
   expect(with("adapt.interval 6", "adapt.interval 0"), "adapt.interval");
   expect(with("adapt.interval", "adapt.levels"), "unknown option 'adapt.levels'");
   expect(with("\nreset", "\ndevice 0 1 2"), "too short");
+  expect(with("\nreset", "\nreset 1"), "has '1' after its end");
   Scene other = run.scene;
   other.cloth.fabric.areal_density *= 2.0;
   EXPECT_NE(messageOf(text, other).find("must be that of the scene"), std::string::npos);

@@ -7,7 +7,7 @@ namespace haptic_cloth {
 
 /// Wall-clock time of the current step: its simulated time, times a smoothed mean of wall-clock over
 /// simulated time. The solver's thread calls it.
-class StepPace {
+class StepInterval {
  public:
   /// A step starts.
   /// @param now steady clock [s]
