@@ -253,6 +253,9 @@ class Surface {
   }
 
   bool cut(const SurfaceEdge& edge, const std::array<int, 3>& triangle) const {
+    for (const int node : triangle) {
+      if (node == edge.a || node == edge.b) return false;
+    }
     const Vec3 p = nodes_[edge.a], q = nodes_[edge.b], a = nodes_[triangle[0]], b = nodes_[triangle[1]],
                c = nodes_[triangle[2]];
     const Vec3 low = a.cwiseMin(b).cwiseMin(c), high = a.cwiseMax(b).cwiseMax(c);
