@@ -90,7 +90,7 @@ Vec3 hairpin(const Vec3& at, double fold, double gap) {
   const double radius = 0.5 * gap, along = at.x() - fold, turn = along / radius;
   if (along <= 0.0) return at;
   if (turn < EIGEN_PI) return {fold + radius * std::sin(turn), at.y(), radius * (1.0 - std::cos(turn))};
-  return {fold - (along - EIGEN_PI * radius), at.y(), gap};
+  return {fold - (along - static_cast<double>(EIGEN_PI) * radius), at.y(), gap};
 }
 
 /// A rolled sheet turns by far more than half a turn; every pair of its layers that is near is found.
