@@ -270,6 +270,7 @@ void ClothWorld::serialize(Archive& archive) {
   cloth_.serialize(archive);
   if (archive.loads()) solver_.resize();
   adaptation_.serialize(archive, steps_);
+  load_.serialize(archive);
   archive("rest", sleep_);
   archive("contacts", contacts_);
   probes_.serialize(archive);

@@ -9,9 +9,8 @@
 namespace haptic_cloth {
 namespace {
 
-// Cells of up to this level are left to their visible turn. Compression is uncertain by the
-// tolerance of a solve, so a scene and its image would decide unlike.
-constexpr int kSeen = 2;
+/// Compression of a particle that is not in the mesh: less than any [N/m].
+constexpr double kNone = std::numeric_limits<double>::lowest();
 
 /// Secant of the law's middle line at a curvature that cloth takes easily.
 double rigidity(const Loop& bending) {
@@ -28,6 +27,7 @@ LoadEstimate::LoadEstimate(const Fabric& fabric, const Grid& grid, const Vec3& g
       rigidity_{rigidity(fabric.bending[kWarp]), rigidity(fabric.bending[kWeft])},
       range_(fabric.thickness) {
   for (auto& tension : tension_) tension.reserve(grid.particles());
+  for (auto& compression : compression_) compression.assign(grid.particles(), kNone);
   edges_.reserve(grid.particles());
 }
 
@@ -39,10 +39,13 @@ double LoadEstimate::turnUnder(double load, double tension, double length) const
   return sag > kSag * range_ ? turn : 0.0;
 }
 
+void LoadEstimate::serialize(Archive& archive) {
+  archive("compression.warp", compression_[kWarp]);
+  archive("compression.weft", compression_[kWeft]);
+}
+
 void LoadEstimate::begin(const View& view, double least) {
   least_ = least;
-  const double longest = (1 << grid_.levels) * std::max(grid_.dx, grid_.dy);
-  if (grid_.levels <= kSeen && turnUnder(density_ * gravity_, 0.0, longest) <= least) return;
   const ActiveMesh& mesh = view.mesh;
   for (const int direction : {kWarp, kWeft}) {
     std::vector<double>& tensions = tension_[direction];
@@ -58,6 +61,24 @@ void LoadEstimate::begin(const View& view, double least) {
       }
     }
     for (int n = 0; n < mesh.nodes(); ++n) tensions[n] /= std::max(1, edges_[n]);
+    followCompression(view, direction);
+  }
+}
+
+/// Compression of each particle: rises at once, so that cells split before they buckle, and falls
+/// slowly, so that they do not merge while a fold forms.
+void LoadEstimate::followCompression(const View& view, int direction) {
+  constexpr double kFalls = 0.07;  // time constant [s]
+  const double share = 1.0 - std::exp(-view.look_time / kFalls);
+  for (int p = 0; p < grid_.particles(); ++p) {
+    const int n = view.mesh.node[p];
+    double& compression = compression_[direction][p];
+    if (n < 0) {
+      compression = kNone;
+    } else {
+      const double now = -tension_[direction][n];
+      compression = std::max(now, compression + share * (now - compression));
+    }
   }
 }
 
@@ -99,7 +120,6 @@ double LoadEstimate::missing(const View& view, const Cell& cell, int parts) cons
 double LoadEstimate::buckle(const View& view, const Cell& cell, int parts) const {
   constexpr double kEuler = 9.8696;  // π²
   constexpr double kHeld = 0.1;      // of the cell's weight; solves leave as much unbalanced
-  if (cell.level <= kSeen) return 0.0;
   const int step = cell.span() / parts;
   double largest = 0.0;
   for (const int direction : {kWarp, kWeft}) {
@@ -112,7 +132,7 @@ double LoadEstimate::buckle(const View& view, const Cell& cell, int parts) const
         const int along = k * step, across = line * step;
         const int p = direction == kWarp ? grid_.particle(cell.i + along, cell.j + across)
                                          : grid_.particle(cell.i + across, cell.j + along);
-        compression -= tension_[direction][view.mesh.node[p]] / (parts + 1);
+        compression += compression_[direction][p] / (parts + 1);
       }
       largest = std::max(largest, compression / bears);
     }

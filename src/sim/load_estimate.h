@@ -8,6 +8,7 @@
 #include "energy/internal_energy.h"
 #include "haptic_cloth/fabric.h"
 #include "mesh/active_mesh.h"
+#include "state/archive.h"
 
 namespace haptic_cloth {
 
@@ -33,9 +34,10 @@ namespace haptic_cloth {
 ///
 /// A cell that is compressed along its threads stays straight where finer cells would buckle, above
 /// the Euler load π² B/L² of a strip of its length. The compression over that load makes a turning
-/// angle as well, for cells above level 2. A tenth of the cell's weight is added to the load: as
-/// much may come from a solve that ends at its tolerance, and a fabric without bending rigidity has
-/// no Euler load.
+/// angle as well. A tenth of the cell's weight is added to the load: as much may come from a solve
+/// that ends at its tolerance, and a fabric without bending rigidity has no Euler load. Compression
+/// counts for some time after it is over: a fold that forms has relieved its cells, but it would
+/// form differently if they merged.
 class LoadEstimate {
  public:
   /// Probe that the cloth presses on.
@@ -62,17 +64,21 @@ class LoadEstimate {
     double split_turn;
   };
 
-  /// Measures tensions for later calls of turn(). @param least smaller angles may count as zero
-  /// [rad]
+  /// Measures tensions for later calls of turn(); to be called once for each mesh decision.
+  /// @param least smaller angles may count as zero [rad]
   void begin(const View& view, double least);
 
   /// Turning angle of a leaf (parts 1) or of the parent of four leaves (parts 2) [rad]. @pre
   /// begin() for the same mesh
   double turn(const View& view, const Cell& cell, int parts) const;
 
+  /// Saves or loads the compression of the particles.
+  void serialize(Archive& archive);
+
  private:
   using Points = std::array<Vec3, 9>;
 
+  void followCompression(const View& view, int direction);
   double turnUnder(double load, double tension, double length) const;
   double bend(const View& view, const Cell& cell, int parts) const;
   double missing(const View& view, const Cell& cell, int parts) const;
@@ -90,7 +96,9 @@ class LoadEstimate {
   double range_;                    ///< gap at which contact begins [m]
   double least_ = 0.0;
   std::array<std::vector<double>, 2> tension_;  ///< mean of a node's edges by direction [N/m]
-  std::vector<int> edges_;                      ///< edges at each node in one direction, scratch
+  /// Compression of each particle by direction, which falls slowly [N/m].
+  std::array<std::vector<double>, 2> compression_;
+  std::vector<int> edges_;  ///< edges at each node in one direction, scratch
 };
 
 }  // namespace haptic_cloth

@@ -75,6 +75,7 @@ class Shadow {
 
   /// Called once before each step. @return nothing if the mesh does not change
   std::optional<Change> change(ClothWorld& world, const FineRegions& fine = {}) {
+    if (!adaptation_.looks(world.steps())) return std::nullopt;
     const Cloth& cloth = world.cloth();
     const LoadEstimate::View view = world.loadView();
     load_.begin(view, std::min(world.scene().adapt.refine_above, world.scene().adapt.coarsen_below));
