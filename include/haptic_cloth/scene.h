@@ -24,6 +24,8 @@ struct ClothOptions {
   Pose pose{Vec3(0.0, 0.0, 0.10), Quat::Identity()};  ///< centre of the flat cloth
   Fabric fabric;
   std::vector<ParticleRange> pins;  ///< particles held at their initial position
+  bool self_contact = true;         ///< layers of the cloth do not pass through each other
+  double self_friction = 0.3;       ///< Coulomb coefficient of cloth on cloth [-]
 };
 
 /// Form of an obstacle.

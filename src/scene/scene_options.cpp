@@ -22,7 +22,11 @@ Options optionsOf(ClothOptions& cloth) {
       {"orientation", field(cloth.pose.orientation), kNoRange, "", "grid in the local x-y plane", kFixed,
        kInState},
       {"fabric", OwnReader{"", "required"}, kNoRange, "", "name, or path that ends in `.yaml`"},
-      {"pins", OwnReader{"[]", "list"}, kNoRange, "", "particles held at their start position"}};
+      {"pins", OwnReader{"[]", "list"}, kNoRange, "", "particles held at their start position"},
+      {"self_contact", field(cloth.self_contact), kNoRange, "", "layers do not pass through each other",
+       kFixed, kInState},
+      {"self_friction", field(cloth.self_friction), kNotNegative, "", "Coulomb coefficient of cloth on cloth",
+       kFixed, kInState}};
 }
 
 Options worldOptions(Scene& scene) {

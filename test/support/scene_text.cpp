@@ -36,7 +36,8 @@ void writeCloth(std::ostream& out, const ClothOptions& cloth, const std::string&
     out << (&pin == &cloth.pins.front() ? "" : ", ") << "{particles: [[" << pin.i0 << ", " << pin.i1 << "], ["
         << pin.j0 << ", " << pin.j1 << "]]}";
   }
-  out << "]\n";
+  out << "]\n  self_contact: " << (cloth.self_contact ? "true" : "false")
+      << "\n  self_friction: " << cloth.self_friction << '\n';
 }
 
 void writeObstacle(std::ostream& out, const Obstacle& obstacle) {

@@ -56,6 +56,8 @@ TEST(Scene, DefaultsAreThoseOfTheStructs) {
   EXPECT_EQ(scene.cloth.size, plain.cloth.size);
   EXPECT_EQ(scene.cloth.pose.position, plain.cloth.pose.position);
   EXPECT_EQ(scene.cloth.fabric.name, "linear");
+  EXPECT_EQ(scene.cloth.self_contact, plain.cloth.self_contact);
+  EXPECT_EQ(scene.cloth.self_friction, plain.cloth.self_friction);
   EXPECT_EQ(scene.gravity, plain.gravity);
   EXPECT_EQ(scene.air_damping, plain.air_damping);
   EXPECT_TRUE(scene.obstacles.empty());
@@ -75,6 +77,8 @@ cloth:
   orientation: [0, 0, 0.70710678, 0.70710678]
   fabric: linear
   pins: [edge_x1, {particles: [[1, 2], [3, 4]]}]
+  self_contact: false
+  self_friction: 0.4
 gravity: [0, 1, -2]
 air_damping: 0.25
 obstacles: []
@@ -95,6 +99,8 @@ stop: {time: 4, rest_speed: 0.001}
   EXPECT_EQ(scene.cloth.pins[1].i1, 2);
   EXPECT_EQ(scene.cloth.pins[1].j0, 3);
   EXPECT_EQ(scene.cloth.pins[1].j1, 4);
+  EXPECT_FALSE(scene.cloth.self_contact);
+  EXPECT_EQ(scene.cloth.self_friction, 0.4);
   EXPECT_EQ(scene.gravity, Vec3(0, 1, -2));
   EXPECT_EQ(scene.air_damping, 0.25);
   EXPECT_EQ(scene.probes[0].radius, 0.01);
@@ -193,7 +199,7 @@ TEST(Scene, UnknownAndDuplicateKeysAreNamed) {
   expectMessages(
       {{withCloth("partciles: [3, 3]"),
         "scene: cloth.partciles: unknown key; known here: particles, size, position, orientation, fabric, "
-        "pins"},
+        "pins, self_contact, self_friction"},
        {ok + "gravty: 1",
         "scene: gravty: unknown key; known here: cloth, gravity, air_damping, obstacles, probe, probes, "
         "solver, "
@@ -278,6 +284,7 @@ TEST(Scene, ImpossibleValuesAreNamed) {
         "scene: cloth.particles[1] = 78: particles - 1 must be divisible by 2^adapt.levels = 4"},
        {withCloth("particles: [40001, 40001]"),
         "scene: cloth.particles = 1.60008e+09: the product must be at most 2^24"},
+       {withCloth("self_friction: -0.1"), "scene: cloth.self_friction = -0.1: must be >= 0"},
        {withCloth("size: [0.3, 0]"), "scene: cloth.size[1] = 0: must be > 0"},
        {withCloth("size: [0.3, 1e7]"), "scene: cloth.size[1] = 1e+07: must be at most 1e6"},
        {ok + "stop: {time: 1e13}", "scene: stop.time = 1e+13: must be within 1e-12 to 1e12"},
@@ -345,7 +352,7 @@ TEST(SceneOverrides, WrongOnesAreNamed) {
       {"air_damping=-1", "--set: air_damping = -1: must be >= 0"},
       {"cloth.partciles=3",
        "--set: cloth.partciles: unknown key; known here: particles, size, position, orientation, fabric, "
-       "pins"},
+       "pins, self_contact, self_friction"},
       {"cloth.fabric.name=x", "--set: cloth.fabric.name=x: cloth.fabric = linear has no keys below it"},
       {"obstacles.1.radius=3",
        "--set: obstacles.1.radius=3: 1 must be an index below 1, the length of obstacles"},

@@ -134,6 +134,8 @@ TEST_F(State, AnotherSceneIsRefusedByTheKeyThatDiffers) {
   refused({"cloth.fabric.tensile.weft"},
           [](Scene& s) { s.cloth.fabric.tensile[kWeft] = Curve::linear(500.0); });
   refused({"cloth.fabric.areal_density"}, [](Scene& s) { s.cloth.fabric.areal_density *= 1.1; });
+  refused({"cloth.self_contact = 1", "0"}, [](Scene& s) { s.cloth.self_contact = false; });
+  refused({"cloth.self_friction = 0.3", "0.4"}, [](Scene& s) { s.cloth.self_friction = 0.4; });
   refused({"gravity = [0, 0, -9.81]", "[0, 0, -1.62]"}, [](Scene& s) { s.gravity.z() = -1.62; });
   refused({"obstacles", "0", "1"}, [](Scene& s) { s.obstacles.emplace_back(); });
   refused({"probes.probe.friction = 0.4", "0.5"}, [](Scene& s) { s.probes[0].friction = 0.5; });
