@@ -2,12 +2,20 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "haptic_cloth/loop.h"
 
 namespace haptic_cloth {
+
+/// Compression of one layer by pressure on its faces, from KES-FB3 (docs/reference/fabrics.md).
+struct Compression {
+  double thickness = 0.0;          ///< T0: thickness where the pressure begins [m]
+  double pressed_thickness = 0.0;  ///< Tm: thickness at 50 gf/cm², less than T0 [m]
+  double linearity = 0.0;          ///< LC, between 0 and 1 [-]
+};
 
 /// Measured data of one fabric. Arrays are indexed by Direction (warp, weft).
 struct Fabric {
@@ -16,6 +24,7 @@ struct Fabric {
   std::vector<std::string> assumed;  ///< groups that were not measured for this fabric ("shear", ...)
   double areal_density = 0.0;        ///< [kg/m²]
   double thickness = 0.0;            ///< [m]
+  std::optional<Compression> compression;  ///< empty: not measured
   double compression_ratio = 0.1;    ///< stiffness below zero strain / slope at 1 % strain [-]
   std::array<Loop, 2> tensile;       ///< strain [-] → tension [N/m]
   std::array<Loop, 2> bending;       ///< curvature [1/m] → moment per width [N·m/m]

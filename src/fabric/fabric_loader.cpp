@@ -58,6 +58,14 @@ double notNegativeOr(const YamlMap& map, const std::string& name, double missing
   return value ? notNegative(*value) : missing;
 }
 
+/// Number as text, with a point in every locale.
+std::string plain(double number) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << number;
+  return text.str();
+}
+
 std::vector<TableRow> readRows(const YamlValue& table) {
   const std::vector<YamlValue> entries = table.list();
   if (entries.size() < 2) table.fail("must have at least two rows");
@@ -95,10 +103,7 @@ std::vector<TableRow> readUnloading(const YamlValue& table, const std::vector<Ta
   if (rows.back().deformation < loading.back().deformation) rows.push_back(loading.back());
   for (const TableRow& row : loading) {
     if (interpolate(rows, row.deformation) > row.force + slack) {
-      std::ostringstream where;
-      where.imbue(std::locale::classic());
-      where << "unloading must not lie above loading, as it does at " << row.deformation;
-      table.fail(where.str());
+      table.fail("unloading must not lie above loading, as it does at " + plain(row.deformation));
     }
   }
   return rows;
@@ -217,6 +222,32 @@ HalfLoop readShearLaw(const YamlMap& map) {
   return readTables(map, false);
 }
 
+/// Reads KES-FB3 data: thickness where the pressure begins and at 50 gf/cm², linearity, and for a
+/// check the work and the resilience.
+Compression readCompression(const YamlValue& group) {
+  const YamlMap map(group, {"T0", "Tm", "LC", "WC", "RC"});
+  constexpr double kMillimetre = 1e-3;
+  const double thickness = positiveUpTo(map.require("T0"), kThickest / kMillimetre,
+                                        "must be at most 50: it is in mm"),
+               pressed = positive(map.require("Tm"));
+  if (!(pressed < thickness)) map.require("Tm").fail("must be below T0");
+  const double linearity = positive(map.require("LC"));
+  if (!(linearity < 1.0)) map.require("LC").fail("must be > 0 and < 1");
+  if (const auto work = map.find("WC")) {
+    // LC is defined by WC = LC P_m (T0 - Tm)/2; 50 gf/cm² · 1 mm = 5 gf·cm/cm². Sources round.
+    constexpr double kRounding = 0.05;
+    const double expected = linearity * 5.0 * (thickness - pressed) / 2.0;
+    if (std::abs(positive(*work) - expected) > kRounding * expected) {
+      work->fail("must be 2.5 LC (T0 - Tm) within 5 %, " + plain(expected) + ": it is in gf·cm/cm²");
+    }
+  }
+  if (const auto resilience = map.find("RC")) {
+    if (const double value = resilience->number(); !(value > kLeastResilience && value <= 100.0))
+      resilience->fail("must be > 1 and <= 100: it is in %");
+  }
+  return {kMillimetre * thickness, kMillimetre * pressed, linearity};
+}
+
 /// Laws of warp and weft; equal if the file gives one for both.
 struct Group {
   HalfLoop warp;
@@ -266,8 +297,8 @@ double twistRigidity(const Group& bending) {
 }
 
 void readAssumed(const YamlMap& map, std::vector<std::string>& assumed) {
-  const std::vector<std::string> groups{"areal_density", "thickness", "tensile",
-                                        "bending",       "shear",     "compression_ratio"};
+  const std::vector<std::string> groups{"areal_density", "thickness",   "tensile",          "bending",
+                                        "shear",         "compression", "compression_ratio"};
   std::vector<std::pair<std::string, std::string>> choices;
   for (const std::string& group : groups) choices.emplace_back(group, group);
   if (const auto list = map.find("assumed")) {
@@ -299,12 +330,13 @@ Fabric readFabric(const YamlMap& map, const std::string& default_name) {
     const Group shear = readGroup(*group, kShearKeys, false, readShearLaw);
     fabric.shear = oddLoop(shear.apart ? meanLaw(shear.warp, shear.weft) : shear.warp);
   }
+  if (const auto group = map.find("compression")) fabric.compression = readCompression(*group);
   return fabric;
 }
 
 Fabric readFabric(const YamlDocument& document, const std::string& default_name) {
   const YamlMap map(document.root(), {"name", "source", "assumed", "areal_density", "thickness", "tensile",
-                                      "bending", "shear", "compression_ratio"});
+                                      "bending", "shear", "compression", "compression_ratio"});
   return readFabric(map, default_name);
 }
 

@@ -56,6 +56,10 @@ void serializeFabric(Archive& archive, const Fabric& fabric) {
     similar(archive, prefix + "bending." + name, fabric.bending[direction]);
   }
   similar(archive, prefix + "shear", fabric.shear);
+  const Compression compression = fabric.compression.value_or(Compression());
+  archive.same(prefix + "compression.T0", compression.thickness);
+  archive.same(prefix + "compression.Tm", compression.pressed_thickness);
+  archive.same(prefix + "compression.LC", compression.linearity);
 }
 
 void serializeCloth(Archive& archive, ClothOptions& cloth) {

@@ -105,6 +105,39 @@ TEST_F(FabricFile, KesTensileLoopGivesBackTheResilience) {
   EXPECT_NEAR(loop.force(play, s), 0.0, 1e-6);
 }
 
+TEST_F(FabricFile, CompressionDataBecomeSi) {
+  const std::string base = std::string(kHead) + kTensile;
+  EXPECT_FALSE(load(base).compression.has_value());
+  // WC = 2.5 · 0.33 · 0.25 = 0.206 gf·cm/cm², rounded as sources do.
+  for (const std::string& rest : {"", ", WC: 0.21, RC: 55"}) {
+    const Fabric fabric = load(base + "compression: {T0: 0.90, Tm: 0.65, LC: 0.33" + rest + "}\n");
+    ASSERT_TRUE(fabric.compression.has_value());
+    EXPECT_DOUBLE_EQ(fabric.compression->thickness, 0.9e-3);
+    EXPECT_DOUBLE_EQ(fabric.compression->pressed_thickness, 0.65e-3);
+    EXPECT_EQ(fabric.compression->linearity, 0.33);
+  }
+}
+
+TEST_F(FabricFile, WrongCompressionDataAreNamed) {
+  const std::string base = std::string(kHead) + kTensile;
+  expectMessages({
+      {base + "compression: {Tm: 0.65, LC: 0.33}\n", "cloth.yaml:5: compression.T0: is required"},
+      {base + "compression: {T0: 900, Tm: 650, LC: 0.33}\n",
+       "cloth.yaml:5: compression.T0 = 900: must be at most 50: it is in mm"},
+      {base + "compression: {T0: 0.65, Tm: 0.9, LC: 0.33}\n",
+       "cloth.yaml:5: compression.Tm = 0.9: must be below T0"},
+      {base + "compression: {T0: 0.9, Tm: 0.65, LC: 1}\n",
+       "cloth.yaml:5: compression.LC = 1: must be > 0 and < 1"},
+      {base + "compression: {T0: 0.9, Tm: 0.65, LC: 0.33, WC: 0.23}\n",
+       "cloth.yaml:5: compression.WC = 0.23: must be 2.5 LC (T0 - Tm) within 5 %, 0.20625: it is in "
+       "gf·cm/cm²"},
+      {base + "compression: {T0: 0.9, Tm: 0.65, LC: 0.33, RC: 0.5}\n",
+       "cloth.yaml:5: compression.RC = 0.5: must be > 1 and <= 100: it is in %"},
+      {base + "compression: {T: 0.9}\n",
+       "cloth.yaml:5: compression.T: unknown key; known here: T0, Tm, LC, WC, RC"},
+  });
+}
+
 TEST_F(FabricFile, TwistMakesUpWhatTheBiasHasMore) {
   // B_45 = (B_warp + B_weft)/4 + B_t/2.
   const Fabric fabric =
@@ -184,7 +217,7 @@ TEST_F(FabricFile, WrongDocumentsAndValuesAreNamed) {
       {base + "---\na: 1\n", "cloth.yaml: must hold one YAML document, not several"},
       {base + "densty: 3\n",
        "cloth.yaml:5: densty: unknown key; known here: name, source, assumed, areal_density, thickness, "
-       "tensile, bending, shear, compression_ratio"},
+       "tensile, bending, shear, compression, compression_ratio"},
       {base + "thickness: 0.1\n", "cloth.yaml:5: thickness: must not stand here twice"},
       {"areal_density: 0.2\nthickness: 0.1\ntensile: {stiffness: 1}\n",
        "cloth.yaml:1: source: is required: where the numbers come from"},
@@ -213,7 +246,7 @@ TEST_F(FabricFile, WrongDocumentsAndValuesAreNamed) {
       {base + "assumed: shear\n", "cloth.yaml:5: assumed = shear: must be a list"},
       {base + "assumed: [sheer]\n",
        "cloth.yaml:5: assumed[0] = sheer: must be one of areal_density, thickness, tensile, bending, shear, "
-       "compression_ratio"},
+       "compression, compression_ratio"},
   });
 }
 
