@@ -16,8 +16,7 @@ ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
   samples_.reserve(capacity, 2 * solids_.size());
   forces_.reserve(capacity);
   gather_.reserve(grid.particles(), capacity);
-  if (options.self_contact)
-    self_.emplace(grid, SelfContact::Options{options.range, options.self_friction, options.slip_speed * options.time_step});
+  if (options.self) self_.emplace(grid, *options.self, options.slip_speed * options.time_step);
 }
 
 void ContactSet::advance(double time_step) {

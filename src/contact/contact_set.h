@@ -30,8 +30,7 @@ class ContactSet {
     double range;       ///< gap at which contact begins [m]
     double slip_speed;  ///< speed below which friction is smoothed [m/s]
     double time_step;   ///< length of the first step [s]
-    bool self_contact = false;   ///< the cloth meets itself
-    double self_friction = 0.0;  ///< coefficient of friction between layers [-]
+    std::optional<SelfContact::Options> self = {};  ///< empty: the cloth passes through itself
   };
   using Reach = SampleFinder::Reach;
   using Energy = ContactEnergy;

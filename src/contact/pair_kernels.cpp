@@ -1,4 +1,5 @@
-#include "contact/contact_law.h"
+#include <cmath>
+
 #include "contact/pair_packs.h"
 #include "contact/sample_packs.h"
 #include "simd/kernels.h"
@@ -106,16 +107,37 @@ HAPTIC_CLOTH_INLINE void nearestAreas(const PairPack& pack, double* areas) {
   }
 }
 
+struct PressureLanes {
+  Lanes energy, pressure, stiffness;
+};
+
+/// CompressionLaw in lanes. @param distance [m]; positive
+HAPTIC_CLOTH_INLINE PressureLanes press(const CompressionLaw::Constants& law, const Lanes& distance) {
+  const Lanes none{}, v = larger(1.0 - distance / law.barrier_range, none), left = 1.0 - v, inverse = 1.0 / left;
+  PressureLanes sum{law.barrier_pressure * law.barrier_range * (-0.5 * v * v - v - logarithm(left)),
+                    law.barrier_pressure * v * v * inverse,
+                    law.barrier_pressure / law.barrier_range * v * (2.0 - v) * inverse * inverse};
+  if (law.pressure == 0.0) return sum;
+  const Lanes x = larger((law.range - distance) / law.span, none);
+  Lanes steep{};
+  for (int l = 0; l < kLanes; ++l) {
+    if (x[l] > 0.0) steep[l] = law.pressure * std::pow(x[l], law.exponent - 1.0);
+  }
+  sum.energy += steep * x * x * (law.span / (law.exponent + 1.0));
+  sum.pressure += steep * x;
+  sum.stiffness += steep * (law.exponent / law.span);
+  return sum;
+}
+
 /// Writes forces of one vector of pairs; adds their stored energy and their friction potential.
-HAPTIC_CLOTH_INLINE void pressOne(PairPack& pack, int l, const double* areas, double slip, const ConstArrays& x,
-                                  Lanes& energy, Lanes& loss) {
-  const Lanes range = larger(load(pack.range + l), all(kTiny)), area = load(areas + l), none{};
-  const Lanes u = larger(1.0 - load(pack.distance + l) / range, none);
-  const Lanes left = larger(1.0 - u, all(kTiny)), inverse = 1.0 / left;
-  const Lanes pressing = ContactLaw::kPressure * area * u * u * inverse;
-  energy += ContactLaw::kPressure * area * range * (-0.5 * u * u - u - logarithm(left));
-  store(pack.pressing + l, pressing);
-  store(pack.stiffness + l, ContactLaw::kPressure * area / range * u * (2.0 - u) * inverse * inverse);
+HAPTIC_CLOTH_INLINE void pressOne(PairPack& pack, int l, const double* areas, const PairContext& context,
+                                  const ConstArrays& x, Lanes& energy, Lanes& loss) {
+  const double slip = context.slip;
+  const Lanes scale = larger(load(pack.range + l), all(kTiny)) / context.law.range, area = load(areas + l);
+  const PressureLanes law = press(context.law, larger(load(pack.distance + l), all(kTiny)) / scale);
+  energy += area * scale * law.energy;
+  store(pack.pressing + l, area * law.pressure);
+  store(pack.stiffness + l, area / scale * law.stiffness);
   const Lanes limit = load(pack.friction + l);
   const Lanes3 start_normal = load3(pack.start_normal, l);
   const Lanes3 moved = weighted(pack, pack.start_weights, l, x) - load3(pack.start, l);
@@ -143,7 +165,8 @@ void measurePairs(PairPack* packs, int begin, int end, const ConstArrays& x) {
   }
 }
 
-ContactEnergy evaluatePairs(PairPack* packs, int begin, int end, double slip, const ConstArrays& x) {
+ContactEnergy evaluatePairs(PairPack* packs, int begin, int end, const PairContext& context,
+                            const ConstArrays& x) {
   Lanes energy{}, loss{};
   for (int p = begin; p < end; ++p) {
     PairPack& pack = packs[p];
@@ -158,7 +181,7 @@ ContactEnergy evaluatePairs(PairPack* packs, int begin, int end, double slip, co
     }
     double areas[kPack];
     nearestAreas(pack, areas);
-    for (int l = 0; l < kPack; l += kLanes) pressOne(pack, l, areas, slip, x, energy, loss);
+    for (int l = 0; l < kPack; l += kLanes) pressOne(pack, l, areas, context, x, energy, loss);
   }
   return {total(energy), total(loss)};
 }

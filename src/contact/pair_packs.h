@@ -1,6 +1,7 @@
 /// Pairs of parts of the cloth in packs, the format of the kernels.
 #pragma once
 
+#include "contact/compression_law.h"
 #include "simd/pack.h"
 
 namespace haptic_cloth {
@@ -29,10 +30,16 @@ struct alignas(64) PairPack {
   double drag_stiffness[kPack];  ///< across start_normal [N/m]
 };
 
+/// Values that all pairs share in a step.
+struct PairContext {
+  /// Pressure by distance. A pair with a shorter range has the same law over it.
+  CompressionLaw::Constants law;
+  double slip;  ///< slip below which friction is smoothed [m]
+};
+
 // Kernels:
 //   measurePairs       writes distance, normal and weights of packs begin..end.
-//   evaluatePairs      measures packs begin..end and writes their forces. Returns their energy. Friction is
-//                      smoothed below `slip` [m].
+//   evaluatePairs      measures packs begin..end and writes their forces. Returns their energy.
 //   pairQuadraticForm  quadratic form d · H⁺ d of packs begin..end at the last evaluation [J].
 //   largestPairStep    largest factor of d at which no pair uses up more than `share` of its distance.
 //                      The normal separates both parts of a pair: they do not meet before one of their

@@ -14,8 +14,8 @@ Vec3 laneOf(const double (&values)[3][kPack], int lane) {
 
 }  // namespace
 
-SelfContact::SelfContact(const Grid& grid, const Options& options)
-    : friction_(options.friction), slip_(options.slip), finder_(grid, options.thickness) {
+SelfContact::SelfContact(const Grid& grid, const Options& options, double slip)
+    : law_(options.law), friction_(options.friction), slip_(slip), finder_(grid, options.law.range()) {
   packs_.reserve(grid.particles() / 2);
   rows_.reserve(grid.particles() + 1);
   entries_.reserve(4 * kPack * (grid.particles() / 2));
@@ -68,7 +68,8 @@ void SelfContact::listEntries(int nodes) {
 }
 
 ContactEnergy SelfContact::evaluate(int begin, int end, const Field& nodes) {
-  return kernels().evaluatePairs(packs_.data(), begin / kPack, end / kPack, slip_, nodes.arrays());
+  return kernels().evaluatePairs(packs_.data(), begin / kPack, end / kPack, {law_.constants(), slip_},
+                                 nodes.arrays());
 }
 
 double SelfContact::quadraticForm(int begin, int end, const Field& d) const {

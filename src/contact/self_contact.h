@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "contact/compression_law.h"
 #include "contact/pair_finder.h"
 #include "contact/pair_packs.h"
 #include "contact/sample_packs.h"
@@ -18,14 +19,14 @@ namespace haptic_cloth {
 class SelfContact {
  public:
   struct Options {
-    double thickness;  ///< distance at which layers begin to press [m]
-    double friction;   ///< coefficient of friction between layers [-]
-    double slip;       ///< slip in a step below which friction is smoothed [m]
+    CompressionLaw law;
+    double friction;  ///< coefficient of friction between layers [-]
   };
 
-  SelfContact(const Grid& grid, const Options& options);
+  /// @param slip slip in a step below which friction is smoothed [m]
+  SelfContact(const Grid& grid, const Options& options, double slip);
 
-  void setSlip(double slip) { slip_ = slip; }  ///< see Options [m]
+  void setSlip(double slip) { slip_ = slip; }  ///< see the constructor [m]
 
   /// Must follow a change of the mesh.
   void rebuild(const ActiveMesh& mesh) { finder_.rebuild(mesh); }
@@ -100,6 +101,7 @@ class SelfContact {
   };
   void listEntries(int nodes);
 
+  CompressionLaw law_;
   double friction_, slip_;
   PairFinder finder_;
   std::vector<PairPack> packs_;

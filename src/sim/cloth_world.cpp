@@ -15,10 +15,10 @@ constexpr double kSlipSpeed = 3e-4;
 constexpr double kFineReach = 2.0;
 
 ContactSet::Options contactOptions(const Scene& scene) {
-  // The joint cost knows no pairs.
-  const bool self_contact = scene.cloth.self_contact && scene.solver.cost == Cost::Condensed;
-  return {scene.cloth.fabric.thickness, kSlipSpeed, scene.solver.time_step, self_contact,
-          scene.cloth.self_friction};
+  ContactSet::Options options{scene.cloth.fabric.thickness, kSlipSpeed, scene.solver.time_step};
+  if (scene.cloth.self_contact && scene.solver.cost == Cost::Condensed)  // the joint cost knows no pairs
+    options.self = SelfContact::Options{CompressionLaw(scene.cloth.fabric), scene.cloth.self_friction};
+  return options;
 }
 
 }  // namespace

@@ -11,6 +11,7 @@ struct GatherColumn;
 struct GatherDetail;
 struct LawView;
 struct Motion;
+struct PairContext;
 struct PairPack;
 struct PatchCorners;
 struct PatchPack;
@@ -85,7 +86,7 @@ struct TriplePack;
           const double* gaps, const ConstArrays& normals, double* margins))                                  \
   KERNEL(void, measurePairs, (PairPack * packs, int begin, int end, const ConstArrays& x))                   \
   KERNEL(ContactEnergy, evaluatePairs,                                                                       \
-         (PairPack * packs, int begin, int end, double slip, const ConstArrays& x))                          \
+         (PairPack * packs, int begin, int end, const PairContext& context, const ConstArrays& x))           \
   KERNEL(double, pairQuadraticForm, (const PairPack* packs, int begin, int end, const ConstArrays& d))       \
   KERNEL(double, largestPairStep,                                                                            \
          (const PairPack* packs, int begin, int end, double share, const ConstArrays& x,                     \

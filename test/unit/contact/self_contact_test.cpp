@@ -20,10 +20,16 @@ constexpr double kSlip = 1e-6;                        // [m]
 
 Grid gridOf(int columns, int rows, int levels) { return {columns, rows, levels, kSpacing, kSpacing}; }
 
+CompressionLaw law() {
+  Fabric fabric;
+  fabric.thickness = kThickness;
+  return CompressionLaw(fabric);
+}
+
 /// Cloth with self-contact, in positions that a test sets.
 struct Folded {
   Folded(const Grid& grid, const LeafMesh& leaves, double friction)
-      : mesh(leaves, 0.2), contact(grid, {kThickness, friction, kSlip}), surface(grid) {
+      : mesh(leaves, 0.2), contact(grid, {law(), friction}, kSlip), surface(grid) {
     contact.rebuild(mesh);
     surface.rebuild(mesh);
     x.resize(mesh.nodes());
@@ -188,7 +194,7 @@ TEST(SelfContact, LayersPressByTheLaw) {
     if (cloth.x[n].z() > 0.9 * gap) up -= gradient[n].z();
   }
   EXPECT_NEAR(sum, 0.0, 1e-12);  // action and reaction
-  const double u = 1.0 - gap / kThickness, pressure = ContactLaw::kPressure * u * u / (1.0 - u);
+  const double pressure = law()(gap).pressure;
   const double width = 20 * kSpacing, length = 0.24 - fold - EIGEN_PI * 0.5 * gap;
   EXPECT_NEAR(up, pressure * width * length, pressure * width * 2.0 * kSpacing);
 }
