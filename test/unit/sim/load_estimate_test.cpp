@@ -2,8 +2,8 @@
 /// Criteria: the formulas of docs/model.md (The adaptive mesh). A sheet with linear fabric that is
 /// squeezed by ε carries k ε along its threads. Its turning angle is 0.6 rad times k ε over
 /// π² B/l² + 0.1 ρ g l, at the first look. Once the sheet is flat again, the angle falls with a time
-/// constant of 70 ms (docs/decisions/0032). The load agrees to 1e-6, as
-/// exactly as a table of the law gives its slope; the rest agrees to rounding.
+/// constant of 70 ms (docs/decisions/0032). The load agrees to 1e-6, as exactly as the table of a law
+/// gives its slope; the rest agrees to rounding.
 #include <gtest/gtest.h>
 
 #include <cmath>
