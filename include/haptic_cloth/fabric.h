@@ -20,14 +20,14 @@ struct Compression {
 /// Measured data of one fabric. Arrays are indexed by Direction (warp, weft).
 struct Fabric {
   std::string name;
-  std::string source;                ///< publication or laboratory of the numbers
-  std::vector<std::string> assumed;  ///< groups that were not measured for this fabric ("shear", ...)
-  double areal_density = 0.0;        ///< [kg/m²]
-  double thickness = 0.0;            ///< [m]
+  std::string source;                      ///< publication or laboratory of the numbers
+  std::vector<std::string> assumed;        ///< groups that were not measured for this fabric ("shear", ...)
+  double areal_density = 0.0;              ///< [kg/m²]
+  double thickness = 0.0;                  ///< [m]
   std::optional<Compression> compression;  ///< empty: not measured
-  double compression_ratio = 0.1;    ///< stiffness below zero strain / slope at 1 % strain [-]
-  std::array<Loop, 2> tensile;       ///< strain [-] → tension [N/m]
-  std::array<Loop, 2> bending;       ///< curvature [1/m] → moment per width [N·m/m]
+  double compression_ratio = 0.1;          ///< stiffness below zero strain / slope at 1 % strain [-]
+  std::array<Loop, 2> tensile;             ///< strain [-] → tension [N/m]
+  std::array<Loop, 2> bending;             ///< curvature [1/m] → moment per width [N·m/m]
   /// B_t, from the bending rigidity on the bias; 0: no twist term [N·m]
   double twist_rigidity = 0.0;
   Loop shear;  ///< shear angle [rad] → shear force per width [N/m]

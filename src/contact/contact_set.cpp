@@ -1,6 +1,7 @@
 #include "contact/contact_set.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace haptic_cloth {
 
@@ -8,13 +9,16 @@ ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
                        const std::vector<ProbeOptions>& probes, const Options& options, Team& team)
     : slip_speed_(options.slip_speed),
       time_step_(options.time_step),
+      grid_(grid),
       law_(options.range),
       solids_(obstacles, probes),
-      finder_(grid, solids_, law_, team),
+      memory_(grid),
+      finder_(grid, solids_, law_, memory_, team),
       forces_(solids_, samples_, law_, options.slip_speed * options.time_step) {
   const int capacity = finder_.capacity();
   samples_.reserve(capacity, 2 * solids_.size());
   forces_.reserve(capacity);
+  memory_.reserve(capacity);
   gather_.reserve(grid.particles(), capacity);
   if (options.self) self_.emplace(grid, *options.self, options.slip_speed * options.time_step);
 }
@@ -51,6 +55,21 @@ double ContactSet::quadraticForm(int begin, int end, const Field& d, const std::
       forces_.quadraticForm(std::min(begin, samples), std::min(end, samples), d, d_proxies, whole_motion);
   if (!self_ || end <= samples) return sum;
   return sum + self_->quadraticForm(std::max(begin, samples) - samples, end - samples, d);
+}
+
+void ContactSet::serialize(Archive& archive) {
+  solids_.serialize(archive);
+  memory_.serialize(archive, solids_.size());
+}
+
+void ContactSet::rememberFriction(const Field& nodes) {
+  memory_.clear();
+  for (int k = 0; k < samples_.size(); ++k) {
+    const ContactSample& sample = samples_[k];
+    if (!(sample.friction_force > 0.0) || !forces_.touches(k)) continue;
+    const double half = 0.5 * std::sqrt(sample.area / (grid_.dx * grid_.dy));
+    memory_.add(sample.solid, sample.flat, half, forces_.friction(k, nodes) / sample.area);
+  }
 }
 
 void ContactSet::appendAwake(const std::vector<char>& awake, int first, Runs& runs) const {

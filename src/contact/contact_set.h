@@ -49,9 +49,9 @@ class ContactSet {
   /// Speed of the fastest point of an obstacle in the current step [m/s].
   double obstacleSpeed(int k) const { return solids_.pathLength(k) / time_step_; }
 
-  /// Saves or loads poses and targets of the obstacles; samples and friction are found in each
-  /// step.
-  void serialize(Archive& archive) { solids_.serialize(archive); }
+  /// Saves or loads poses and targets of the obstacles, and what friction remembers; samples are
+  /// found in each step.
+  void serialize(Archive& archive);
 
   /// Places a probe at the start of a step: its proxy [m], and its orientation at start and end.
   void startProbe(int probe, const Vec3& proxy, const Quat& before, const Quat& after) {
@@ -109,6 +109,10 @@ class ContactSet {
   bool isClear(const ActiveMesh& mesh, const Field& nodes, int probe) {
     return finder_.isClear(mesh, nodes, probe);
   }
+
+  /// Remembers the friction of all samples for the next step.
+  /// @param nodes positions of the last evaluation [m]
+  void rememberFriction(const Field& nodes);
 
   /// Number of samples and pairs: length of the range that evaluate() and quadraticForm() divide in
   /// multiples of kPack.
@@ -200,8 +204,10 @@ class ContactSet {
   void forSamples(int probe, const Visit& visit) const;
 
   double slip_speed_, time_step_;  ///< [m/s], [s]
+  Grid grid_;
   ContactLaw law_;
   SolidSet solids_;
+  FrictionMemory memory_;
   SampleFinder finder_;
   SampleList samples_;
   SampleForces forces_;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "contact/friction_law.h"
 #include "shape/solid_lanes.h"
 #include "simd/kernels.h"
 
@@ -41,13 +42,18 @@ struct Window {
 
 /// @param u, v coordinates along warp and weft, 0..1
 SurfacePoint surfacePoint(const Patch& patch, double u, double v, double area) {
-  return {patch.nodes, {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v}, area};
+  const Cell& cell = patch.cell;
+  return {patch.nodes,
+          {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v},
+          area,
+          {cell.i + u * cell.span(), cell.j + v * cell.span()}};
 }
 
 }  // namespace
 
-SampleFinder::SampleFinder(const Grid& grid, const SolidSet& solids, const ContactLaw& law, Team& team)
-    : grid_(grid), solids_(solids), law_(law), team_(team) {
+SampleFinder::SampleFinder(const Grid& grid, const SolidSet& solids, const ContactLaw& law,
+                           const FrictionMemory& memory, Team& team)
+    : grid_(grid), solids_(solids), law_(law), memory_(memory), team_(team) {
   const int samples = capacity();
   started_.reserve(samples);
   near_.reserve(samples);
@@ -118,7 +124,9 @@ void SampleFinder::addNodes(const ActiveMesh& mesh, const Field& nodes, const st
   for (int n = 0; n < mesh.nodes(); ++n) {
     const double near = law_.range() + reach[n];
     if (node_area_[n] == 0.0 || at_nodes_.gaps[n] > near) continue;
-    addPoint(SurfacePoint::atNode(n, node_area_[n]), nodes[n], near);
+    const int particle = mesh.particle[n];
+    const FlatPoint flat{double(grid_.column(particle)), double(grid_.row(particle))};
+    addPoint(SurfacePoint::atNode(n, node_area_[n], flat), nodes[n], near);
   }
 }
 
@@ -259,6 +267,11 @@ void SampleFinder::addGroup(int solid, SampleList& samples) {
   samples.endGroup();
 }
 
+/// Slip over the smoothing length for the friction that is remembered, before the solid turns.
+Vec3 SampleFinder::elasticSlip(const ContactSample& sample) const {
+  return slipUnder(sample.area / sample.friction_force * memory_.find(sample.solid, sample.flat));
+}
+
 /// Starts a sample. If a moving solid touches it only at the end of the step, it has no friction
 /// yet.
 ContactSample SampleFinder::startSample(int point, int index, bool still) const {
@@ -272,11 +285,14 @@ ContactSample SampleFinder::startSample(int point, int index, bool still) const 
   sample.friction_force = friction * sample.area * law_(then.value + sample.gap_offset).pressure;
   Vec3 carried = place;
   sample.start_normal = then.normal;
+  if (sample.friction_force > 0.0) sample.elastic_slip = elasticSlip(sample);
   if (!still) {
     const Eigen::Matrix3d turn = solid.rotation() * before.rotation().transpose();
     carried = solid.position() + turn * (place - before.position());
     sample.start_normal = turn * then.normal;
+    sample.elastic_slip = turn * sample.elastic_slip;
   }
+  sample.elastic_slip -= sample.elastic_slip.dot(sample.start_normal) * sample.start_normal;
   sample.start = carried - solids_.origin(index);
   sample.carry = carried - place;
   sample.clearance = now_.gaps[point] - law_.range() - sample.carry.norm();

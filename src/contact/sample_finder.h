@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "contact/contact_law.h"
+#include "contact/friction_memory.h"
 #include "contact/sample_list.h"
 #include "contact/solid_set.h"
 #include "mesh/active_mesh.h"
@@ -26,7 +27,8 @@ class SampleFinder {
     double distance;  ///< largest expected motion of its proxy [m]
   };
 
-  SampleFinder(const Grid& grid, const SolidSet& solids, const ContactLaw& law, Team& team);
+  SampleFinder(const Grid& grid, const SolidSet& solids, const ContactLaw& law, const FrictionMemory& memory,
+               Team& team);
 
   /// Number of samples to reserve memory for. If a finest cell has at most one sample of a solid,
   /// cells two finest cells wide under an uneven solid need most: five samples and one node in four
@@ -65,11 +67,13 @@ class SampleFinder {
   void addPoint(const SurfacePoint& point, const Vec3& place, double margin);
   void selectNear(int solid);
   void addGroup(int solid, SampleList& samples);
+  Vec3 elasticSlip(const ContactSample& sample) const;
   ContactSample startSample(int point, int solid, bool still) const;
 
   Grid grid_;
   const SolidSet& solids_;
   ContactLaw law_;
+  const FrictionMemory& memory_;
   Team& team_;
   // About the cloth and one solid, written by measure():
   Distances at_nodes_;

@@ -18,6 +18,7 @@ void SampleForces::rebuild() {
   packs_.assign(samples_.size() / kPack, SamplePack{});
   for (int k = 0; k < samples_.size(); ++k) {
     const ContactSample& sample = samples_[k];
+    const Vec3 start = slipOrigin(sample), start_slip = slip_ * sample.elastic_slip;
     SamplePack& pack = packs_[k / kPack];
     const int l = k % kPack;
     pack.at_nodes = (l == 0 || pack.at_nodes) && sample.weights[0] == 1.0;
@@ -26,8 +27,9 @@ void SampleForces::rebuild() {
       pack.weights[c][l] = sample.weights[c];
     }
     for (int c = 0; c < 3; ++c) {
-      pack.start[c][l] = sample.start[c];
+      pack.start[c][l] = start[c];
       pack.start_normal[c][l] = sample.start_normal[c];
+      pack.start_slip[c][l] = start_slip[c];
     }
     pack.area[l] = sample.area;
     pack.gap_offset[l] = sample.gap_offset;
@@ -112,15 +114,22 @@ void SampleForces::linearise(int begin, int end, const Field& nodes, const Field
     change_.add(k, -pack.pressing[l] * length / (2.0 * kNudge) *
                        (solid.distance(position + nudge).normal - solid.distance(position - nudge).normal));
     if (sample.friction_force > 0.0) {
-      const auto along = [&](const Vec3& v) {
-        return Vec3(v - sample.start_normal.dot(v) * sample.start_normal);
-      };
-      const Vec3 slip = along(position - solids_.origin(sample.solid) - sample.start),
-                 slipping = along(moved);
+      const Vec3 slip = this->slip(sample, position),
+                 slipping = moved - sample.start_normal.dot(moved) * sample.start_normal;
       const double fading = sample.friction_force * smoothSlip(slip.norm(), slip_).slope;
       change_.add(k, pack.tangent_stiffness[l] * slipping + fading * slip.dot(slipping) * slip);
     }
   }
+}
+
+/// Slip of a sample since the start of the step, with the elastic slip that it had then [m].
+Vec3 SampleForces::slip(const ContactSample& sample, const Vec3& position) const {
+  const Vec3 moved = position - solids_.origin(sample.solid) - slipOrigin(sample);
+  return moved - sample.start_normal.dot(moved) * sample.start_normal;
+}
+
+Vec3 SampleForces::friction(int sample, const Field& nodes) const {
+  return pack(sample).tangent_stiffness[sample % kPack] * slip(samples_[sample], samples_[sample].of(nodes));
 }
 
 Vec3 SampleForces::normal(int sample) const {

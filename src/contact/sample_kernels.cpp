@@ -76,6 +76,15 @@ HAPTIC_CLOTH_INLINE void evaluateOne(SamplePack& pack, int l, const SampleContex
   store(pack.pressing + l, pressing);
 }
 
+/// Change of the friction force along a motion that ends in sliding, times that motion.
+/// @param square square of the motion in the tangent plane
+HAPTIC_CLOTH_INLINE Lanes sliding(const SamplePack& pack, int l, const Lanes3& moved, const Lanes& square) {
+  const Lanes3 slip = load3(pack.start_slip, l);
+  const Lanes towards = dot(slip, moved), end = dot(slip, slip) + 2.0 * towards + square;
+  const Lanes force = load(pack.friction + l) * (towards + square) / squareRoot(larger(end, all(1e-300)));
+  return larger(force - load(pack.tangent_stiffness + l) * towards, Lanes{});
+}
+
 }  // namespace
 
 ContactEnergy evaluateSamples(SamplePack* packs, int begin, int end, const SampleContext& context,
@@ -111,8 +120,8 @@ double sampleQuadraticForm(const SamplePack* packs, int begin, int end, const Co
       const Lanes normal = dot(load3(pack.normal, l), moved), start = dot(load3(pack.start_normal, l), moved);
       const Lanes square = larger(dot(moved, moved) - start * start, Lanes{});
       const Lanes stuck = along * square;
-      sum += across * normal * normal +
-             (whole_motion ? smaller(stuck, load(pack.friction + l) * squareRoot(square)) : stuck);
+      sum +=
+          across * normal * normal + (whole_motion ? smaller(stuck, sliding(pack, l, moved, square)) : stuck);
     }
   }
   return total(sum);

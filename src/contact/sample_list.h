@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "contact/friction_memory.h"
 #include "haptic_cloth/types.h"
 #include "mesh/field.h"
 #include "simd/pack.h"
@@ -15,9 +16,10 @@ struct SurfacePoint {
   std::array<int, 4> nodes;       ///< corners of its cell
   std::array<double, 4> weights;  ///< bilinear weights, sum 1
   double area;                    ///< area of cloth that it stands for [m²]
+  FlatPoint flat;                 ///< where it is in the flat cloth
 
-  static SurfacePoint atNode(int node, double area) {
-    return {{node, node, node, node}, {1.0, 0.0, 0.0, 0.0}, area};
+  static SurfacePoint atNode(int node, double area, const FlatPoint& flat = {}) {
+    return {{node, node, node, node}, {1.0, 0.0, 0.0, 0.0}, area, flat};
   }
 
   /// Value at this point. @param values values at all nodes
@@ -39,6 +41,9 @@ struct ContactSample : SurfacePoint {
   Vec3 start = Vec3::Zero();
   Vec3 carry = Vec3::Zero();  ///< displacement to that position from the start of the step [m]
   Vec3 start_normal = Vec3::Zero();
+  /// Slip that the friction at the start of the step stands for, over the length below which friction
+  /// is smoothed: at most 1 [-].
+  Vec3 elastic_slip = Vec3::Zero();
 };
 
 /// Samples in groups: each belongs to one solid and fills whole packs, the last with samples that

@@ -14,7 +14,8 @@ struct alignas(64) SamplePack {
   double gap_offset[kPack];  ///< see ContactSample [m]
   double friction[kPack];    ///< limit of the friction force [N]
   double clearance[kPack];   ///< distance that the sample can move before it may touch [m]
-  double start[3][kPack], start_normal[3][kPack];
+  /// Where slip counts from, normal there, and elastic slip at the start of the step.
+  double start[3][kPack], start_normal[3][kPack], start_slip[3][kPack];
   // Results of the last evaluation:
   double normal[3][kPack];
   /// At least the range if nothing touches [m].
@@ -43,9 +44,9 @@ struct ContactEnergy {
 //   evaluateSamples      energy of packs begin..end; the gradients by the samples' positions go to
 //                        slots first, ..., kPack for each pack.
 //   sampleQuadraticForm  quadratic form d · H⁺ d of packs begin..end at the last evaluation [J].
-//                        `d_origin` is the motion of the solid. With `whole_motion` friction counts
-//                        as over the whole of d: its force is limited, however stiff it is at zero
-//                        slip.
+//                        `d_origin` is the motion of the solid. With `whole_motion`, at the start of
+//                        a step, friction counts as over the whole of d: its force changes from that
+//                        of the elastic slip to at most its limit, however stiff it is.
 //   largestStep          largest factor of d at which no sample uses up more than `share` of its
 //                        gap.
 //   solidDistances       signed distances [m] and normals of points 0 .. count - 1; arrays are

@@ -9,7 +9,7 @@
 namespace haptic_cloth {
 namespace {
 
-// Speed below which friction is smoothed [m/s]; held cloth creeps at most this fast.
+// Speed below which friction is smoothed [m/s].
 constexpr double kSlipSpeed = 3e-4;
 // Width of the finest cells around a probe, beyond its radius [finest spacings].
 constexpr double kFineReach = 2.0;
@@ -161,6 +161,7 @@ void ClothWorld::accept(StepReport& report) {
   // Ejected cloth is stopped after each step, but does not count as resting.
   markEjected();
   markJumped();
+  contacts_.rememberFriction(solved.nodes());
   cloth_.move(solved, jumped_);
   energy_.notePinWork(solved.pinWork() + cloth_.pinnedKineticEnergy() - pinned_before);
   sleep_.update(cloth_.mesh(), cloth_.velocities(), solved.awake().flags(), ejected_);
