@@ -109,7 +109,7 @@ TEST_F(FabricFile, CompressionDataBecomeSi) {
   const std::string base = std::string(kHead) + kTensile;
   EXPECT_FALSE(load(base).compression.has_value());
   // WC = 2.5 · 0.33 · 0.25 = 0.206 gf·cm/cm², rounded as sources do.
-  for (const std::string& rest : {"", ", WC: 0.21, RC: 55"}) {
+  for (const std::string rest : {"", ", WC: 0.21, RC: 55"}) {
     const Fabric fabric = load(base + "compression: {T0: 0.90, Tm: 0.65, LC: 0.33" + rest + "}\n");
     ASSERT_TRUE(fabric.compression.has_value());
     EXPECT_DOUBLE_EQ(fabric.compression->thickness, 0.9e-3);
