@@ -29,7 +29,7 @@ ClothTree::ClothTree(const Grid& grid) : grid_(grid), levels_(0) {
   for (auto* list : {&boxes_, &motions_}) list->reserve(size);
   tangents_.reserve(size);
   tangents_after_.reserve(size);
-  smooth_.reserve(size);
+  smooth_.reserve(4 * size);
   rough_.reserve(size);
 }
 
@@ -126,25 +126,24 @@ void ClothTree::fitTangents(const ActiveMesh& mesh, const Field& nodes,
   unite(tangents);
 }
 
-/// Orthonormal axes beside the mean tangents, turned towards neither.
+/// Orthonormal axes near the mean tangents.
 ClothTree::Axes ClothTree::axesOf(const Tangents& tangents) {
   const Vec3 warp = (tangents.warp.low + tangents.warp.high).normalized(),
-             weft = (tangents.weft.low + tangents.weft.high).normalized();
-  const Vec3 sum = (warp + weft).normalized(), difference = (warp - weft).normalized();
-  const double half = std::sqrt(0.5);
-  return {half * (sum + difference), half * (sum - difference)};
+             weft = tangents.weft.low + tangents.weft.high;
+  return {warp, (weft - warp.dot(weft) * warp).normalized()};
 }
 
-/// Smallest eigenvalue λ over the ranges of the tangents.
-double ClothTree::smoothness(const Tangents& t, const Axes& axes) {
+/// Tells whether λ is at least `least` over the ranges of the tangents.
+bool ClothTree::isSmooth(const Tangents& t, const Axes& axes, double least) {
   const auto middle = [](const Box& box) { return Vec3(0.5 * (box.low + box.high)); };
   const auto half = [](const Box& box) { return Vec3(0.5 * (box.high - box.low)); };
   const Vec3 first = axes.first.cwiseAbs(), second = axes.second.cwiseAbs();
-  const double a = middle(t.warp).dot(axes.first) - half(t.warp).dot(first);
-  const double b = middle(t.weft).dot(axes.second) - half(t.weft).dot(second);
+  const double a = middle(t.warp).dot(axes.first) - half(t.warp).dot(first) - least;
+  const double b = middle(t.weft).dot(axes.second) - half(t.weft).dot(second) - least;
+  if (!(a >= 0.0) || !(b >= 0.0)) return false;
   const double mixed = std::abs(middle(t.warp).dot(axes.second) + middle(t.weft).dot(axes.first)) +
                        half(t.warp).dot(second) + half(t.weft).dot(first);
-  return 0.5 * (a + b) - 0.5 * std::hypot(a - b, mixed);
+  return 4.0 * a * b >= mixed * mixed;
 }
 
 /// Tells whether parts that fill a rectangle are smooth together.
@@ -156,16 +155,14 @@ bool ClothTree::isSmooth(const std::array<int, 4>& parts, int count) {
     rough = rough || rough_[parts[k]];
   }
   const Axes axes = axesOf(tangents);
-  if (rough || !(smoothness(tangents, axes) >= kSmooth)) return false;
+  if (rough || !isSmooth(tangents, axes, kSmooth)) return false;
   smooth_.push_back({parts, count, axes});
   return true;
 }
 
-/// Tells whether two parts lie in a smooth rectangle of 2 × 1, 1 × 2 or 2 × 2 parts of one level.
+/// Tells whether two parts beside each other lie in a smooth rectangle of 2 × 1, 1 × 2 or 2 × 2 parts.
 bool ClothTree::isSmoothTogether(int a, int b) {
   const Part &one = parts_[a], &other = parts_[b];
-  if (one.level != other.level || std::abs(one.i - other.i) > 1 || std::abs(one.j - other.j) > 1)
-    return false;
   std::array<int, 4> parts{};
   int count = 0;
   for (int j = std::min(one.j, other.j); j <= std::max(one.j, other.j); ++j) {
@@ -185,7 +182,7 @@ bool ClothTree::staysSmooth(const ActiveMesh& mesh, const Field& nodes) {
   for (const Smooth& smooth : smooth_) {
     Tangents tangents = tangents_after_[smooth.parts[0]];
     for (int k = 1; k < smooth.count; ++k) tangents.add(tangents_after_[smooth.parts[k]]);
-    if (smoothness(tangents, smooth.axes) >= kStillSmooth) continue;
+    if (isSmooth(tangents, smooth.axes, kStillSmooth)) continue;
     for (int k = 0; k < smooth.count; ++k) rough_[smooth.parts[k]] = 1;
     all = false;
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdlib>
 #include <vector>
 
 #include "mesh/active_mesh.h"
@@ -89,9 +90,14 @@ class ClothTree {
   void unite(std::vector<Value>& values) const;
   void fitTangents(const ActiveMesh& mesh, const Field& nodes, std::vector<Tangents>& tangents) const;
   bool isSmooth(const std::array<int, 4>& parts, int count);
+  /// Tells whether two parts of one level have a common corner.
+  bool isBeside(int a, int b) const {
+    const Part &one = parts_[a], &other = parts_[b];
+    return one.level == other.level && std::abs(one.i - other.i) <= 1 && std::abs(one.j - other.j) <= 1;
+  }
   bool isSmoothTogether(int a, int b);
   static Axes axesOf(const Tangents& tangents);
-  static double smoothness(const Tangents& tangents, const Axes& axes);
+  static bool isSmooth(const Tangents& tangents, const Axes& axes, double least);
 
   bool touchesCell(const Part& part, const Cell& cell) const {
     const int i = part.i << part.level, j = part.j << part.level, size = 1 << part.level;
@@ -134,7 +140,7 @@ class ClothTree {
 
   template <class Visit>
   void visitPair(int a, int b, const Visit& visit) {
-    if (!mayMeet(a, b) || isSmoothTogether(a, b)) return;
+    if (isBeside(a, b) ? isSmoothTogether(a, b) : !mayMeet(a, b)) return;
     if (parts_[a].patch >= 0 && parts_[b].patch >= 0) return visit(parts_[a].patch, parts_[b].patch);
     const bool divide_a = parts_[b].patch >= 0 || (parts_[a].patch < 0 && parts_[a].level >= parts_[b].level);
     for (const int child : parts_[divide_a ? a : b].children) {

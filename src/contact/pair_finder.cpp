@@ -63,7 +63,8 @@ double distanceOfLines(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& 
 }
 
 /// Largest motion of two groups of nodes relative to each other [m].
-double apart(const PairFinder::Reach& reach, std::initializer_list<int> ones, std::initializer_list<int> others) {
+template <class Nodes, class Others>
+double apart(const PairFinder::Reach& reach, const Nodes& ones, const Others& others) {
   double moved = 0.0, one_deviates = 0.0, other_deviates = 0.0;
   for (const int a : ones) {
     one_deviates = std::max(one_deviates, reach.deviation[a]);
@@ -174,6 +175,7 @@ bool PairFinder::hasRoom(const ActiveMesh& mesh, const Field& nodes, const Cell&
 /// Adds the pairs of two patches, which may be the same.
 void PairFinder::addPatches(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int a,
                             int b) {
+  most_ = apart(reach, mesh.patches[a].nodes, mesh.patches[b].nodes);
   for (int swap = 0; swap < (a == b ? 1 : 2); ++swap) {
     const int of = swap ? b : a, on = swap ? a : b;
     const TriangleSurface::Range own = surface_.nodesOf(of);
@@ -193,13 +195,13 @@ void PairFinder::addNode(const ActiveMesh& mesh, const Field& nodes, const Reach
                          const TriangleSurface::Triangle& t) {
   if (node == t[0] || node == t[1] || node == t[2]) return;
   const Vec3 p = nodes[node], a = nodes[t[0]], b = nodes[t[1]], c = nodes[t[2]];
-  const double near = within_ + apart(reach, {node}, {t[0], t[1], t[2]});
+  const double near = within_ + most_;
   for (int k = 0; k < 3; ++k) {
     if (p[k] - near > std::max({a[k], b[k], c[k]}) || p[k] + near < std::min({a[k], b[k], c[k]})) return;
   }
   const Vec3 between = p - nearestOnTriangle(p, a, b, c);
   const double distance = between.norm();
-  if (distance > near) return;
+  if (distance > within_ + apart(reach, std::array<int, 1>{node}, t)) return;
   const std::array<int, 4> list{node, t[0], t[1], t[2]};
   const double range = rangeOf(mesh, list, false);
   const double above =
@@ -211,13 +213,14 @@ void PairFinder::addLines(const ActiveMesh& mesh, const Field& nodes, const Reac
                           const TriangleSurface::Line& one, const TriangleSurface::Line& other) {
   if (one.a == other.a || one.a == other.b || one.b == other.a || one.b == other.b) return;
   const Vec3 a = nodes[one.a], b = nodes[one.b], c = nodes[other.a], d = nodes[other.b];
-  const double near = lines_within_ + apart(reach, {one.a, one.b}, {other.a, other.b});
+  const double near = lines_within_ + most_;
   for (int k = 0; k < 3; ++k) {
     if (std::min(a[k], b[k]) - near > std::max(c[k], d[k]) || std::max(a[k], b[k]) + near < std::min(c[k], d[k]))
       return;
   }
   const double distance = distanceOfLines(a, b, c, d);
-  if (distance > near) return;
+  if (distance > lines_within_ + apart(reach, std::array<int, 2>{one.a, one.b}, std::array<int, 2>{other.a, other.b}))
+    return;
   const std::array<int, 4> list{one.a, one.b, other.a, other.b};
   const double range = rangeOf(mesh, list, true);
   if (range > 0.0) lines_.push_back({list, kLineRange * range, distance, 0});

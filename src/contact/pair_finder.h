@@ -79,6 +79,7 @@ class PairFinder {
   double within_ = 0.0, lines_within_ = 0.0;      ///< distances of the pairs that are searched [m]
   ConstArrays normals_{};                         ///< during find()
   std::vector<Candidate> nodes_, lines_, sorted_;
+  double most_ = 0.0;                             ///< apart() of the patches in addPatches() [m]
   Field motion_;                                  ///< scratch of mayMeetUnlisted(), as the next two
   std::vector<double> none_;
   std::vector<std::array<int, 4>> listed_;
