@@ -29,7 +29,8 @@ class ClothTree {
   /// Fits boxes and tangents to positions [m].
   /// @param motion expected displacement of each node [m]
   /// @param margins of the boxes at each node [m]
-  void fit(const ActiveMesh& mesh, const Field& nodes, const Field& motion, const std::vector<double>& margins);
+  void fit(const ActiveMesh& mesh, const Field& nodes, const Field& motion,
+           const std::vector<double>& margins);
 
   /// Calls visit(a, b) for all pairs of patches, a = b included, whose boxes overlap somewhere on the
   /// way of the expected motion, unless they lie in one smooth rectangle.
@@ -73,8 +74,8 @@ class ClothTree {
     Vec3 first, second;
   };
   struct Part {
-    int level, i, j;  ///< cell in units of its size
-    int patch;        ///< of a leaf, else -1
+    int level, i, j;              ///< cell in units of its size
+    int patch;                    ///< of a leaf, else -1
     std::array<int, 4> children;  ///< -1: none
   };
   /// Rectangle that was found smooth: up to 2 × 2 parts.
@@ -151,9 +152,9 @@ class ClothTree {
   Grid grid_;
   int levels_;  ///< level of the top
   int top_ = 0;
-  std::vector<Part> parts_;          ///< leaves in the order of the patches, then by level
-  std::vector<int> level_offset_;    ///< first index of each level in index_
-  std::vector<int> index_;           ///< part at each place of each level; -1: within a coarser leaf
+  std::vector<Part> parts_;           ///< leaves in the order of the patches, then by level
+  std::vector<int> level_offset_;     ///< first index of each level in index_
+  std::vector<int> index_;            ///< part at each place of each level; -1: within a coarser leaf
   std::vector<Box> boxes_, motions_;  ///< of the parts: of positions with margins, of motions [m]
   std::vector<Tangents> tangents_, tangents_after_;
   std::vector<Smooth> smooth_;  ///< found by the last forNear()

@@ -27,9 +27,9 @@ namespace haptic_cloth {
 class ContactSet {
  public:
   struct Options {
-    double range;       ///< gap at which contact begins [m]
-    double slip_speed;  ///< speed below which friction is smoothed [m/s]
-    double time_step;   ///< length of the first step [s]
+    double range;                                   ///< gap at which contact begins [m]
+    double slip_speed;                              ///< speed below which friction is smoothed [m/s]
+    double time_step;                               ///< length of the first step [s]
     std::optional<SelfContact::Options> self = {};  ///< empty: the cloth passes through itself
   };
   using Reach = SampleFinder::Reach;

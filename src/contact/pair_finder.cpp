@@ -33,7 +33,8 @@ double distance(const Point& p, const Point& a, const Point& b, const Point& c) 
 
 Vec3 nearestOnTriangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a, ap = p - a;
-  const double uu = ab.squaredNorm(), uv = ab.dot(ac), vv = ac.squaredNorm(), up = ap.dot(ab), vp = ap.dot(ac);
+  const double uu = ab.squaredNorm(), uv = ab.dot(ac), vv = ac.squaredNorm(), up = ap.dot(ab),
+               vp = ap.dot(ac);
   const double determinant = uu * vv - uv * uv;
   if (determinant > 0.0) {
     const double v = (vv * up - uv * vp) / determinant, u = (uu * vp - uv * up) / determinant;
@@ -141,8 +142,8 @@ bool PairFinder::mayMeetUnlisted(const ActiveMesh& mesh, const Field& start, con
   for (const PairPack& pack : packs) {
     for (int l = 0; l < kPack; ++l) {
       if (pack.range[l] > 0.0)
-        listed_.push_back({pack.nodes[0].index[l], pack.nodes[1].index[l], pack.nodes[2].index[l],
-                           pack.nodes[3].index[l]});
+        listed_.push_back(
+            {pack.nodes[0].index[l], pack.nodes[1].index[l], pack.nodes[2].index[l], pack.nodes[3].index[l]});
     }
   }
   std::sort(listed_.begin(), listed_.end());
@@ -173,14 +174,14 @@ bool PairFinder::hasRoom(const ActiveMesh& mesh, const Field& nodes, const Cell&
 }
 
 /// Adds the pairs of two patches, which may be the same.
-void PairFinder::addPatches(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int a,
-                            int b) {
+void PairFinder::addPatches(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int a, int b) {
   most_ = apart(reach, mesh.patches[a].nodes, mesh.patches[b].nodes);
   for (int swap = 0; swap < (a == b ? 1 : 2); ++swap) {
     const int of = swap ? b : a, on = swap ? a : b;
     const TriangleSurface::Range own = surface_.nodesOf(of);
     for (int k = own.begin; k < own.end; ++k) {
-      for (const int half : {0, 1}) addNode(mesh, nodes, reach, surface_.node(k), surface_.triangle(on, half));
+      for (const int half : {0, 1})
+        addNode(mesh, nodes, reach, surface_.node(k), surface_.triangle(on, half));
     }
   }
   const TriangleSurface::Range first = surface_.linesOf(a), second = surface_.linesOf(b);
@@ -215,11 +216,13 @@ void PairFinder::addLines(const ActiveMesh& mesh, const Field& nodes, const Reac
   const Vec3 a = nodes[one.a], b = nodes[one.b], c = nodes[other.a], d = nodes[other.b];
   const double near = lines_within_ + most_;
   for (int k = 0; k < 3; ++k) {
-    if (std::min(a[k], b[k]) - near > std::max(c[k], d[k]) || std::max(a[k], b[k]) + near < std::min(c[k], d[k]))
+    if (std::min(a[k], b[k]) - near > std::max(c[k], d[k]) ||
+        std::max(a[k], b[k]) + near < std::min(c[k], d[k]))
       return;
   }
   const double distance = distanceOfLines(a, b, c, d);
-  if (distance > lines_within_ + apart(reach, std::array<int, 2>{one.a, one.b}, std::array<int, 2>{other.a, other.b}))
+  if (distance >
+      lines_within_ + apart(reach, std::array<int, 2>{one.a, one.b}, std::array<int, 2>{other.a, other.b}))
     return;
   const std::array<int, 4> list{one.a, one.b, other.a, other.b};
   const double range = rangeOf(mesh, list, true);
@@ -255,7 +258,8 @@ void PairFinder::sortByNode(int nodes) {
     if (a.distance * b.range != b.distance * a.range) return a.distance * b.range < b.distance * a.range;
     return a.nodes < b.nodes;
   };
-  for (int n = 0; n < nodes; ++n) std::sort(sorted_.begin() + rows_[n], sorted_.begin() + rows_[n + 1], before);
+  for (int n = 0; n < nodes; ++n)
+    std::sort(sorted_.begin() + rows_[n], sorted_.begin() + rows_[n + 1], before);
 }
 
 /// Lists groups: the triangles near a node on one of its sides. A group lies within one pack. If it has
@@ -265,7 +269,8 @@ void PairFinder::listGroups(std::vector<PairPack>& packs) {
   for (std::size_t first = 0; first < sorted_.size();) {
     std::size_t end = first + 1;
     const Candidate& head = sorted_[first];
-    while (end < sorted_.size() && sorted_[end].nodes[0] == head.nodes[0] && sorted_[end].side == head.side) ++end;
+    while (end < sorted_.size() && sorted_[end].nodes[0] == head.nodes[0] && sorted_[end].side == head.side)
+      ++end;
     const int together = std::min<int>(end - first, kPack);
     if (lane + together > kPack) {
       packs.push_back(emptyPack(false));

@@ -75,15 +75,15 @@ class PairFinder {
   double thickness_;
   TriangleSurface surface_;
   ClothTree tree_;
-  std::vector<double> margins_;                   ///< of the boxes at the nodes [m]
-  double within_ = 0.0, lines_within_ = 0.0;      ///< distances of the pairs that are searched [m]
-  ConstArrays normals_{};                         ///< during find()
+  std::vector<double> margins_;               ///< of the boxes at the nodes [m]
+  double within_ = 0.0, lines_within_ = 0.0;  ///< distances of the pairs that are searched [m]
+  ConstArrays normals_{};                     ///< during find()
   std::vector<Candidate> nodes_, lines_, sorted_;
-  double most_ = 0.0;                             ///< apart() of the patches in addPatches() [m]
-  Field motion_;                                  ///< scratch of mayMeetUnlisted(), as the next two
+  double most_ = 0.0;  ///< apart() of the patches in addPatches() [m]
+  Field motion_;       ///< scratch of mayMeetUnlisted(), as the next two
   std::vector<double> none_;
   std::vector<std::array<int, 4>> listed_;
-  std::vector<int> rows_;                         ///< sorted_ of node n: rows_[n] .. rows_[n + 1]
+  std::vector<int> rows_;  ///< sorted_ of node n: rows_[n] .. rows_[n + 1]
 };
 
 }  // namespace haptic_cloth

@@ -37,8 +37,8 @@ struct Nearest {
 };
 
 /// Weights of the nearest point of a triangle's side, if it is nearer than `least`.
-HAPTIC_CLOTH_INLINE void trySide(const Lanes3& p, const Lanes3& a, const Lanes3& b, int at_a, int at_b, int off,
-                                 Lanes& least, Lanes* weights) {
+HAPTIC_CLOTH_INLINE void trySide(const Lanes3& p, const Lanes3& a, const Lanes3& b, int at_a, int at_b,
+                                 int off, Lanes& least, Lanes* weights) {
   const Lanes3 side = b - a, from = p - a;
   const Lanes t = clamp01(dot(from, side) / larger(dot(side, side), all(kTiny)));
   const Lanes3 rest = from - t * side;
@@ -49,7 +49,8 @@ HAPTIC_CLOTH_INLINE void trySide(const Lanes3& p, const Lanes3& a, const Lanes3&
   least = smaller(square, least);
 }
 
-HAPTIC_CLOTH_INLINE Nearest nodeAndTriangle(const Lanes3& p, const Lanes3& a, const Lanes3& b, const Lanes3& c) {
+HAPTIC_CLOTH_INLINE Nearest nodeAndTriangle(const Lanes3& p, const Lanes3& a, const Lanes3& b,
+                                            const Lanes3& c) {
   Lanes w[3]{};
   Lanes least = all(1e300);
   trySide(p, a, b, 0, 1, 2, least, w);
@@ -82,8 +83,8 @@ HAPTIC_CLOTH_INLINE Nearest twoLines(const Lanes3& a, const Lanes3& b, const Lan
 }
 
 HAPTIC_CLOTH_INLINE void measureOne(PairPack& pack, int l, const ConstArrays& x) {
-  const Lanes3 a = gather(x, pack.nodes[0], l), b = gather(x, pack.nodes[1], l), c = gather(x, pack.nodes[2], l),
-               d = gather(x, pack.nodes[3], l);
+  const Lanes3 a = gather(x, pack.nodes[0], l), b = gather(x, pack.nodes[1], l),
+               c = gather(x, pack.nodes[2], l), d = gather(x, pack.nodes[3], l);
   const Nearest nearest = pack.lines ? twoLines(a, b, c, d) : nodeAndTriangle(a, b, c, d);
   const Lanes distance = squareRoot(dot(nearest.between, nearest.between));
   store3(pack.normal, l, 1.0 / larger(distance, all(kTiny)) * nearest.between);
@@ -113,7 +114,8 @@ struct PressureLanes {
 
 /// CompressionLaw in lanes. @param distance [m]; positive
 HAPTIC_CLOTH_INLINE PressureLanes press(const CompressionLaw::Constants& law, const Lanes& distance) {
-  const Lanes none{}, v = larger(1.0 - distance / law.barrier_range, none), left = 1.0 - v, inverse = 1.0 / left;
+  const Lanes none{}, v = larger(1.0 - distance / law.barrier_range, none), left = 1.0 - v,
+                      inverse = 1.0 / left;
   PressureLanes sum{law.barrier_pressure * law.barrier_range * (-0.5 * v * v - v - logarithm(left)),
                     law.barrier_pressure * v * v * inverse,
                     law.barrier_pressure / law.barrier_range * v * (2.0 - v) * inverse * inverse};
@@ -218,7 +220,8 @@ double largestPairStep(const PairPack* packs, int begin, int end, double share, 
       const int firsts = pack.lines ? 2 : 1;
       for (int a = 0; a < firsts; ++a) {
         for (int b = firsts; b < 4; ++b) {
-          const Lanes apart = larger(at[a] - at[b] - (1.0 - share) * load(pack.distance + l), Lanes{}), closing = by[b] - by[a];
+          const Lanes apart = larger(at[a] - at[b] - (1.0 - share) * load(pack.distance + l), Lanes{}),
+                      closing = by[b] - by[a];
           step = smaller(step, ifPositive(closing, apart / larger(closing, all(kTiny)), all(1e300)));
         }
       }

@@ -22,11 +22,11 @@ struct alignas(64) PairPack {
   bool lines;  ///< pairs of lines
   // Results of the last evaluation:
   double weights[4][kPack];
-  double normal[3][kPack];     ///< direction of the distance
-  double distance[kPack];      ///< [m]
-  double pressing[kPack];      ///< area times pressure [N]
-  double stiffness[kPack];     ///< along the normal [N/m]
-  double drag[3][kPack];       ///< gradient of friction by Σ start_weights · x [N]
+  double normal[3][kPack];       ///< direction of the distance
+  double distance[kPack];        ///< [m]
+  double pressing[kPack];        ///< area times pressure [N]
+  double stiffness[kPack];       ///< along the normal [N/m]
+  double drag[3][kPack];         ///< gradient of friction by Σ start_weights · x [N]
   double drag_stiffness[kPack];  ///< across start_normal [N/m]
 };
 

@@ -54,7 +54,8 @@ void SelfContact::listEntries(int nodes) {
       for (int l = 0; l < kPack; ++l) {
         if (!(packs_[p].area[l] > 0.0)) continue;
         for (int c = 0; c < 4; ++c) {
-          put(packs_[p].nodes[c].index[l], Entry{p, static_cast<unsigned char>(l), static_cast<unsigned char>(c)});
+          put(packs_[p].nodes[c].index[l],
+              Entry{p, static_cast<unsigned char>(l), static_cast<unsigned char>(c)});
         }
       }
     }
@@ -109,9 +110,9 @@ void SelfContact::addDiagonal(Field& diagonal) const {
     const Vec3 normal = laneOf(pack.normal, l), start = laneOf(pack.start_normal, l);
     for (int c = 0; c < 4; ++c) {
       const double w = pack.weights[c][l], s = pack.start_weights[c][l];
-      diagonal.add(pack.nodes[c].index[l], w * w * pack.stiffness[l] * normal.cwiseAbs2() +
-                                               s * s * pack.drag_stiffness[l] *
-                                                   (Vec3::Ones() - start.cwiseAbs2()));
+      diagonal.add(pack.nodes[c].index[l],
+                   w * w * pack.stiffness[l] * normal.cwiseAbs2() +
+                       s * s * pack.drag_stiffness[l] * (Vec3::Ones() - start.cwiseAbs2()));
     }
   });
 }

@@ -41,7 +41,8 @@ double movedBySplit(const Grid& grid, const Cell& cell, const std::vector<Vec3>&
 double movedByMerge(const Grid& grid, const Cell& parent, const std::vector<Vec3>& x) {
   const auto c = parent.corners(grid);
   double moved = (x[(c[0] + c[3]) / 2] - middleOfDiagonal(parent, c, x)).norm();
-  for (const auto& [a, b] : sidesOf(c)) moved = std::max(moved, (x[(a + b) / 2] - 0.5 * (x[a] + x[b])).norm());
+  for (const auto& [a, b] : sidesOf(c))
+    moved = std::max(moved, (x[(a + b) / 2] - 0.5 * (x[a] + x[b])).norm());
   return moved;
 }
 

@@ -9,7 +9,8 @@
 namespace haptic_cloth {
 
 /// Triangles of the leaves (Cell::diagonalRises()), and the lines that bound them. Hanging nodes lie on
-/// the sides of triangles, so the surface has no gaps. Lines are the sides of leaves, halved where a node hangs, and diagonals.
+/// the sides of triangles, so the surface has no gaps. Lines are the sides of leaves, halved where a node
+/// hangs, and diagonals.
 class TriangleSurface {
  public:
   using Triangle = std::array<int, 3>;  ///< nodes

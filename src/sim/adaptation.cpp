@@ -152,8 +152,8 @@ void Adaptation::mergeCells(long step, LeafMesh& leaves, ActiveMesh& mesh, Parti
 }
 
 bool Adaptation::mayMerge(const Cell& parent, long step, const FineRegions& fine, const LeafMesh& leaves,
-                          const ActiveMesh& mesh, const ParticleState& state,
-                          const HiddenTurn& hidden, const Room& room) const {
+                          const ActiveMesh& mesh, const ParticleState& state, const HiddenTurn& hidden,
+                          const Room& room) const {
   const int half = parent.span() / 2;
   for (const int j : {parent.j, parent.j + half}) {
     for (const int i : {parent.i, parent.i + half}) {

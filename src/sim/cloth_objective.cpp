@@ -96,7 +96,8 @@ void ClothObjective::movePinned(const Field& nodes) {
   for (int n = mesh_.free; n < mesh_.active(); ++n) motion_.set(n, nodes[n] - nodes_[n]);
   mesh_.interpolateGhosts(motion_);
   std::fill(proxy_motions_.begin(), proxy_motions_.end(), Vec3::Zero());
-  const double share = limitsSteps() ? std::min(1.0, contacts_.maxStep(nodes_, motion_, proxy_motions_)) : 1.0;
+  const double share =
+      limitsSteps() ? std::min(1.0, contacts_.maxStep(nodes_, motion_, proxy_motions_)) : 1.0;
   for (int n = mesh_.free; n < mesh_.active(); ++n) nodes_.set(n, nodes_[n] + share * motion_[n]);
   motion_.fill(0.0);
 }
@@ -349,6 +350,8 @@ InternalEnergy::Energy ClothObjective::fabricEnergy() const {
 }
 
 double ClothObjective::contactEnergy() const { return energies_[kContact]; }
+
+double ClothObjective::frictionPotential() const { return energies_[kFriction]; }
 
 double ClothObjective::couplingEnergy(int probe) const {
   return 0.5 * couplings_[probe].stiffness * (proxies_[probe] - probes_[probe].device).squaredNorm();

@@ -161,6 +161,7 @@ class ClothObjective : public Objective {
   /// what it stores.
   InternalEnergy::Energy fabricEnergy() const;
   double contactEnergy() const;
+  double frictionPotential() const;
   double couplingEnergy() const;  ///< springs between devices and proxies
   double couplingEnergy(int probe) const;
 

@@ -29,7 +29,7 @@ class ContactReach {
   /// The same for pairs(): how far nodes deviate from the motion that their velocity gives them.
   bool coversPairs(const ClothObjective& solved);
 
-  const std::vector<double>& nodes() const { return nodes_; }      ///< [m]
+  const std::vector<double>& nodes() const { return nodes_; }  ///< [m]
   PairFinder::Reach pairs() const { return {motion_, deviation_}; }
   const std::vector<double>& proxies() const { return proxies_; }  ///< [m]
 

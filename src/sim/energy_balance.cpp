@@ -13,12 +13,16 @@ void EnergyBalance::beginStep(const ClothObjective& last) {
   created_by_mesh_ = 0.0;
   pin_work_ = 0.0;
   contact_before_ = last.contactEnergy();
+  friction_before_ = last.frictionPotential();
 }
 
 void EnergyBalance::noteStart(const StepSolver::Start& start, bool solids_move) {
   // Contact is sampled again in each step: what that adds to the contact energy, beside the work of
-  // ejecting cloth, must not become motion. If solids move, it cannot be told from their work.
-  created_by_samples_ = solids_move ? 0.0 : start.contact - contact_before_ - ejection_work_;
+  // ejecting cloth, must not become motion. If solids move, it cannot be told from their work. The
+  // same holds for elastic slip, which is more under a larger normal force.
+  created_by_samples_ =
+      solids_move ? 0.0
+                  : start.contact - contact_before_ - ejection_work_ + start.friction - friction_before_;
   energy_before_ = start.energy - std::max(0.0, created());
 }
 

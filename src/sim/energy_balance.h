@@ -61,6 +61,7 @@ class EnergyBalance {
   double created_by_mesh_ = 0.0;     ///< in the current step [J]
   double created_by_samples_ = 0.0;  ///< in the current step [J]
   double contact_before_ = 0.0;      ///< contact energy at the end of the last step [J]
+  double friction_before_ = 0.0;     ///< potential of friction at the end of the last step [J]
   double ejection_work_ = 0.0;       ///< ContactSet::ejectionWork() of the last step [J]
   double energy_before_ = 0.0;       ///< energies in Φ(x⁰), minus created() if positive [J]
 };

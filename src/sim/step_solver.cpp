@@ -96,6 +96,7 @@ void StepSolver::beginSolve(const std::vector<HeldNode>& held) {
   start_values_.potential = evaluateStart();
   start_values_.energy = objective_.storedAndLost();
   start_values_.contact = objective_.contactEnergy();
+  start_values_.friction = objective_.frictionPotential();
   if (cloth_.pinsMove()) movePins();
   x_.head(objective_.size()) = start_.head(objective_.size());
 }

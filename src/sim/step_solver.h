@@ -53,6 +53,7 @@ class StepSolver {
   struct Start {
     double potential = 0.0;  ///< Φ(x⁰) [J]
     double energy = 0.0;     ///< energies in Φ(x⁰) [J]
+    double friction = 0.0;   ///< potential of friction at x⁰ [J]
     double contact = 0.0;    ///< contact energy [J]
   };
   const Start& start() const { return start_values_; }

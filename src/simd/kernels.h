@@ -88,9 +88,9 @@ struct TriplePack;
   KERNEL(ContactEnergy, evaluatePairs,                                                                       \
          (PairPack * packs, int begin, int end, const PairContext& context, const ConstArrays& x))           \
   KERNEL(double, pairQuadraticForm, (const PairPack* packs, int begin, int end, const ConstArrays& d))       \
-  KERNEL(double, largestPairStep,                                                                            \
-         (const PairPack* packs, int begin, int end, double share, const ConstArrays& x,                     \
-          const ConstArrays& d))                                                                             \
+  KERNEL(                                                                                                    \
+      double, largestPairStep,                                                                               \
+      (const PairPack* packs, int begin, int end, double share, const ConstArrays& x, const ConstArrays& d)) \
   KERNEL(void, loadPoints, (const double* gradient, int free, int begin, int end, float* values))            \
   KERNEL(void, addOwnBlocks,                                                                                 \
          (const BlockArrays& own, const double* gradient, const float* values, int free, int begin, int end, \

@@ -79,10 +79,10 @@ class Shadow {
     const Cloth& cloth = world.cloth();
     const LoadEstimate::View view = world.loadView();
     load_.begin(view, std::min(world.scene().adapt.refine_above, world.scene().adapt.coarsen_below));
-    if (!adaptation_.plan(world.steps(), cloth.nodes(), cloth.internal(), fine, cloth.leaves(), cloth.mesh(),
-                          cloth.state(),
-                          [&](const Cell& cell, int parts) { return load_.turn(view, cell, parts); },
-                          [](const Cell&, double) { return true; })) {
+    if (!adaptation_.plan(
+            world.steps(), cloth.nodes(), cloth.internal(), fine, cloth.leaves(), cloth.mesh(), cloth.state(),
+            [&](const Cell& cell, int parts) { return load_.turn(view, cell, parts); },
+            [](const Cell&, double) { return true; })) {
       return std::nullopt;
     }
     const Fabric& fabric = world.scene().cloth.fabric;
