@@ -6,17 +6,14 @@
 namespace haptic_cloth {
 namespace {
 
-// Smallest λ of a rectangle that counts as smooth, and with which it still is at the end of a step.
-// The first is that with which pairs of points keep their range (PairFinder).
-constexpr double kSmooth = 0.5, kStillSmooth = 0.1;
-
 int sizeAt(int cells, int level) { return (cells + (1 << level) - 1) >> level; }
 
 ClothTree::Box around(const Vec3& a, const Vec3& b) { return {a.cwiseMin(b), a.cwiseMax(b)}; }
 
 }  // namespace
 
-ClothTree::ClothTree(const Grid& grid) : grid_(grid), levels_(0) {
+ClothTree::ClothTree(const Grid& grid)
+    : grid_(grid), nearest_(grid.dx * grid.dy / std::hypot(grid.dx, grid.dy)), levels_(0) {
   const int columns = grid.columns - 1, rows = grid.rows - 1;
   while ((1 << levels_) < std::max(columns, rows)) ++levels_;
   int size = 0;

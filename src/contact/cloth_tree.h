@@ -41,9 +41,11 @@ class ClothTree {
   }
 
   /// Tells whether visit(a, b) is true for all patches a that touch a cell, and patches b whose boxes
-  /// come within `margin` of that of a [m].
+  /// come within `margin` of that of a [m]. Pairs in one smooth rectangle are left out if their parts
+  /// are farther apart than that.
   template <class Visit>
-  bool allAround(const Cell& cell, double margin, const Visit& visit) const {
+  bool allAround(const Cell& cell, double margin, const Visit& visit) {
+    smooth_.clear();
     return allTouching(top_, cell, margin, visit);
   }
 
@@ -106,7 +108,7 @@ class ClothTree {
   }
 
   template <class Visit>
-  bool allTouching(int a, const Cell& cell, double margin, const Visit& visit) const {
+  bool allTouching(int a, const Cell& cell, double margin, const Visit& visit) {
     if (!touchesCell(parts_[a], cell)) return true;
     if (parts_[a].patch >= 0) return allNear(a, top_, margin, visit);
     for (const int child : parts_[a].children) {
@@ -116,8 +118,9 @@ class ClothTree {
   }
 
   template <class Visit>
-  bool allNear(int a, int b, double margin, const Visit& visit) const {
+  bool allNear(int a, int b, double margin, const Visit& visit) {
     if (!mayMeet(a, b, margin)) return true;
+    if (margin < kSmooth * nearest_ && isBeside(a, b) && isSmoothTogether(a, b)) return true;
     if (parts_[b].patch >= 0) return visit(parts_[a].patch, parts_[b].patch);
     for (const int child : parts_[b].children) {
       if (child >= 0 && !allNear(a, child, margin, visit)) return false;
@@ -149,8 +152,13 @@ class ClothTree {
     }
   }
 
+  // Smallest λ of a rectangle that counts as smooth, and with which it still is at the end of a step.
+  // The first is that with which pairs of points keep their range (PairFinder).
+  static constexpr double kSmooth = 0.5, kStillSmooth = 0.1;
+
   Grid grid_;
-  int levels_;  ///< level of the top
+  double nearest_;  ///< smallest distance in the flat cloth of parts that do not touch there [m]
+  int levels_;      ///< level of the top
   int top_ = 0;
   std::vector<Part> parts_;           ///< leaves in the order of the patches, then by level
   std::vector<int> level_offset_;     ///< first index of each level in index_

@@ -163,6 +163,7 @@ void PairFinder::beginChange(const ActiveMesh& mesh, const Field& nodes) {
 }
 
 bool PairFinder::hasRoom(const ActiveMesh& mesh, const Field& nodes, const Cell& cell, double moved) {
+  if (moved < 1e-12 * std::min(grid_.dx, grid_.dy)) return true;  // rounding
   // Both parts of a pair may move.
   within_ = lines_within_ = 2.0 * moved;
   nodes_.clear();
