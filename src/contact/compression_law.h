@@ -59,10 +59,9 @@ class CompressionLaw {
       const double steep = std::pow(x, c.exponent - 1.0), pressure = c.pressure * steep * x;
       sum = {pressure * x * c.span / (c.exponent + 1.0), pressure, c.pressure * c.exponent * steep / c.span};
     }
-    const double v = 1.0 - distance / c.barrier_range;
+    const double left = distance / c.barrier_range, v = 1.0 - left;
     if (v > 0.0) {
-      const double left = 1.0 - v;
-      sum.energy += c.barrier_pressure * c.barrier_range * (-0.5 * v * v - v - std::log1p(-v));
+      sum.energy += c.barrier_pressure * c.barrier_range * (-0.5 * v * v - v - std::log(left));
       sum.pressure += c.barrier_pressure * v * v / left;
       sum.stiffness += c.barrier_pressure / c.barrier_range * v * (2.0 - v) / (left * left);
     }

@@ -73,7 +73,6 @@ void ContactSet::rememberFriction(const Field& nodes) {
 }
 
 void ContactSet::appendAwake(const std::vector<char>& awake, int first, Runs& runs) const {
-  if (self_) self_->appendAwake(awake, first + samples_.size(), runs);
   for (int k = 0; k < samples_.size(); k += kPack) {
     bool wanted = solids_.isProbe(samples_[k].solid);
     for (int l = 0; l < kPack; ++l) {
@@ -81,6 +80,7 @@ void ContactSet::appendAwake(const std::vector<char>& awake, int first, Runs& ru
     }
     if (wanted) runs.add(first + k, first + k + kPack);
   }
+  if (self_) self_->appendAwake(awake, first + samples_.size(), runs);
 }
 
 void ContactSet::addDiagonal(Field& diagonal) const {

@@ -193,6 +193,12 @@ class ContactSet {
     return self_ ? std::min(step, self_->maxStep(nodes, d)) : step;
   }
 
+  /// The same for motion that no law holds back. It leaves pairs at least 0.02 of their range.
+  double maxForcedStep(const Field& nodes, const Field& d, const std::vector<Vec3>& d_proxies) const {
+    const double step = forces_.maxStep(d, d_proxies);
+    return self_ ? std::min(step, self_->maxStep(nodes, d, 0.02)) : step;
+  }
+
   /// Appends the nodes of cells that press on a probe, with repetitions.
   void touchedNodes(int probe, std::vector<int>& nodes) const;
 

@@ -136,7 +136,9 @@ bool PairFinder::mayMeetUnlisted(const ActiveMesh& mesh, const Field& start, con
   motion_.resize(mesh.nodes());
   for (int n = 0; n < mesh.nodes(); ++n) motion_.set(n, end[n] - start[n]);
   none_.assign(mesh.nodes(), 0.0);
-  search(mesh, start, {motion_, none_}, 0.0);
+  do {  // parts of what was rough may seem smooth at the start
+    search(mesh, start, {motion_, none_}, 0.0);
+  } while (!tree_.staysSmooth(mesh, end));
   if (nodes_.empty() && lines_.empty()) return false;
   listed_.clear();
   for (const PairPack& pack : packs) {
@@ -159,6 +161,7 @@ void PairFinder::beginChange(const ActiveMesh& mesh, const Field& nodes) {
   none_.assign(mesh.nodes(), 0.0);
   margins_.assign(mesh.nodes(), 0.0);
   normals_ = motion_.arrays();  // sides do not matter
+  forgetRough();
   tree_.fit(mesh, nodes, motion_, none_);
 }
 

@@ -114,7 +114,7 @@ struct PressureLanes {
 
 /// CompressionLaw in lanes. @param distance [m]; positive
 HAPTIC_CLOTH_INLINE PressureLanes press(const CompressionLaw::Constants& law, const Lanes& distance) {
-  const Lanes none{}, v = larger(1.0 - distance / law.barrier_range, none), left = 1.0 - v,
+  const Lanes none{}, left = smaller(distance / law.barrier_range, all(1.0)), v = 1.0 - left,
                       inverse = 1.0 / left;
   PressureLanes sum{law.barrier_pressure * law.barrier_range * (-0.5 * v * v - v - logarithm(left)),
                     law.barrier_pressure * v * v * inverse,
@@ -161,12 +161,6 @@ HAPTIC_CLOTH_INLINE bool isIdle(const PairPack& pack) {
 
 }  // namespace
 
-void measurePairs(PairPack* packs, int begin, int end, const ConstArrays& x) {
-  for (int p = begin; p < end; ++p) {
-    for (int l = 0; l < kPack; l += kLanes) measureOne(packs[p], l, x);
-  }
-}
-
 ContactEnergy evaluatePairs(PairPack* packs, int begin, int end, const PairContext& context,
                             const ConstArrays& x) {
   Lanes energy{}, loss{};
@@ -204,8 +198,8 @@ double pairQuadraticForm(const PairPack* packs, int begin, int end, const ConstA
   return total(sum);
 }
 
-double largestPairStep(const PairPack* packs, int begin, int end, double share, const ConstArrays& x,
-                       const ConstArrays& d) {
+double largestPairStep(const PairPack* packs, int begin, int end, double share, double least_ranges,
+                       const ConstArrays& x, const ConstArrays& d) {
   Lanes step = all(1e300);
   for (int p = begin; p < end; ++p) {
     const PairPack& pack = packs[p];
@@ -216,12 +210,12 @@ double largestPairStep(const PairPack* packs, int begin, int end, double share, 
         at[c] = dot(normal, gather(x, pack.nodes[c], l));
         by[c] = dot(normal, gather(d, pack.nodes[c], l));
       }
+      const Lanes left = larger((1.0 - share) * load(pack.distance + l), least_ranges * load(pack.range + l));
       // Of the first part the nearest node along the normal counts, of the second the farthest.
       const int firsts = pack.lines ? 2 : 1;
       for (int a = 0; a < firsts; ++a) {
         for (int b = firsts; b < 4; ++b) {
-          const Lanes apart = larger(at[a] - at[b] - (1.0 - share) * load(pack.distance + l), Lanes{}),
-                      closing = by[b] - by[a];
+          const Lanes apart = larger(at[a] - at[b] - left, Lanes{}), closing = by[b] - by[a];
           step = smaller(step, ifPositive(closing, apart / larger(closing, all(kTiny)), all(1e300)));
         }
       }

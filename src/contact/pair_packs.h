@@ -38,10 +38,10 @@ struct PairContext {
 };
 
 // Kernels:
-//   measurePairs       writes distance, normal and weights of packs begin..end.
 //   evaluatePairs      measures packs begin..end and writes their forces. Returns their energy.
 //   pairQuadraticForm  quadratic form d · H⁺ d of packs begin..end at the last evaluation [J].
-//   largestPairStep    largest factor of d at which no pair uses up more than `share` of its distance.
+//   largestPairStep    largest factor of d at which no pair uses up more than `share` of its distance, nor
+//                      comes nearer than `least_ranges` times its range.
 //                      The normal separates both parts of a pair: they do not meet before one of their
 //                      nodes has passed the other part along it.
 

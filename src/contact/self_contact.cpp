@@ -21,11 +21,6 @@ SelfContact::SelfContact(const Grid& grid, const Options& options, double slip)
   entries_.reserve(4 * kPack * (grid.particles() / 2));
 }
 
-void SelfContact::clear(const ActiveMesh& mesh) {
-  packs_.clear();
-  listEntries(mesh.nodes());
-}
-
 void SelfContact::collect(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals,
                           const PairFinder::Reach& reach) {
   finder_.find(mesh, nodes, normals, reach, packs_);
@@ -117,10 +112,10 @@ void SelfContact::addDiagonal(Field& diagonal) const {
   });
 }
 
-double SelfContact::maxStep(const Field& nodes, const Field& d) const {
+double SelfContact::maxStep(const Field& nodes, const Field& d, double least_ranges) const {
   constexpr double kShare = 0.9;
-  return kernels().largestPairStep(packs_.data(), 0, static_cast<int>(packs_.size()), kShare, nodes.arrays(),
-                                   d.arrays());
+  return kernels().largestPairStep(packs_.data(), 0, static_cast<int>(packs_.size()), kShare, least_ranges,
+                                   nodes.arrays(), d.arrays());
 }
 
 void SelfContact::appendAwake(const std::vector<char>& awake, int first, Runs& runs) const {

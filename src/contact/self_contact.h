@@ -35,7 +35,6 @@ class SelfContact {
   /// PairFinder::find().
   void collect(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals,
                const PairFinder::Reach& reach);
-  void clear(const ActiveMesh& mesh);
 
   void beginChange(const ActiveMesh& mesh, const Field& nodes) { finder_.beginChange(mesh, nodes); }
   bool hasRoom(const ActiveMesh& mesh, const Field& nodes, const Cell& cell, double moved) {
@@ -71,8 +70,9 @@ class SelfContact {
   void addDiagonal(Field& diagonal) const;
 
   /// Largest factor of d from `nodes`, the last evaluated point, at which no pair uses up more than 0.9
-  /// of its distance.
-  double maxStep(const Field& nodes, const Field& d) const;
+  /// of its distance, nor comes nearer than `least_ranges` times its range. A solve stays apart by the
+  /// law, so the default only keeps distances from rounding to zero.
+  double maxStep(const Field& nodes, const Field& d, double least_ranges = 1e-6) const;
 
   /// Adds the packs that act on an awake node to `runs`, counted from `first`.
   void appendAwake(const std::vector<char>& awake, int first, Runs& runs) const;

@@ -10,6 +10,7 @@ Adaptation::Adaptation(const AdaptOptions& options, const Grid& grid)
       grid_(grid),
       born_(grid.cells(), -options.minimum_age),
       crowded_(grid.cells(), 0),
+      splits_(grid.cells(), 0),
       merge_transfer_(grid) {
   for (auto* list : {&leaves_, &marked_, &merged_, &split_}) list->reserve(grid.cells());
   for (auto* list : {&curvature_, &strain_[kWarp], &strain_[kWeft]}) list->reserve(grid.particles());
@@ -51,7 +52,12 @@ bool Adaptation::plan(long step, const Field& nodes, const InternalEnergy& inter
     const Cell parent{cell.i, cell.j, cell.level + 1};
     if (mayMerge(parent, step, fine, leaves, mesh, state, hidden, room)) merged_.push_back(parent);
   }
-  for (const Cell& cell : marked_) findCrowded(cell, leaves, state, room);
+  findSplits(leaves);
+  for (const Cell& cell : split_)
+    crowded_[grid_.cell(cell.i, cell.j)] = !room(cell, movedBySplit(grid_, cell, state.position));
+  merged_.erase(std::remove_if(merged_.begin(), merged_.end(),
+                               [&](const Cell& parent) { return touchesSplit(parent, leaves); }),
+                merged_.end());
   return !marked_.empty() || !merged_.empty();
 }
 
@@ -59,6 +65,17 @@ void Adaptation::apply(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleSt
   split_.clear();
   if (!merged_.empty()) mergeCells(step, leaves, mesh, state);
   if (!marked_.empty()) splitCells(step, leaves, mesh, state);
+}
+
+/// Calls visit(i, j) for a finest cell in each leaf that touches a cell of the same level or a finer one.
+template <class Visit>
+void Adaptation::forNeighbours(const Cell& cell, const Visit& visit) const {
+  const int s = cell.span();
+  for (const int j : {cell.j - 1, cell.j, cell.j + s}) {
+    for (const int i : {cell.i - 1, cell.i, cell.i + s}) {
+      if (i >= 0 && j >= 0 && i <= grid_.columns - 2 && j <= grid_.rows - 2) visit(i, j);
+    }
+  }
 }
 
 double Adaptation::length(const Cell& cell) const { return cell.span() * std::max(grid_.dx, grid_.dy); }
@@ -166,18 +183,40 @@ bool Adaptation::mayMerge(const Cell& parent, long step, const FineRegions& fine
          room(parent, movedByMerge(grid_, parent, state.position));
 }
 
-/// Finds which of the leaves that are split with a leaf, for balance, have no room for their centre.
-void Adaptation::findCrowded(const Cell& cell, const LeafMesh& leaves, const ParticleState& state,
-                             const Room& room) {
-  const int s = cell.span();
-  for (const int j : {cell.j - 1, cell.j, cell.j + s}) {
-    for (const int i : {cell.i - 1, cell.i, cell.i + s}) {
-      if (i < 0 || j < 0 || i > grid_.columns - 2 || j > grid_.rows - 2) continue;
+/// Lists the leaves that apply() will split: the marked ones, and for balance coarser neighbours.
+void Adaptation::findSplits(const LeafMesh& leaves) {
+  splits_.assign(grid_.cells(), 0);
+  split_ = marked_;
+  for (const Cell& cell : split_) splits_[grid_.cell(cell.i, cell.j)] = 1;
+  for (std::size_t k = 0; k < split_.size(); ++k) {
+    const Cell cell = split_[k];
+    forNeighbours(cell, [&](int i, int j) {
       const Cell neighbour = leaves.leafAt(i, j);
-      if (neighbour.level > cell.level) findCrowded(neighbour, leaves, state, room);
+      char& known = splits_[grid_.cell(neighbour.i, neighbour.j)];
+      if (neighbour.level <= cell.level || known) return;
+      known = 1;
+      split_.push_back(neighbour);
+    });
+  }
+}
+
+/// Tells whether one of the four leaves of a parent, or a leaf beside it, will be split. Such a parent
+/// does not merge: it would have to split again at once, or both would move the surface between them.
+bool Adaptation::touchesSplit(const Cell& parent, const LeafMesh& leaves) const {
+  if (split_.empty()) return false;
+  bool touches = false;
+  const auto look = [&](int i, int j) {
+    const Cell leaf = leaves.leafAt(i, j);
+    touches = touches || splits_[grid_.cell(leaf.i, leaf.j)];
+  };
+  const int half = parent.span() / 2;
+  for (const int j : {parent.j, parent.j + half}) {
+    for (const int i : {parent.i, parent.i + half}) {
+      look(i, j);
+      forNeighbours({i, j, parent.level - 1}, look);
     }
   }
-  crowded_[grid_.cell(cell.i, cell.j)] = !room(cell, movedBySplit(grid_, cell, state.position));
+  return touches;
 }
 
 void Adaptation::splitCells(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state) {

@@ -77,7 +77,10 @@ class Adaptation {
   bool mayMerge(const Cell& parent, long step, const FineRegions& fine, const LeafMesh& leaves,
                 const ActiveMesh& mesh, const ParticleState& state, const HiddenTurn& hidden,
                 const Room& room) const;
-  void findCrowded(const Cell& cell, const LeafMesh& leaves, const ParticleState& state, const Room& room);
+  template <class Visit>
+  void forNeighbours(const Cell& cell, const Visit& visit) const;
+  void findSplits(const LeafMesh& leaves);
+  bool touchesSplit(const Cell& parent, const LeafMesh& leaves) const;
   bool touches(const FineRegions& fine, const Cell& cell, const std::vector<Vec3>& positions) const;
   double length(const Cell& cell) const;
 
@@ -92,6 +95,7 @@ class Adaptation {
   /// Flag for each finest cell: the leaf with its lower left corner there has no room for the bilinear
   /// place of its centre. Set for all leaves that apply() splits.
   std::vector<char> crowded_;
+  std::vector<char> splits_;  ///< flag for each finest cell: the leaf with that corner is in split_
   MergeTransfer merge_transfer_;
 };
 

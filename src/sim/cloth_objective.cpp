@@ -97,7 +97,7 @@ void ClothObjective::movePinned(const Field& nodes) {
   mesh_.interpolateGhosts(motion_);
   std::fill(proxy_motions_.begin(), proxy_motions_.end(), Vec3::Zero());
   const double share =
-      limitsSteps() ? std::min(1.0, contacts_.maxStep(nodes_, motion_, proxy_motions_)) : 1.0;
+      limitsSteps() ? std::min(1.0, contacts_.maxForcedStep(nodes_, motion_, proxy_motions_)) : 1.0;
   for (int n = mesh_.free; n < mesh_.active(); ++n) nodes_.set(n, nodes_[n] + share * motion_[n]);
   motion_.fill(0.0);
 }

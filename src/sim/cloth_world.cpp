@@ -173,10 +173,13 @@ void ClothWorld::accept(StepReport& report) {
   grasps_.noteTouched(probes_, contacts_, cloth_.mesh());
   support_force_ = contacts_.obstacleForce() + solved.pinForce();
   report.max_penetration = contacts_.deepest();
-  if (contacts_.meetsItself()) {
-    report.self_contacts = contacts_.self()->touching();
-    report.min_self_gap = contacts_.self()->smallestDistance();
-  }
+  reportPairs(report);
+}
+
+void ClothWorld::reportPairs(StepReport& report) const {
+  if (!contacts_.meetsItself()) return;
+  report.self_contacts = contacts_.self()->touching();
+  report.min_self_gap = contacts_.self()->smallestDistance();
 }
 
 /// Marks the nodes whose velocity may have jumped: ejected, touched, held or asleep.
@@ -213,6 +216,7 @@ StepReport ClothWorld::skipStep(int length) {
   ticks_ += length;
   report.time = time();
   report.active_particles = cloth_.mesh().active();
+  reportPairs(report);
   return report;
 }
 

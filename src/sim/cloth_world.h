@@ -80,6 +80,7 @@ class ClothWorld {
   bool solidsMove() const;
   bool feelsCloth() const;
   void accept(StepReport& report);
+  void reportPairs(StepReport& report) const;
   void markEjected();
   void markJumped();
   void restore();

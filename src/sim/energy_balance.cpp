@@ -18,11 +18,11 @@ void EnergyBalance::beginStep(const ClothObjective& last) {
 
 void EnergyBalance::noteStart(const StepSolver::Start& start, bool solids_move) {
   // Contact is sampled again in each step: what that adds to the contact energy, beside the work of
-  // ejecting cloth, must not become motion. If solids move, it cannot be told from their work. The
-  // same holds for elastic slip, which is more under a larger normal force.
-  created_by_samples_ =
-      solids_move ? 0.0
-                  : start.contact - contact_before_ - ejection_work_ + start.friction - friction_before_;
+  // ejecting cloth, must not become motion. If solids move, it cannot be told from their work. The same
+  // holds for elastic slip, which is more under a smaller normal force; the last step's potential also
+  // holds what slid, so a smaller one now says nothing.
+  const double slip = std::max(0.0, start.friction - friction_before_);
+  created_by_samples_ = solids_move ? 0.0 : start.contact - contact_before_ - ejection_work_ + slip;
   energy_before_ = start.energy - std::max(0.0, created());
 }
 

@@ -84,13 +84,12 @@ struct TriplePack;
   KERNEL(void, patchMargins,                                                                                 \
          (const PatchCorners* corners, int count, double range, const ConstArrays& x, const double* reach,   \
           const double* gaps, const ConstArrays& normals, double* margins))                                  \
-  KERNEL(void, measurePairs, (PairPack * packs, int begin, int end, const ConstArrays& x))                   \
   KERNEL(ContactEnergy, evaluatePairs,                                                                       \
          (PairPack * packs, int begin, int end, const PairContext& context, const ConstArrays& x))           \
   KERNEL(double, pairQuadraticForm, (const PairPack* packs, int begin, int end, const ConstArrays& d))       \
-  KERNEL(                                                                                                    \
-      double, largestPairStep,                                                                               \
-      (const PairPack* packs, int begin, int end, double share, const ConstArrays& x, const ConstArrays& d)) \
+  KERNEL(double, largestPairStep,                                                                            \
+         (const PairPack* packs, int begin, int end, double share, double least_ranges,                      \
+          const ConstArrays& x, const ConstArrays& d))                                                       \
   KERNEL(void, loadPoints, (const double* gradient, int free, int begin, int end, float* values))            \
   KERNEL(void, addOwnBlocks,                                                                                 \
          (const BlockArrays& own, const double* gradient, const float* values, int free, int begin, int end, \

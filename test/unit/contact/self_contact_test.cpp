@@ -11,6 +11,8 @@
 
 #include "contact/crossings.h"
 #include "energy/surface_normals.h"
+#include "haptic_cloth/simulation.h"
+#include "support/scenes.h"
 
 namespace haptic_cloth {
 namespace {
@@ -232,6 +234,41 @@ TEST(SelfContact, LargestStepCrossesNothing) {
     }
   }
   EXPECT_GT(crossed, 120);  // of 240: the limit is not far too strict
+}
+
+/// Nothing was near at the start, so nothing is listed; the end tells.
+TEST(SelfContact, SeesWhatMayHaveMetOnTheWay) {
+  Folded cloth(gridOf(33, 17, 2));
+  cloth.collect();
+  ASSERT_EQ(cloth.contact.size(), 0);
+  const Field start = cloth.x;
+  const auto staysApart = [&](const auto& place) {
+    cloth.place(place);
+    cloth.contact.forgetRough();
+    return cloth.contact.staysApart(cloth.mesh, start, cloth.x, true);
+  };
+  EXPECT_TRUE(staysApart([](const Vec3& at) { return Vec3(at + Vec3(0.1, 0.0, 0.2)); }));
+  EXPECT_TRUE(staysApart([](const Vec3& at) { return Vec3(at.x(), at.y(), 0.3 * at.x()); }));
+  // Mirrored through itself, and turned back over itself.
+  EXPECT_FALSE(staysApart([](const Vec3& at) { return Vec3(-at.x(), at.y(), 0.0); }));
+  EXPECT_FALSE(staysApart([](const Vec3& at) { return hairpin(at, 0.06, 0.5 * kThickness); }));
+}
+
+/// Two hems are driven through each other by their pins, against which no law helps.
+TEST(SelfContact, PinsStopBeforeTheyMeet) {
+  Scene scene = sheetScene(makeFabric(LinearFabric()), 17, 5, 0.08, 0.02);
+  scene.adapt.strategy = Strategy::Finest;
+  pin(scene, 0, 0, 0, 4);
+  pin(scene, 16, 16, 0, 4);
+  scene.cloth.pins[0].velocity = Vec3(0.4, 0.0, 0.0);
+  scene.cloth.pins[1].velocity = Vec3(-0.4, 0.0, 0.0);
+  Simulation simulation(scene);
+  for (int k = 0; k < 200; ++k) {
+    const StepReport report = simulation.step();
+    ASSERT_EQ(simulation.crossings().pairs, 0) << "step " << k;
+    ASSERT_GT(report.min_self_gap, 0.0) << "step " << k;
+  }
+  EXPECT_TRUE(std::isfinite(simulation.energy().total()));
 }
 
 /// Layers of a hairpin 1.5 thicknesses apart have room to move by a quarter of that, not by three
