@@ -12,6 +12,10 @@ constexpr double kLineRange = 0.25;
 // least this share of it.
 constexpr double kShareOfRest = 0.5;
 
+// Pairs nearer than this share of their range at the start of a step are left out: nothing tells on
+// which side they belong. Solves keep others a hundred times as far apart (SelfContact::maxStep()).
+constexpr double kTogether = 1e-8;
+
 using Point = Eigen::Vector2d;
 
 double distance(const Point& p, const Point& a, const Point& b) {
@@ -211,7 +215,8 @@ void PairFinder::addNode(const ActiveMesh& mesh, const Field& nodes, const Reach
   const double range = rangeOf(mesh, list, false);
   const double above =
       between.x() * normals_.x[node] + between.y() * normals_.y[node] + between.z() * normals_.z[node];
-  if (range > 0.0) nodes_.push_back({list, range, distance, above > 0.0 ? 1 : 0});
+  if (distance > kTogether * range && range > 0.0)
+    nodes_.push_back({list, range, distance, above > 0.0 ? 1 : 0});
 }
 
 void PairFinder::addLines(const ActiveMesh& mesh, const Field& nodes, const Reach& reach,
@@ -229,8 +234,8 @@ void PairFinder::addLines(const ActiveMesh& mesh, const Field& nodes, const Reac
       lines_within_ + apart(reach, std::array<int, 2>{one.a, one.b}, std::array<int, 2>{other.a, other.b}))
     return;
   const std::array<int, 4> list{one.a, one.b, other.a, other.b};
-  const double range = rangeOf(mesh, list, true);
-  if (range > 0.0) lines_.push_back({list, kLineRange * range, distance, 0});
+  const double range = kLineRange * rangeOf(mesh, list, true);
+  if (distance > kTogether * range && range > 0.0) lines_.push_back({list, range, distance, 0});
 }
 
 /// Distance at which a pair begins to press: the thickness, or less if it is that near in the flat

@@ -49,12 +49,15 @@ class EnergyBalance {
 
   EnergyReport report(const Cloth& cloth, const ClothObjective& solved) const;
 
-  /// Energy that the mesh change and the contact samples of the last step created [J].
-  double created() const { return created_by_mesh_ + created_by_samples_; }
+  /// Energy that the mesh change and the contact samples of the last step created, or that elastic slip
+  /// gave back: it had counted as lost [J].
+  double created() const { return created_by_mesh_ + created_by_samples_ + returned_by_slip_; }
 
   void serialize(Archive& archive);
 
  private:
+  double returnedBySlip(const ClothObjective& solved) const;
+
   double initial_ = 0.0;             ///< energy at the start [J]
   double supplied_ = 0.0;            ///< initial_ plus work of devices, obstacles and pins [J]
   double pin_work_ = 0.0;            ///< in the current step [J]
@@ -62,6 +65,8 @@ class EnergyBalance {
   double created_by_samples_ = 0.0;  ///< in the current step [J]
   double contact_before_ = 0.0;      ///< contact energy at the end of the last step [J]
   double friction_before_ = 0.0;     ///< potential of friction at the end of the last step [J]
+  double returned_by_slip_ = 0.0;    ///< in the current step [J]
+  double friction_start_ = 0.0;      ///< potential of friction at x⁰ of the current step [J]
   double ejection_work_ = 0.0;       ///< ContactSet::ejectionWork() of the last step [J]
   double energy_before_ = 0.0;       ///< energies in Φ(x⁰), minus created() if positive [J]
 };
