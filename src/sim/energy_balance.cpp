@@ -21,20 +21,15 @@ void EnergyBalance::noteStart(const StepSolver::Start& start, bool solids_move) 
   // ejecting cloth, must not become motion. If solids move, it cannot be told from their work. The same
   // holds for elastic slip, which is more under a smaller normal force; the last step's potential also
   // holds what slid, so a smaller one now says nothing.
-  friction_start_ = start.friction;
+  friction_start_ = solids_move ? 0.0 : start.friction;
   const double slip = std::max(0.0, start.friction - friction_before_);
   created_by_samples_ = solids_move ? 0.0 : start.contact - contact_before_ - ejection_work_ + slip;
   energy_before_ = start.energy - std::max(0.0, created());
 }
 
-/// Elastic slip counts as lost; what it gives back may not become motion.
-double EnergyBalance::returnedBySlip(const ClothObjective& solved) const {
-  return std::max(0.0, friction_start_ - solved.frictionPotential());
-}
-
 double EnergyBalance::guard(double kinetic_before, double gravity_work, const ClothObjective& solved,
                             Cloth& cloth) const {
-  const double spent = solved.storedAndLost() + returnedBySlip(solved);
+  const double spent = solved.storedAndLost();
   const double allowed = std::max(0.0, energy_before_ + kinetic_before + gravity_work + pin_work_ - spent);
   const double kinetic = cloth.kineticEnergy();
   if (kinetic <= allowed || kinetic == 0.0) return 1.0;
@@ -45,7 +40,7 @@ double EnergyBalance::guard(double kinetic_before, double gravity_work, const Cl
 
 void EnergyBalance::update(const Scene& scene, const ClothObjective& solved, const ContactSet& contacts,
                            Probes& probes) {
-  returned_by_slip_ = returnedBySlip(solved);
+  returned_by_slip_ = std::max(0.0, friction_start_ - solved.frictionPotential());
   for (int k = 0; k < probes.count(); ++k) {
     const ProbeStep& made = solved.probeSteps()[k];
     supplied_ -= probes.replaceCouplingEnergy(k, made.present ? solved.couplingEnergy(k) : 0.0);

@@ -56,8 +56,6 @@ class EnergyBalance {
   void serialize(Archive& archive);
 
  private:
-  double returnedBySlip(const ClothObjective& solved) const;
-
   double initial_ = 0.0;             ///< energy at the start [J]
   double supplied_ = 0.0;            ///< initial_ plus work of devices, obstacles and pins [J]
   double pin_work_ = 0.0;            ///< in the current step [J]
@@ -66,7 +64,7 @@ class EnergyBalance {
   double contact_before_ = 0.0;      ///< contact energy at the end of the last step [J]
   double friction_before_ = 0.0;     ///< potential of friction at the end of the last step [J]
   double returned_by_slip_ = 0.0;    ///< in the current step [J]
-  double friction_start_ = 0.0;      ///< potential of friction at x⁰ of the current step [J]
+  double friction_start_ = 0.0;      ///< potential of friction at x⁰, if no solid moves in the step [J]
   double ejection_work_ = 0.0;       ///< ContactSet::ejectionWork() of the last step [J]
   double energy_before_ = 0.0;       ///< energies in Φ(x⁰), minus created() if positive [J]
 };
