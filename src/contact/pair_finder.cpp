@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mesh/list_by_node.h"
+
 namespace haptic_cloth {
 namespace {
 
@@ -98,7 +100,7 @@ PairPack emptyPack(bool lines) {
 PairFinder::PairFinder(const Grid& grid, double thickness)
     : grid_(grid), thickness_(thickness), surface_(grid), tree_(grid) {
   margins_.reserve(grid.particles());
-  rows_.reserve(grid.particles() + 1);
+  rows_.reserve(grid.particles() + 2);
   none_.reserve(grid.particles());
   motion_.reserve(grid.particles());
   for (auto* list : {&nodes_, &lines_, &sorted_}) list->reserve(grid.particles());
@@ -255,13 +257,10 @@ double PairFinder::rangeOf(const ActiveMesh& mesh, const std::array<int, 4>& nod
 
 /// Sorts candidates of nodes by node, side and distance.
 void PairFinder::sortByNode(int nodes) {
-  rows_.assign(nodes + 1, 0);
-  for (const Candidate& c : nodes_) ++rows_[c.nodes[0] + 1];
-  for (int n = 0; n < nodes; ++n) rows_[n + 1] += rows_[n];
-  sorted_.resize(nodes_.size());
-  for (const Candidate& c : nodes_) sorted_[rows_[c.nodes[0]]++] = c;
-  for (int n = nodes; n > 0; --n) rows_[n] = rows_[n - 1];
-  rows_[0] = 0;
+  const auto visit = [this](const auto& put) {
+    for (const Candidate& c : nodes_) put(c.nodes[0], c);
+  };
+  listByNode(nodes, visit, rows_, sorted_);
   const auto before = [](const Candidate& a, const Candidate& b) {
     if (a.side != b.side) return a.side < b.side;
     if (a.distance * b.range != b.distance * a.range) return a.distance * b.range < b.distance * a.range;

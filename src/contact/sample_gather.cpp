@@ -1,14 +1,15 @@
 #include "contact/sample_gather.h"
 
+#include "mesh/list_by_node.h"
+
 namespace haptic_cloth {
 
 void SampleGather::reserve(int nodes, int samples) {
-  rows_.reserve(nodes + 1);
+  rows_.reserve(nodes + 2);
   entries_.reserve(4 * static_cast<std::size_t>(samples));
 }
 
 void SampleGather::rebuild(const SampleList& samples, int nodes) {
-  rows_.assign(nodes + 1, 0);
   const auto visit = [&](const auto& put) {
     for (int k = 0; k < samples.size(); ++k) {
       for (int c = 0; c < 4; ++c) {
@@ -17,12 +18,7 @@ void SampleGather::rebuild(const SampleList& samples, int nodes) {
       }
     }
   };
-  visit([&](int node, const Entry&) { ++rows_[node + 1]; });
-  for (int n = 0; n < nodes; ++n) rows_[n + 1] += rows_[n];
-  entries_.resize(rows_[nodes]);
-  visit([&](int node, const Entry& entry) { entries_[rows_[node]++] = entry; });
-  for (int n = nodes; n > 0; --n) rows_[n] = rows_[n - 1];
-  rows_[0] = 0;
+  listByNode(nodes, visit, rows_, entries_);
 }
 
 void SampleGather::add(int begin, int end, const Field& of_samples, Field& of_nodes) const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "mesh/list_by_node.h"
 #include "simd/kernels.h"
 
 namespace haptic_cloth {
@@ -17,7 +18,7 @@ Vec3 laneOf(const double (&values)[3][kPack], int lane) {
 SelfContact::SelfContact(const Grid& grid, const Options& options, double slip)
     : law_(options.law), friction_(options.friction), slip_(slip), finder_(grid, options.law.range()) {
   packs_.reserve(grid.particles() / 2);
-  rows_.reserve(grid.particles() + 1);
+  rows_.reserve(grid.particles() + 2);
   entries_.reserve(4 * kPack * (grid.particles() / 2));
 }
 
@@ -43,7 +44,6 @@ void SelfContact::collect(const ActiveMesh& mesh, const Field& nodes, const Cons
 /// Lists the pairs of each node in a fixed order, so that the bits of the sums do not depend on the
 /// number of threads.
 void SelfContact::listEntries(int nodes) {
-  rows_.assign(nodes + 1, 0);
   const auto visit = [&](const auto& put) {
     for (int p = 0; p < static_cast<int>(packs_.size()); ++p) {
       for (int l = 0; l < kPack; ++l) {
@@ -55,12 +55,7 @@ void SelfContact::listEntries(int nodes) {
       }
     }
   };
-  visit([&](int node, const Entry&) { ++rows_[node + 1]; });
-  for (int n = 0; n < nodes; ++n) rows_[n + 1] += rows_[n];
-  entries_.resize(rows_[nodes]);
-  visit([&](int node, const Entry& entry) { entries_[rows_[node]++] = entry; });
-  for (int n = nodes; n > 0; --n) rows_[n] = rows_[n - 1];
-  rows_[0] = 0;
+  listByNode(nodes, visit, rows_, entries_);
 }
 
 ContactEnergy SelfContact::evaluate(int begin, int end, const Field& nodes) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "mesh/list_by_node.h"
 #include "simd/kernels.h"
 
 namespace haptic_cloth {
@@ -88,13 +89,9 @@ void NodeGather::forEntries(const ActiveMesh& mesh, const Put& put) const {
   }
 }
 
-/// Lists the entries of each node as compressed rows: counts, then fills.
 void NodeGather::listEntries(const ActiveMesh& mesh) {
-  rows_.assign(mesh.nodes() + 2, 0);
-  forEntries(mesh, [&](int n, const Entry&) { ++rows_[n + 2]; });
-  for (int n = 0; n < mesh.nodes(); ++n) rows_[n + 2] += rows_[n + 1];
-  entries_.resize(rows_[mesh.nodes() + 1]);
-  forEntries(mesh, [&](int n, const Entry& entry) { entries_[rows_[n + 1]++] = entry; });
+  listByNode(
+      mesh.nodes(), [&](const auto& put) { forEntries(mesh, put); }, rows_, entries_);
 }
 
 /// Adds the columns of a pack of nodes, role by role; a role that a node has several times takes
