@@ -165,7 +165,6 @@ bool PairFinder::mayMeetUnlisted(const ActiveMesh& mesh, const Field& start, con
 void PairFinder::beginChange(const ActiveMesh& mesh, const Field& nodes) {
   motion_.clear(mesh.nodes());
   none_.assign(mesh.nodes(), 0.0);
-  margins_.assign(mesh.nodes(), 0.0);
   normals_ = motion_.arrays();  // sides do not matter
   forgetRough();
   tree_.fit(mesh, nodes, motion_, none_);

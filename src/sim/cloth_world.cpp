@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <climits>
+#include <utility>
 
 #include "scene/scene_identity.h"
 
@@ -104,11 +105,12 @@ bool ClothWorld::planMesh() {
   }
   const LoadEstimate::View view = loadView();
   load_.begin(view, std::min(scene_.adapt.refine_above, scene_.adapt.coarsen_below));
-  contacts_.beginChange(cloth_.mesh(), cloth_.nodes());
+  bool asked = false;  // most decisions change nothing
   return adaptation_.plan(
       steps_, cloth_.nodes(), cloth_.internal(), fine_, cloth_.leaves(), cloth_.mesh(), cloth_.state(),
       [&](const Cell& cell, int parts) { return load_.turn(view, cell, parts); },
       [&](const Cell& cell, double moved) {
+        if (!std::exchange(asked, true)) contacts_.beginChange(cloth_.mesh(), cloth_.nodes());
         return contacts_.hasRoom(cloth_.mesh(), cloth_.nodes(), cell, moved);
       });
 }
