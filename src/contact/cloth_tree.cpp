@@ -8,7 +8,9 @@ namespace {
 
 int sizeAt(int cells, int level) { return (cells + (1 << level) - 1) >> level; }
 
-ClothTree::Box around(const Vec3& a, const Vec3& b) { return {a.cwiseMin(b), a.cwiseMax(b)}; }
+Eigen::Vector4f toFloats(const Vec3& v) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0f};
+}
 
 }  // namespace
 
@@ -24,6 +26,8 @@ ClothTree::ClothTree(const Grid& grid)
   index_.resize(size);
   parts_.reserve(size);
   for (auto* list : {&boxes_, &motions_}) list->reserve(size);
+  node_boxes_.reserve(grid.particles());
+  node_motions_.reserve(grid.particles());
   tangents_.reserve(size);
   tangents_after_.reserve(size);
   smooth_.reserve(4 * size);
@@ -80,20 +84,16 @@ void ClothTree::unite(std::vector<Value>& values) const {
 
 void ClothTree::fit(const ActiveMesh& mesh, const Field& nodes, const Field& motion,
                     const std::vector<double>& margins) {
+  fitNodes(nodes, motion, margins);
   boxes_.resize(parts_.size());
   motions_.resize(parts_.size());
   for (std::size_t k = 0; k < mesh.patches.size(); ++k) {
-    for (int c = 0; c < 4; ++c) {
-      const int n = mesh.patches[k].nodes[c];
-      const Vec3 margin = Vec3::Constant(margins[n]), x = nodes[n], moves = motion[n];
-      const Box box{x - margin, x + margin}, way{moves, moves};
-      if (c == 0) {
-        boxes_[k] = box;
-        motions_[k] = way;
-      } else {
-        boxes_[k].add(box);
-        motions_[k].add(way);
-      }
+    const auto& n = mesh.patches[k].nodes;
+    boxes_[k] = node_boxes_[n[0]];
+    motions_[k] = {node_motions_[n[0]], node_motions_[n[0]]};
+    for (int c = 1; c < 4; ++c) {
+      boxes_[k].add(node_boxes_[n[c]]);
+      motions_[k].add({node_motions_[n[c]], node_motions_[n[c]]});
     }
   }
   unite(boxes_);
@@ -101,13 +101,28 @@ void ClothTree::fit(const ActiveMesh& mesh, const Field& nodes, const Field& mot
   fitTangents(mesh, nodes, tangents_);
 }
 
+void ClothTree::fitNodes(const Field& nodes, const Field& motion, const std::vector<double>& margins) {
+  constexpr double kRounding = 1e-6;  // of a few sums of floats, relative
+  node_boxes_.resize(nodes.size());
+  node_motions_.resize(nodes.size());
+  const Vec3 origin = nodes[0];
+  for (int n = 0; n < nodes.size(); ++n) {
+    const Vec3 x = nodes[n] - origin, moves = motion[n];
+    const double size = x.cwiseAbs().maxCoeff() + moves.cwiseAbs().maxCoeff() + margins[n];
+    const Vec3 margin = Vec3::Constant(margins[n] + kRounding * size);
+    node_boxes_[n] = {toFloats(x - margin), toFloats(x + margin)};
+    node_motions_[n] = toFloats(moves);
+  }
+}
+
 /// Tells whether the boxes of two parts come within `margin` of each other somewhere on the way of
 /// their relative motion [m].
-bool ClothTree::mayMeet(int a, int b, double margin) const {
-  const Vec3 low = motions_[a].low - motions_[b].high, high = motions_[a].high - motions_[b].low;
+bool ClothTree::mayMeet(int a, int b, float margin) const {
   const Box &one = boxes_[a], &other = boxes_[b];
-  return ((one.low + low.cwiseMin(0.0)).array() <= other.high.array() + margin).all() &&
-         (other.low.array() <= (one.high + high.cwiseMax(0.0)).array() + margin).all();
+  const Float4 low = (motions_[a].low - motions_[b].high).cwiseMin(Float4::Zero()),
+               high = (motions_[a].high - motions_[b].low).cwiseMax(Float4::Zero());
+  const Float4 gaps = (one.low + low - other.high).cwiseMax(other.low - one.high - high);
+  return gaps.maxCoeff() <= margin;
 }
 
 void ClothTree::fitTangents(const ActiveMesh& mesh, const Field& nodes,
@@ -116,31 +131,35 @@ void ClothTree::fitTangents(const ActiveMesh& mesh, const Field& nodes,
   for (std::size_t k = 0; k < mesh.patches.size(); ++k) {
     const Patch& patch = mesh.patches[k];
     const auto x = corners(patch, nodes);
-    const double du = patch.cell.span() * grid_.dx, dv = patch.cell.span() * grid_.dy;
-    tangents[k] = {around((x[1] - x[0]) / du, (x[3] - x[2]) / du),
-                   around((x[2] - x[0]) / dv, (x[3] - x[1]) / dv)};
+    const double per_warp = 1.0 / (patch.cell.span() * grid_.dx), per_weft = 1.0 / (patch.cell.span() * grid_.dy);
+    const auto between = [](const Vec3& from, const Vec3& to, double per_length) {
+      const Float4 tangent = toFloats(per_length * (to - from));
+      return Box{tangent, tangent};
+    };
+    tangents[k] = {between(x[0], x[1], per_warp), between(x[0], x[2], per_weft)};
+    tangents[k].add({between(x[2], x[3], per_warp), between(x[1], x[3], per_weft)});
   }
   unite(tangents);
 }
 
 /// Orthonormal axes near the mean tangents.
 ClothTree::Axes ClothTree::axesOf(const Tangents& tangents) {
-  const Vec3 warp = (tangents.warp.low + tangents.warp.high).normalized(),
-             weft = tangents.weft.low + tangents.weft.high;
+  const Float4 warp = (tangents.warp.low + tangents.warp.high).normalized(),
+               weft = tangents.weft.low + tangents.weft.high;
   return {warp, (weft - warp.dot(weft) * warp).normalized()};
 }
 
 /// Tells whether λ is at least `least` over the ranges of the tangents.
-bool ClothTree::isSmooth(const Tangents& t, const Axes& axes, double least) {
-  const auto middle = [](const Box& box) { return Vec3(0.5 * (box.low + box.high)); };
-  const auto half = [](const Box& box) { return Vec3(0.5 * (box.high - box.low)); };
-  const Vec3 first = axes.first.cwiseAbs(), second = axes.second.cwiseAbs();
-  const double a = middle(t.warp).dot(axes.first) - half(t.warp).dot(first) - least;
-  const double b = middle(t.weft).dot(axes.second) - half(t.weft).dot(second) - least;
-  if (!(a >= 0.0) || !(b >= 0.0)) return false;
-  const double mixed = std::abs(middle(t.warp).dot(axes.second) + middle(t.weft).dot(axes.first)) +
-                       half(t.warp).dot(second) + half(t.weft).dot(first);
-  return 4.0 * a * b >= mixed * mixed;
+bool ClothTree::isSmooth(const Tangents& t, const Axes& axes, float least) {
+  const Float4 first = axes.first.cwiseAbs(), second = axes.second.cwiseAbs();
+  const Float4 warp = 0.5f * (t.warp.low + t.warp.high), warp_half = 0.5f * (t.warp.high - t.warp.low),
+               weft = 0.5f * (t.weft.low + t.weft.high), weft_half = 0.5f * (t.weft.high - t.weft.low);
+  const float a = warp.dot(axes.first) - warp_half.dot(first) - least,
+              b = weft.dot(axes.second) - weft_half.dot(second) - least;
+  if (!(a >= 0.0f) || !(b >= 0.0f)) return false;
+  const float mixed =
+      std::abs(warp.dot(axes.second) + weft.dot(axes.first)) + warp_half.dot(second) + weft_half.dot(first);
+  return 4.0f * a * b >= mixed * mixed;
 }
 
 /// Tells whether parts that fill a rectangle are smooth together.

@@ -19,6 +19,9 @@ namespace haptic_cloth {
 /// the smallest eigenvalue of the symmetric part of (t_i · e_j) over the rectangle. If λ > 0, no two
 /// points of the rectangle touch [after Noshiro and Warschawski's condition for univalence]. This
 /// takes the place of normal cones, whose test of outlines is usually left out.
+///
+/// Everything is kept in vectors of four floats, whose last entry is zero. Boxes are wider by more than
+/// the rounding; λ is far above it.
 class ClothTree {
  public:
   explicit ClothTree(const Grid& grid);
@@ -55,15 +58,16 @@ class ClothTree {
   bool staysSmooth(const ActiveMesh& mesh, const Field& nodes);
   void forgetRough() { rough_.assign(parts_.size(), 0); }
 
+ private:
+  using Float4 = Eigen::Vector4f;
+
   struct Box {
-    Vec3 low, high;
+    Float4 low, high;
     void add(const Box& other) {
       low = low.cwiseMin(other.low);
       high = high.cwiseMax(other.high);
     }
   };
-
- private:
   /// Ranges of the two tangents [-].
   struct Tangents {
     Box warp, weft;
@@ -73,7 +77,7 @@ class ClothTree {
     }
   };
   struct Axes {
-    Vec3 first, second;
+    Float4 first, second;
   };
   struct Part {
     int level, i, j;              ///< cell in units of its size
@@ -88,7 +92,8 @@ class ClothTree {
   };
 
   int at(int level, int i, int j) const;
-  bool mayMeet(int a, int b, double margin = 0.0) const;
+  void fitNodes(const Field& nodes, const Field& motion, const std::vector<double>& margins);
+  bool mayMeet(int a, int b, float margin = 0.0f) const;
   template <class Value>
   void unite(std::vector<Value>& values) const;
   void fitTangents(const ActiveMesh& mesh, const Field& nodes, std::vector<Tangents>& tangents) const;
@@ -100,7 +105,7 @@ class ClothTree {
   }
   bool isSmoothTogether(int a, int b);
   static Axes axesOf(const Tangents& tangents);
-  static bool isSmooth(const Tangents& tangents, const Axes& axes, double least);
+  static bool isSmooth(const Tangents& tangents, const Axes& axes, float least);
 
   bool touchesCell(const Part& part, const Cell& cell) const {
     const int i = part.i << part.level, j = part.j << part.level, size = 1 << part.level;
@@ -119,7 +124,7 @@ class ClothTree {
 
   template <class Visit>
   bool allNear(int a, int b, double margin, const Visit& visit) {
-    if (!mayMeet(a, b, margin)) return true;
+    if (!mayMeet(a, b, static_cast<float>(margin))) return true;
     if (margin < kSmooth * nearest_ && isBeside(a, b) && isSmoothTogether(a, b)) return true;
     if (parts_[b].patch >= 0) return visit(parts_[a].patch, parts_[b].patch);
     for (const int child : parts_[b].children) {
@@ -137,7 +142,11 @@ class ClothTree {
       if (part.children[k] < 0) continue;
       visitSelf(part.children[k], visit);
       for (int l = k + 1; l < 4; ++l) {
-        if (part.children[l] >= 0) visitPair(part.children[k], part.children[l], visit);
+        if (part.children[l] < 0) continue;
+        // The rectangle around children at a diagonal is this part, which is not smooth.
+        const bool diagonal = k + l == 3;
+        diagonal ? divide(part.children[k], part.children[l], visit)
+                 : visitPair(part.children[k], part.children[l], visit);
       }
     }
   }
@@ -145,6 +154,11 @@ class ClothTree {
   template <class Visit>
   void visitPair(int a, int b, const Visit& visit) {
     if (isBeside(a, b) ? isSmoothTogether(a, b) : !mayMeet(a, b)) return;
+    divide(a, b, visit);
+  }
+
+  template <class Visit>
+  void divide(int a, int b, const Visit& visit) {
     if (parts_[a].patch >= 0 && parts_[b].patch >= 0) return visit(parts_[a].patch, parts_[b].patch);
     const bool divide_a = parts_[b].patch >= 0 || (parts_[a].patch < 0 && parts_[a].level >= parts_[b].level);
     for (const int child : parts_[divide_a ? a : b].children) {
@@ -154,7 +168,7 @@ class ClothTree {
 
   // Smallest λ of a rectangle that counts as smooth, and with which it still is at the end of a step.
   // The first is that with which pairs of points keep their range (PairFinder).
-  static constexpr double kSmooth = 0.5, kStillSmooth = 0.1;
+  static constexpr float kSmooth = 0.5f, kStillSmooth = 0.1f;
 
   Grid grid_;
   double nearest_;  ///< smallest distance in the flat cloth of parts that do not touch there [m]
@@ -164,6 +178,8 @@ class ClothTree {
   std::vector<int> level_offset_;     ///< first index of each level in index_
   std::vector<int> index_;            ///< part at each place of each level; -1: within a coarser leaf
   std::vector<Box> boxes_, motions_;  ///< of the parts: of positions with margins, of motions [m]
+  std::vector<Box> node_boxes_;       ///< positions with margins, relative to the first node [m]
+  std::vector<Float4> node_motions_;  ///< [m]
   std::vector<Tangents> tangents_, tangents_after_;
   std::vector<Smooth> smooth_;  ///< found by the last forNear()
   std::vector<char> rough_;     ///< one flag for each part

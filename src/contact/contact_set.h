@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -98,6 +99,11 @@ class ContactSet {
   bool meetsItself() const { return self_.has_value(); }
   const std::optional<SelfContact>& self() const { return self_; }  ///< unset: it passes through itself
 
+  /// Smallest distance of pairs at `nodes`, the last evaluated point; infinite without pairs [m].
+  double smallestSelfGap(const Field& nodes) {
+    return self_ ? self_->smallestDistance(nodes) : std::numeric_limits<double>::infinity();
+  }
+
   /// Tells whether no part of the cloth can have passed through another on the way from the start to
   /// the end of the step, both positions of all nodes [m].
   /// @param deviates nodes moved farther than the reach of collectPairs() allowed
@@ -137,6 +143,11 @@ class ContactSet {
   /// `first`.
   void appendAwake(const std::vector<char>& awake, int first, Runs& runs) const;
 
+  /// Notes where the nodes are for the next evaluation.
+  void placeNodes(const Field& nodes) {
+    if (self_) self_->place(nodes);
+  }
+
   /// Evaluates samples and pairs begin..end, and stores their forces and stiffness. @return their energy
   Energy evaluate(int begin, int end, const Field& nodes);
 
@@ -150,7 +161,7 @@ class ContactSet {
   /// Add the energy gradient [N] at nodes begin..end, and the diagonal of H⁺ [N/m] at all nodes.
   void addGradient(int begin, int end, Field& gradient) const {
     gather_.add(begin, end, forces_.gradient(), gradient);
-    if (self_) self_->addGradient(begin, end, gradient);
+    if (self_ && self_->size() > 0) self_->addGradient(begin, end, gradient);
   }
   void addDiagonal(Field& diagonal) const;
 
@@ -186,17 +197,13 @@ class ContactSet {
   /// contact energy of the last evaluation when the next step begins [J].
   double ejectionWork() const;
 
-  /// Largest factor of d from `nodes`, the last evaluated point, at which no probe sample and no pair
-  /// uses up more than 0.9 of its gap.
-  double maxStep(const Field& nodes, const Field& d, const std::vector<Vec3>& d_proxies) const {
-    const double step = forces_.maxStep(d, d_proxies);
-    return self_ ? std::min(step, self_->maxStep(nodes, d)) : step;
-  }
-
-  /// The same for motion that no law holds back. It leaves pairs at least 0.02 of their range.
-  double maxForcedStep(const Field& nodes, const Field& d, const std::vector<Vec3>& d_proxies) const {
-    const double step = forces_.maxStep(d, d_proxies);
-    return self_ ? std::min(step, self_->maxStep(nodes, d, 0.02)) : step;
+  /// Largest factor of d up to `most`, from `nodes`, the last evaluated point, at which no probe sample
+  /// and no pair uses up more than 0.9 of its gap, nor a pair comes nearer than `least_ranges` times its
+  /// range. A solve stays apart by the law, so the default only keeps distances from rounding to zero.
+  double maxStep(const Field& nodes, const Field& d, const std::vector<Vec3>& d_proxies, double most,
+                 double least_ranges = 1e-6) {
+    const double step = std::min(most, forces_.maxStep(d, d_proxies));
+    return self_ ? self_->maxStep(nodes, d, step, least_ranges) : step;
   }
 
   /// Appends the nodes of cells that press on a probe, with repetitions.

@@ -210,10 +210,11 @@ void PairFinder::addNode(const ActiveMesh& mesh, const Field& nodes, const Reach
     if (p[k] - near > std::max({a[k], b[k], c[k]}) || p[k] + near < std::min({a[k], b[k], c[k]})) return;
   }
   const Vec3 between = p - nearestOnTriangle(p, a, b, c);
-  const double distance = between.norm();
-  if (distance > within_ + apart(reach, std::array<int, 1>{node}, t)) return;
+  const double distance = between.norm(), most = apart(reach, std::array<int, 1>{node}, t);
+  if (distance > within_ + most) return;
   const std::array<int, 4> list{node, t[0], t[1], t[2]};
   const double range = rangeOf(mesh, list, false);
+  if (distance > std::min(within_, range) + most) return;
   const double above =
       between.x() * normals_.x[node] + between.y() * normals_.y[node] + between.z() * normals_.z[node];
   if (distance > kTogether * range && range > 0.0)
@@ -231,11 +232,11 @@ void PairFinder::addLines(const ActiveMesh& mesh, const Field& nodes, const Reac
       return;
   }
   const double distance = distanceOfLines(a, b, c, d);
-  if (distance >
-      lines_within_ + apart(reach, std::array<int, 2>{one.a, one.b}, std::array<int, 2>{other.a, other.b}))
-    return;
+  const double most = apart(reach, std::array<int, 2>{one.a, one.b}, std::array<int, 2>{other.a, other.b});
+  if (distance > lines_within_ + most) return;
   const std::array<int, 4> list{one.a, one.b, other.a, other.b};
   const double range = kLineRange * rangeOf(mesh, list, true);
+  if (distance > std::min(lines_within_, range) + most) return;
   if (distance > kTogether * range && range > 0.0) lines_.push_back({list, range, distance, 0});
 }
 
@@ -269,34 +270,41 @@ void PairFinder::sortByNode(int nodes) {
     std::sort(sorted_.begin() + rows_[n], sorted_.begin() + rows_[n + 1], before);
 }
 
-/// Lists groups: the triangles near a node on one of its sides. A group lies within one pack. If it has
-/// more members, the nearest make the group, and the others only must not be crossed.
+/// Lists groups: the triangles near a node on one of its sides. Those that press at the start of the
+/// step come first: only their packs are evaluated in most steps of the solve.
 void PairFinder::listGroups(std::vector<PairPack>& packs) {
   int lane = kPack;
-  for (std::size_t first = 0; first < sorted_.size();) {
-    std::size_t end = first + 1;
-    const Candidate& head = sorted_[first];
-    while (end < sorted_.size() && sorted_[end].nodes[0] == head.nodes[0] && sorted_[end].side == head.side)
-      ++end;
-    const int together = std::min<int>(end - first, kPack);
-    if (lane + together > kPack) {
-      packs.push_back(emptyPack(false));
-      lane = 0;
+  for (const bool presses : {true, false}) {
+    for (std::size_t first = 0; first < sorted_.size();) {
+      const Candidate& nearest = sorted_[first];
+      std::size_t end = first + 1;
+      while (end < sorted_.size() && sorted_[end].nodes[0] == nearest.nodes[0] &&
+             sorted_[end].side == nearest.side)
+        ++end;
+      if ((nearest.distance < nearest.range) == presses) addGroup(first, end, packs, lane);
+      first = end;
     }
-    const int group = lane;
-    for (std::size_t k = first; k < end; ++k) {
-      const bool presses = static_cast<int>(k - first) < together;
-      if (lane == kPack) {
-        packs.push_back(emptyPack(false));
-        lane = 0;
-      }
-      PairPack& pack = packs.back();
-      put(pack, lane, sorted_[k].nodes, sorted_[k].range,
-          presses ? 0.5 * surface_.area(sorted_[k].nodes[0]) : 0.0);
-      pack.group[lane] = presses ? group : lane;
-      ++lane;
-    }
-    first = end;
+  }
+}
+
+/// Adds a group, which lies within one pack. If it has more members, the nearest make the group, and the
+/// others only must not be crossed. @param lane next free lane of the last pack
+void PairFinder::addGroup(std::size_t first, std::size_t end, std::vector<PairPack>& packs, int& lane) const {
+  const auto open = [&] {
+    packs.push_back(emptyPack(false));
+    lane = 0;
+  };
+  const int together = std::min<int>(end - first, kPack);
+  if (lane + together > kPack) open();
+  const int group = lane;
+  for (std::size_t k = first; k < end; ++k) {
+    const bool belongs = static_cast<int>(k - first) < together;
+    if (lane == kPack) open();
+    PairPack& pack = packs.back();
+    put(pack, lane, sorted_[k].nodes, sorted_[k].range,
+        belongs ? 0.5 * surface_.area(sorted_[k].nodes[0]) : 0.0);
+    pack.group[lane] = belongs ? group : lane;
+    ++lane;
   }
 }
 

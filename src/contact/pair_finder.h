@@ -69,6 +69,7 @@ class PairFinder {
   double rangeOf(const ActiveMesh& mesh, const std::array<int, 4>& nodes, bool lines) const;
   void sortByNode(int nodes);
   void listGroups(std::vector<PairPack>& packs);
+  void addGroup(std::size_t first, std::size_t end, std::vector<PairPack>& packs, int& lane) const;
   void listLines(std::vector<PairPack>& packs) const;
 
   Grid grid_;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "contact/pair_packs.h"
@@ -23,11 +24,21 @@ HAPTIC_CLOTH_INLINE void store3(double (*values)[kPack], int l, const Lanes3& v)
 
 HAPTIC_CLOTH_INLINE Lanes clamp01(const Lanes& t) { return smaller(larger(t, Lanes{}), all(1.0)); }
 
+/// Values at the four nodes of one vector of pairs.
+struct AtNodes {
+  Lanes3 of[4];
+};
+
+HAPTIC_CLOTH_INLINE AtNodes gatherNodes(const PairPack& pack, int l, const ConstArrays& values) {
+  AtNodes at;
+  for (int c = 0; c < 4; ++c) at.of[c] = gather(values, pack.nodes[c], l);
+  return at;
+}
+
 /// Σ weights · values
-HAPTIC_CLOTH_INLINE Lanes3 weighted(const PairPack& pack, const double (*weights)[kPack], int l,
-                                    const ConstArrays& values) {
-  Lanes3 sum = load(weights[0] + l) * gather(values, pack.nodes[0], l);
-  for (int c = 1; c < 4; ++c) sum = sum + load(weights[c] + l) * gather(values, pack.nodes[c], l);
+HAPTIC_CLOTH_INLINE Lanes3 weighted(const double (*weights)[kPack], int l, const AtNodes& values) {
+  Lanes3 sum = load(weights[0] + l) * values.of[0];
+  for (int c = 1; c < 4; ++c) sum = sum + load(weights[c] + l) * values.of[c];
   return sum;
 }
 
@@ -82,10 +93,9 @@ HAPTIC_CLOTH_INLINE Nearest twoLines(const Lanes3& a, const Lanes3& b, const Lan
   return {between, {1.0 - s, s, t - 1.0, -t}};
 }
 
-HAPTIC_CLOTH_INLINE void measureOne(PairPack& pack, int l, const ConstArrays& x) {
-  const Lanes3 a = gather(x, pack.nodes[0], l), b = gather(x, pack.nodes[1], l),
-               c = gather(x, pack.nodes[2], l), d = gather(x, pack.nodes[3], l);
-  const Nearest nearest = pack.lines ? twoLines(a, b, c, d) : nodeAndTriangle(a, b, c, d);
+HAPTIC_CLOTH_INLINE void measureOne(PairPack& pack, int l, const AtNodes& x) {
+  const Nearest nearest = pack.lines ? twoLines(x.of[0], x.of[1], x.of[2], x.of[3])
+                                     : nodeAndTriangle(x.of[0], x.of[1], x.of[2], x.of[3]);
   const Lanes distance = squareRoot(dot(nearest.between, nearest.between));
   store3(pack.normal, l, 1.0 / larger(distance, all(kTiny)) * nearest.between);
   store(pack.distance + l, ifPositive(load(pack.range + l), distance, all(1e150)));
@@ -133,7 +143,7 @@ HAPTIC_CLOTH_INLINE PressureLanes press(const CompressionLaw::Constants& law, co
 
 /// Writes forces of one vector of pairs; adds their stored energy and their friction potential.
 HAPTIC_CLOTH_INLINE void pressOne(PairPack& pack, int l, const double* areas, const PairContext& context,
-                                  const ConstArrays& x, Lanes& energy, Lanes& loss) {
+                                  const AtNodes& x, Lanes& energy, Lanes& loss) {
   const double slip = context.slip;
   const Lanes scale = larger(load(pack.range + l), all(kTiny)) / context.law.range, area = load(areas + l);
   const PressureLanes law = press(context.law, larger(load(pack.distance + l), all(kTiny)) / scale);
@@ -142,7 +152,7 @@ HAPTIC_CLOTH_INLINE void pressOne(PairPack& pack, int l, const double* areas, co
   store(pack.stiffness + l, area / scale * law.stiffness);
   const Lanes limit = load(pack.friction + l);
   const Lanes3 start_normal = load3(pack.start_normal, l);
-  const Lanes3 moved = weighted(pack, pack.start_weights, l, x) - load3(pack.start, l);
+  const Lanes3 moved = weighted(pack.start_weights, l, x) - load3(pack.start, l);
   const Lanes3 slipped = moved - dot(start_normal, moved) * start_normal;
   const Lanes y = squareRoot(dot(slipped, slipped)), t = y / slip, slow = all(slip);
   loss += limit * ifLess(y, slow, slow * t * t * (1.0 - t / 3.0), y - slow / 3.0);
@@ -151,46 +161,67 @@ HAPTIC_CLOTH_INLINE void pressOne(PairPack& pack, int l, const double* areas, co
   store(pack.drag_stiffness + l, tangent);
 }
 
-HAPTIC_CLOTH_INLINE bool isIdle(const PairPack& pack) {
+constexpr int kVectors = kPack / kLanes;
+
+/// Measures all pairs of a pack. @param x positions of the nodes of its vectors
+HAPTIC_CLOTH_INLINE void measure(PairPack& pack, PairBound& bound, double travelled, const AtNodes* x) {
+  Lanes gap = all(1e300), clear = all(1e300);
   for (int l = 0; l < kPack; l += kLanes) {
-    if (!allLess(load(pack.range + l), load(pack.distance + l))) return false;
-    if (!allLess(load(pack.friction + l), all(kTiny))) return false;
+    measureOne(pack, l, x[l / kLanes]);
+    const Lanes distance = load(pack.distance + l);
+    gap = smaller(gap, distance);
+    // Pairs with friction act wherever they are.
+    clear = smaller(clear, ifPositive(load(pack.friction + l), all(-1.0), distance - load(pack.range + l)));
   }
-  return true;
+  bound = {travelled, least(gap), least(clear)};
+}
+
+HAPTIC_CLOTH_INLINE void measureAt(PairPack& pack, PairBound& bound, double travelled, const ConstArrays& x) {
+  AtNodes at[kVectors];
+  for (int v = 0; v < kVectors; ++v) at[v] = gatherNodes(pack, v * kLanes, x);
+  measure(pack, bound, travelled, at);
 }
 
 }  // namespace
 
-ContactEnergy evaluatePairs(PairPack* packs, int begin, int end, const PairContext& context,
-                            const ConstArrays& x) {
+ContactEnergy evaluatePairs(PairPack* packs, PairBound* bounds, int begin, int end,
+                            const PairContext& context, const ConstArrays& x) {
   Lanes energy{}, loss{};
   for (int p = begin; p < end; ++p) {
     PairPack& pack = packs[p];
-    for (int l = 0; l < kPack; l += kLanes) measureOne(pack, l, x);
-    if (isIdle(pack)) {
+    PairBound& bound = bounds[p];
+    if (context.travelled - bound.measured < bound.clear) continue;
+    const bool acted = acts(bound);
+    AtNodes at[kVectors];
+    for (int v = 0; v < kVectors; ++v) at[v] = gatherNodes(pack, v * kLanes, x);
+    measure(pack, bound, context.travelled, at);
+    if (acts(bound)) {
+      double areas[kPack];
+      nearestAreas(pack, areas);
+      for (int l = 0; l < kPack; l += kLanes) pressOne(pack, l, areas, context, at[l / kLanes], energy, loss);
+    } else if (acted) {
       for (int l = 0; l < kPack; l += kLanes) {
         store(pack.pressing + l, Lanes{});
         store(pack.stiffness + l, Lanes{});
         store(pack.drag_stiffness + l, Lanes{});
       }
-      continue;
     }
-    double areas[kPack];
-    nearestAreas(pack, areas);
-    for (int l = 0; l < kPack; l += kLanes) pressOne(pack, l, areas, context, x, energy, loss);
   }
   return {total(energy), total(loss)};
 }
 
-double pairQuadraticForm(const PairPack* packs, int begin, int end, const ConstArrays& d) {
+double pairQuadraticForm(const PairPack* packs, const PairBound* bounds, int begin, int end,
+                         const ConstArrays& d) {
   Lanes sum{};
   for (int p = begin; p < end; ++p) {
+    if (!acts(bounds[p])) continue;
     const PairPack& pack = packs[p];
     for (int l = 0; l < kPack; l += kLanes) {
       const Lanes along = load(pack.stiffness + l), across = load(pack.drag_stiffness + l);
       if (allLess(larger(along, across), all(kTiny))) continue;  // no contact
-      const Lanes normal = dot(load3(pack.normal, l), weighted(pack, pack.weights, l, d));
-      const Lanes3 moved = weighted(pack, pack.start_weights, l, d);
+      const AtNodes at = gatherNodes(pack, l, d);
+      const Lanes normal = dot(load3(pack.normal, l), weighted(pack.weights, l, at));
+      const Lanes3 moved = weighted(pack.start_weights, l, at);
       const Lanes start = dot(load3(pack.start_normal, l), moved);
       sum += along * normal * normal + across * larger(dot(moved, moved) - start * start, Lanes{});
     }
@@ -198,11 +229,18 @@ double pairQuadraticForm(const PairPack* packs, int begin, int end, const ConstA
   return total(sum);
 }
 
-double largestPairStep(const PairPack* packs, int begin, int end, double share, double least_ranges,
-                       const ConstArrays& x, const ConstArrays& d) {
-  Lanes step = all(1e300);
+double largestPairStep(PairPack* packs, PairBound* bounds, int begin, int end, const PairLimits& limits,
+                       double travelled, const ConstArrays& x, const ConstArrays& d) {
+  double most = limits.most;
   for (int p = begin; p < end; ++p) {
-    const PairPack& pack = packs[p];
+    PairPack& pack = packs[p];
+    PairBound& bound = bounds[p];
+    // No pair of the pack is nearer than this, and none may use up more than `free`.
+    const double gap = bound.gap - (travelled - bound.measured);
+    const double free = std::min(limits.share * gap, gap - limits.least_ranges * limits.widest);
+    if (most * limits.fastest < free) continue;
+    if (bound.measured != travelled) measureAt(pack, bound, travelled, x);
+    Lanes step = all(most);
     for (int l = 0; l < kPack; l += kLanes) {
       const Lanes3 normal = load3(pack.normal, l);
       Lanes at[4], by[4];
@@ -210,7 +248,8 @@ double largestPairStep(const PairPack* packs, int begin, int end, double share, 
         at[c] = dot(normal, gather(x, pack.nodes[c], l));
         by[c] = dot(normal, gather(d, pack.nodes[c], l));
       }
-      const Lanes left = larger((1.0 - share) * load(pack.distance + l), least_ranges * load(pack.range + l));
+      const Lanes left =
+          larger((1.0 - limits.share) * load(pack.distance + l), limits.least_ranges * load(pack.range + l));
       // Of the first part the nearest node along the normal counts, of the second the farthest.
       const int firsts = pack.lines ? 2 : 1;
       for (int a = 0; a < firsts; ++a) {
@@ -220,8 +259,20 @@ double largestPairStep(const PairPack* packs, int begin, int end, double share, 
         }
       }
     }
+    most = least(step);
   }
-  return least(step);
+  return most;
+}
+
+double measurePairs(PairPack* packs, PairBound* bounds, int begin, int end, double travelled, double least,
+                    const ConstArrays& x) {
+  for (int p = begin; p < end; ++p) {
+    PairBound& bound = bounds[p];
+    if (bound.gap - (travelled - bound.measured) >= least) continue;
+    if (bound.measured != travelled) measureAt(packs[p], bound, travelled, x);
+    least = std::min(least, bound.gap);
+  }
+  return least;
 }
 
 }  // namespace HAPTIC_CLOTH_PATH

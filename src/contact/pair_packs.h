@@ -30,19 +30,42 @@ struct alignas(64) PairPack {
   double drag_stiffness[kPack];  ///< across start_normal [N/m]
 };
 
-/// Values that all pairs share in a step.
+/// What is known of a pack since it was measured: while the nodes travel, no pair of it can begin to
+/// press before they have used up `clear`, nor meet before `gap`.
+struct PairBound {
+  double measured;  ///< way travelled when the pack was measured [m]
+  double gap;       ///< smallest distance of its pairs then [m]
+  double clear;     ///< smallest excess of a distance over the range; negative: its pairs act [m]
+};
+
+inline bool acts(const PairBound& bound) { return !(bound.clear > 0.0); }
+
+/// Values that all pairs share in an evaluation.
 struct PairContext {
   /// Pressure by distance. A pair with a shorter range has the same law over it.
   CompressionLaw::Constants law;
-  double slip;  ///< slip below which friction is smoothed [m]
+  double slip;       ///< slip below which friction is smoothed [m]
+  double travelled;  ///< bound of how far any distance has changed in the step so far [m]
+};
+
+/// Limits of a step along a direction d.
+struct PairLimits {
+  double share;         ///< largest share of a pair's distance that it may use up [-]
+  double least_ranges;  ///< smallest distance that it may leave, over the pair's range [-]
+  double most;          ///< factor of d that is wanted [-]
+  double fastest;       ///< bound of how far any distance changes by d [m]
+  double widest;        ///< largest range of a pair [m]
 };
 
 // Kernels:
-//   evaluatePairs      measures packs begin..end and writes their forces. Returns their energy.
+//   evaluatePairs      measures packs begin..end, unless they cannot press yet, and writes their forces.
+//                      Returns their energy.
 //   pairQuadraticForm  quadratic form d · H⁺ d of packs begin..end at the last evaluation [J].
-//   largestPairStep    largest factor of d at which no pair uses up more than `share` of its distance, nor
-//                      comes nearer than `least_ranges` times its range.
+//   largestPairStep    largest factor of d within the limits for packs begin..end. Packs that were not
+//                      measured at x are, if they might limit the step.
 //                      The normal separates both parts of a pair: they do not meet before one of their
 //                      nodes has passed the other part along it.
+//   measurePairs       measures packs begin..end that may be nearer than `least` [m]. Returns the smallest
+//                      distance, or `least` if all are farther.
 
 }  // namespace haptic_cloth

@@ -1,6 +1,7 @@
 #include "contact/self_contact.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "mesh/list_by_node.h"
@@ -18,14 +19,34 @@ Vec3 laneOf(const double (&values)[3][kPack], int lane) {
 SelfContact::SelfContact(const Grid& grid, const Options& options, double slip)
     : law_(options.law), friction_(options.friction), slip_(slip), finder_(grid, options.law.range()) {
   packs_.reserve(grid.particles() / 2);
+  bounds_.reserve(grid.particles() / 2);
+  paired_.reserve(grid.particles());
+  places_.reserve(grid.particles());
   rows_.reserve(grid.particles() + 2);
   entries_.reserve(4 * kPack * (grid.particles() / 2));
+}
+
+void SelfContact::rebuild(const ActiveMesh& mesh) {
+  finder_.rebuild(mesh);
+  packs_.clear();  // they name nodes of the old mesh
+  bounds_.clear();
+  paired_.clear();
+  rows_.assign(mesh.nodes() + 1, 0);
 }
 
 void SelfContact::collect(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals,
                           const PairFinder::Reach& reach) {
   finder_.find(mesh, nodes, normals, reach, packs_);
   listEntries(mesh.nodes());
+  bounds_.assign(packs_.size(), {0.0, 0.0, 0.0});
+  paired_.clear();
+  places_.clear();
+  for (int n = 0; n < mesh.nodes(); ++n) {
+    if (rows_[n] == rows_[n + 1]) continue;
+    paired_.push_back(n);
+    places_.push_back(nodes[n]);
+  }
+  travelled_ = 0.0;
   evaluate(0, size(), nodes);  // without friction yet
   for (PairPack& pack : packs_) {
     for (int l = 0; l < kPack; ++l) {
@@ -58,13 +79,26 @@ void SelfContact::listEntries(int nodes) {
   listByNode(nodes, visit, rows_, entries_);
 }
 
+void SelfContact::place(const Field& nodes) {
+  double squared = 0.0, sum = 0.0;
+  for (std::size_t k = 0; k < paired_.size(); ++k) {
+    const Vec3 place = nodes[paired_[k]];
+    const double moved = (place - places_[k]).squaredNorm();
+    squared = std::max(squared, moved);
+    sum += moved;
+    places_[k] = place;
+  }
+  // Two points may move against each other. Positions that are no numbers end all bounds.
+  travelled_ += std::isfinite(sum) ? 2.0 * std::sqrt(squared) : std::numeric_limits<double>::infinity();
+}
+
 ContactEnergy SelfContact::evaluate(int begin, int end, const Field& nodes) {
-  return kernels().evaluatePairs(packs_.data(), begin / kPack, end / kPack, {law_.constants(), slip_},
-                                 nodes.arrays());
+  return kernels().evaluatePairs(packs_.data(), bounds_.data(), begin / kPack, end / kPack,
+                                 {law_.constants(), slip_, travelled_}, nodes.arrays());
 }
 
 double SelfContact::quadraticForm(int begin, int end, const Field& d) const {
-  return kernels().pairQuadraticForm(packs_.data(), begin / kPack, end / kPack, d.arrays());
+  return kernels().pairQuadraticForm(packs_.data(), bounds_.data(), begin / kPack, end / kPack, d.arrays());
 }
 
 void SelfContact::addGradient(int begin, int end, Field& gradient) const {
@@ -73,6 +107,7 @@ void SelfContact::addGradient(int begin, int end, Field& gradient) const {
     Vec3 sum = gradient[n];
     for (int e = rows_[n]; e < rows_[n + 1]; ++e) {
       const auto& [p, lane, corner] = entries_[e];
+      if (!acts(bounds_[p])) continue;
       const PairPack& pack = packs_[p];
       if (pack.pressing[lane] > 0.0)
         sum -= pack.pressing[lane] * pack.weights[corner][lane] * laneOf(pack.normal, lane);
@@ -107,10 +142,13 @@ void SelfContact::addDiagonal(Field& diagonal) const {
   });
 }
 
-double SelfContact::maxStep(const Field& nodes, const Field& d, double least_ranges) const {
+double SelfContact::maxStep(const Field& nodes, const Field& d, double most, double least_ranges) {
   constexpr double kShare = 0.9;
-  return kernels().largestPairStep(packs_.data(), 0, static_cast<int>(packs_.size()), kShare, least_ranges,
-                                   nodes.arrays(), d.arrays());
+  double squared = 0.0;
+  for (const int n : paired_) squared = std::max(squared, d[n].squaredNorm());
+  const PairLimits limits{kShare, least_ranges, most, 2.0 * std::sqrt(squared), law_.range()};
+  return kernels().largestPairStep(packs_.data(), bounds_.data(), 0, static_cast<int>(packs_.size()), limits,
+                                   travelled_, nodes.arrays(), d.arrays());
 }
 
 void SelfContact::appendAwake(const std::vector<char>& awake, int first, Runs& runs) const {
@@ -137,10 +175,9 @@ int SelfContact::touching() const {
   return count;
 }
 
-double SelfContact::smallestDistance() const {
-  double smallest = std::numeric_limits<double>::infinity();
-  forPairs([&](const PairPack& pack, int l) { smallest = std::min(smallest, pack.distance[l]); });
-  return smallest;
+double SelfContact::smallestDistance(const Field& nodes) {
+  return kernels().measurePairs(packs_.data(), bounds_.data(), 0, static_cast<int>(packs_.size()), travelled_,
+                                std::numeric_limits<double>::infinity(), nodes.arrays());
 }
 
 }  // namespace haptic_cloth

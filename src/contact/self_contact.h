@@ -15,7 +15,8 @@
 namespace haptic_cloth {
 
 /// Pairs of parts of the cloth that may meet in a step (PairFinder), their pressure and friction. No
-/// pair ever crosses: maxStep() limits each step of the solve.
+/// pair ever crosses: maxStep() limits each step of the solve. Most pairs only might meet. They are
+/// measured again only when the nodes have travelled so far that they might press (PairBound).
 class SelfContact {
  public:
   struct Options {
@@ -29,7 +30,7 @@ class SelfContact {
   void setSlip(double slip) { slip_ = slip; }  ///< see the constructor [m]
 
   /// Must follow a change of the mesh.
-  void rebuild(const ActiveMesh& mesh) { finder_.rebuild(mesh); }
+  void rebuild(const ActiveMesh& mesh);
 
   /// Finds the pairs of a step and freezes their friction. The parameters are those of
   /// PairFinder::find().
@@ -54,7 +55,10 @@ class SelfContact {
   int size() const { return kPack * static_cast<int>(packs_.size()); }
   int capacity() const { return kPack * static_cast<int>(packs_.capacity()); }
 
-  /// Evaluates pairs begin..end. @return their energy
+  /// Notes where the nodes are for the next evaluation.
+  void place(const Field& nodes);
+
+  /// Evaluates pairs begin..end. @return their energy  @pre place()
   ContactEnergy evaluate(int begin, int end, const Field& nodes);
 
   /// Quadratic form d · H⁺ d of pairs begin..end at the last evaluation.
@@ -69,10 +73,9 @@ class SelfContact {
   /// Adds the diagonal of H⁺ at all nodes [N/m].
   void addDiagonal(Field& diagonal) const;
 
-  /// Largest factor of d from `nodes`, the last evaluated point, at which no pair uses up more than 0.9
-  /// of its distance, nor comes nearer than `least_ranges` times its range. A solve stays apart by the
-  /// law, so the default only keeps distances from rounding to zero.
-  double maxStep(const Field& nodes, const Field& d, double least_ranges = 1e-6) const;
+  /// Largest factor of d up to `most`, from `nodes`, the last evaluated point, at which no pair uses up
+  /// more than 0.9 of its distance, nor comes nearer than `least_ranges` times its range.
+  double maxStep(const Field& nodes, const Field& d, double most, double least_ranges);
 
   /// Adds the packs that act on an awake node to `runs`, counted from `first`.
   void appendAwake(const std::vector<char>& awake, int first, Runs& runs) const;
@@ -90,8 +93,9 @@ class SelfContact {
     }
   }
 
-  int touching() const;             ///< number of pairs that press
-  double smallestDistance() const;  ///< of all pairs at the last evaluation; infinite without pairs [m]
+  int touching() const;  ///< number of pairs that press
+  /// Of all pairs at `nodes`, the last evaluated point; infinite without pairs [m].
+  double smallestDistance(const Field& nodes);
 
  private:
   /// A pair at one of its nodes.
@@ -105,7 +109,11 @@ class SelfContact {
   double friction_, slip_;
   PairFinder finder_;
   std::vector<PairPack> packs_;
-  std::vector<int> rows_;  ///< entries of node n: rows_[n] .. rows_[n + 1]
+  std::vector<PairBound> bounds_;  ///< one for each pack
+  std::vector<int> paired_;        ///< nodes of pairs
+  std::vector<Vec3> places_;       ///< of these nodes at the last place() [m]
+  double travelled_ = 0.0;         ///< see PairContext
+  std::vector<int> rows_;          ///< entries of node n: rows_[n] .. rows_[n + 1]
   std::vector<Entry> entries_;
 };
 

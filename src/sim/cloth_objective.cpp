@@ -93,11 +93,12 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
 }
 
 void ClothObjective::movePinned(const Field& nodes) {
+  constexpr double kLeastRanges = 0.02;  // no law holds back the pins
   for (int n = mesh_.free; n < mesh_.active(); ++n) motion_.set(n, nodes[n] - nodes_[n]);
   mesh_.interpolateGhosts(motion_);
   std::fill(proxy_motions_.begin(), proxy_motions_.end(), Vec3::Zero());
   const double share =
-      limitsSteps() ? std::min(1.0, contacts_.maxForcedStep(nodes_, motion_, proxy_motions_)) : 1.0;
+      limitsSteps() ? contacts_.maxStep(nodes_, motion_, proxy_motions_, 1.0, kLeastRanges) : 1.0;
   for (int n = mesh_.free; n < mesh_.active(); ++n) nodes_.set(n, nodes_[n] + share * motion_[n]);
   motion_.fill(0.0);
 }
@@ -149,6 +150,7 @@ double ClothObjective::evaluate(const Vector& x, Vector& gradient) {
   unpack(x, nodes_, proxies_);
   carryHeld(proxies_, true, nodes_);
   placeProbes();
+  contacts_.placeNodes(nodes_);
   energies_ = team_.sum(awake_.elements().size(), [this](int from, int to) {
     Sums sums = Sums::Zero();
     awake_.elements().forPart(from, to, [&](int begin, int end) { sums += evaluateElements(begin, end); });
@@ -246,10 +248,10 @@ void ClothObjective::setMotion(const Vector& d) {
   carryHeld(proxy_motions_, false, motion_);
 }
 
-Objective::Along ClothObjective::along(const Vector& d) {
+Objective::Along ClothObjective::along(const Vector& d, double slope) {
   setMotion(d);
-  return {formAlongMotion(false, true).sum(),
-          limitsSteps() ? contacts_.maxStep(nodes_, motion_, proxy_motions_) : 1e300};
+  const double form = formAlongMotion(false, true).sum(), step = newtonStep(slope, form);
+  return {form, limitsSteps() ? contacts_.maxStep(nodes_, motion_, proxy_motions_, step) : step};
 }
 
 ClothObjective::QuadraticForm ClothObjective::quadraticForm(const Vector& d, bool deforms) {
@@ -257,10 +259,10 @@ ClothObjective::QuadraticForm ClothObjective::quadraticForm(const Vector& d, boo
   return formAlongMotion(true, deforms);
 }
 
-double ClothObjective::maxStep(const Vector& d) {
-  if (!limitsSteps()) return 1e300;
+double ClothObjective::maxStep(const Vector& d, double most) {
+  if (!limitsSteps()) return most;
   setMotion(d);
-  return contacts_.maxStep(nodes_, motion_, proxy_motions_);
+  return contacts_.maxStep(nodes_, motion_, proxy_motions_, most);
 }
 
 ClothObjective::QuadraticForm ClothObjective::formAlongMotion(bool whole_motion, bool deforms) {

@@ -69,7 +69,7 @@ class ClothObjective : public Objective {
 
   int size() const override { return 3 * (mesh_.free + present_); }
   double evaluate(const Vector& x, Vector& gradient) override;
-  Along along(const Vector& d) override;
+  Along along(const Vector& d, double slope) override;
 
   /// Quadratic form d · H⁺ d [J]: part of the fabric, and of everything else.
   struct QuadraticForm {
@@ -84,8 +84,8 @@ class ClothObjective : public Objective {
   /// Tells whether a direction over all free nodes moves every node.
   bool allFree() const { return mesh_.pinned == 0 && held_.empty() && awake_.all(); }
 
-  /// Largest admissible factor of d at the last evaluated point.
-  double maxStep(const Vector& d);
+  /// Largest admissible factor of d up to `most` at the last evaluated point.
+  double maxStep(const Vector& d, double most);
   void fitPreconditioner() override;
 
   /// Must follow a change of the mesh.

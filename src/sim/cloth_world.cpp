@@ -178,10 +178,10 @@ void ClothWorld::accept(StepReport& report) {
   reportPairs(report);
 }
 
-void ClothWorld::reportPairs(StepReport& report) const {
+void ClothWorld::reportPairs(StepReport& report) {
   if (!contacts_.meetsItself()) return;
   report.self_contacts = contacts_.self()->touching();
-  report.min_self_gap = contacts_.self()->smallestDistance();
+  report.min_self_gap = contacts_.smallestSelfGap(cloth_.nodes());
 }
 
 /// Marks the nodes whose velocity may have jumped: ejected, touched, held or asleep.

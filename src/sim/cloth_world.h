@@ -80,7 +80,7 @@ class ClothWorld {
   bool solidsMove() const;
   bool feelsCloth() const;
   void accept(StepReport& report);
-  void reportPairs(StepReport& report) const;
+  void reportPairs(StepReport& report);
   void markEjected();
   void markJumped();
   void restore();

@@ -130,10 +130,11 @@ void JointObjective::gatherGradient(Vector& gradient) {
   });
 }
 
-Objective::Along JointObjective::along(const Vector& d) {
+Objective::Along JointObjective::along(const Vector& d, double slope) {
   step_.unpack(d, motion_, proxy_motions_);
   step_.carryHeld(proxy_motions_, false, motion_);
-  return {changeOfForces(d.data() + step_.size()), contacts_.maxStep(nodes_, motion_, proxy_motions_)};
+  const double form = changeOfForces(d.data() + step_.size());
+  return {form, contacts_.maxStep(nodes_, motion_, proxy_motions_, newtonStep(slope, form))};
 }
 
 /// Quadratic form of the Gauss-Newton Hessian along (motion_, proxy_motions_, d_forces).

@@ -28,7 +28,7 @@ class JointObjective : public Objective {
 
   int size() const override { return step_.size() + elements_.size(); }
   double evaluate(const Vector& x, Vector& gradient) override;
-  Along along(const Vector& d) override;
+  Along along(const Vector& d, double slope) override;
   void fitPreconditioner() override;
   void precondition(const Vector& gradient, Vector& z) override;
 

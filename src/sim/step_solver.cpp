@@ -189,11 +189,9 @@ void StepSolver::correctNetForce(MinimizerReport& report) {
     for (int n = 0; n < free; ++n) motion_[c * free + n] = objective_.awake().contains(n) ? force : 0.0;
   }
   const double slope = motion_.head(size).dot(gradient_.head(size));
-  const Objective::Along along = objective_.along(motion_);
-  if (!(slope < 0.0) || !(along.quadratic_form > 0.0)) return;
+  if (!(slope < 0.0)) return;
   Vector& trial = directions_[0];
-  trial.head(size) =
-      x_.head(size) + std::min(-slope / along.quadratic_form, along.max_step) * motion_.head(size);
+  trial.head(size) = x_.head(size) + objective_.along(motion_, slope).step * motion_.head(size);
   const double moved = objective_.evaluate(trial, gradient_);
   const double left = gradient_.head(size).dot(motion_.head(size));
   if (moved <= value + kRounding * std::abs(value) && std::abs(left) <= -slope) {
@@ -215,7 +213,7 @@ double StepSolver::chooseInitialGuess() {
       objective_.awake().all() ? start_values_.potential : objective_.evaluate(start_, gradient_);
   const std::array<double, 2> steps = stepsAlongDirections();
   motion_.head(size) = steps[0] * directions_[0].head(size) + steps[1] * directions_[1].head(size);
-  const double reach = std::min(1.0, objective_.maxStep(motion_));
+  const double reach = objective_.maxStep(motion_, 1.0);
   x_.head(size) = start_.head(size) + reach * motion_.head(size);
   const double moving = objective_.evaluate(x_, gradient_);
   if (moving <= at_rest) return moving;

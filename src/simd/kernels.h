@@ -11,7 +11,9 @@ struct GatherColumn;
 struct GatherDetail;
 struct LawView;
 struct Motion;
+struct PairBound;
 struct PairContext;
+struct PairLimits;
 struct PairPack;
 struct PatchCorners;
 struct PatchPack;
@@ -85,11 +87,16 @@ struct TriplePack;
          (const PatchCorners* corners, int count, double range, const ConstArrays& x, const double* reach,   \
           const double* gaps, const ConstArrays& normals, double* margins))                                  \
   KERNEL(ContactEnergy, evaluatePairs,                                                                       \
-         (PairPack * packs, int begin, int end, const PairContext& context, const ConstArrays& x))           \
-  KERNEL(double, pairQuadraticForm, (const PairPack* packs, int begin, int end, const ConstArrays& d))       \
+         (PairPack * packs, PairBound * bounds, int begin, int end, const PairContext& context,              \
+          const ConstArrays& x))                                                                             \
+  KERNEL(double, pairQuadraticForm,                                                                          \
+         (const PairPack* packs, const PairBound* bounds, int begin, int end, const ConstArrays& d))         \
   KERNEL(double, largestPairStep,                                                                            \
-         (const PairPack* packs, int begin, int end, double share, double least_ranges,                      \
-          const ConstArrays& x, const ConstArrays& d))                                                       \
+         (PairPack * packs, PairBound * bounds, int begin, int end, const PairLimits& limits,                \
+          double travelled, const ConstArrays& x, const ConstArrays& d))                                     \
+  KERNEL(double, measurePairs,                                                                               \
+         (PairPack * packs, PairBound * bounds, int begin, int end, double travelled, double least,          \
+          const ConstArrays& x))                                                                             \
   KERNEL(void, loadPoints, (const double* gradient, int free, int begin, int end, float* values))            \
   KERNEL(void, addOwnBlocks,                                                                                 \
          (const BlockArrays& own, const double* gradient, const float* values, int free, int begin, int end, \

@@ -140,8 +140,7 @@ bool Minimizer::lineSearch(Objective& objective, Team& team, Vector& x, double& 
                            MinimizerReport& report) {
   constexpr double kSufficient = 1e-4, kRounding = 1e-10;
   constexpr int kTrials = 20;
-  const Objective::Along along = objective.along(direction_);
-  double step = std::min(along.quadratic_form > 0.0 ? -slope_ / along.quadratic_form : 1.0, along.max_step);
+  double step = objective.along(direction_, slope_).step;
   for (int trial = 0; trial < kTrials; ++trial) {
     const auto go = [&](int begin, int end) {
       trial_.segment(begin, end - begin) =

@@ -23,11 +23,17 @@ class Objective {
     /// Quadratic form d · H⁺ d; H⁺ is the positive part of the second derivative, element by
     /// element.
     double quadratic_form;
-    double max_step;  ///< largest admissible factor of d
+    /// Newton's step along d, or 1 if the quadratic form is zero, or the largest admissible factor of
+    /// d if that is less.
+    double step;
   };
 
-  /// Quadratic form and admissible step along d at the last evaluated point.
-  virtual Along along(const Vector& d) = 0;
+  /// Quadratic form and step along d at the last evaluated point.
+  /// @param slope of Φ along d [J]
+  virtual Along along(const Vector& d, double slope) = 0;
+
+  /// Newton's step for a slope and a quadratic form [J].
+  static double newtonStep(double slope, double form) { return form > 0.0 ? -slope / form : 1.0; }
 
   /// Fits P ≈ H⁻¹, symmetric positive definite, to the last evaluated point.
   virtual void fitPreconditioner() = 0;

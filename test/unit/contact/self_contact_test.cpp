@@ -58,11 +58,13 @@ struct Folded {
   Field gradient() {
     Field sum;
     sum.clear(mesh.nodes());
+    contact.place(x);
     contact.evaluate(0, contact.size(), x);
     contact.addGradient(0, mesh.nodes(), sum);
     return sum;
   }
   double energy(const Field& at) {
+    contact.place(at);
     const ContactEnergy energy = contact.evaluate(0, contact.size(), at);
     return energy.contact + energy.friction;
   }
@@ -215,13 +217,12 @@ TEST(SelfContact, LargestStepCrossesNothing) {
     cloth.reach.assign(cloth.mesh.nodes(), 0.02);  // farther than any node goes
     for (int k = 0; k < 30; ++k) {
       cloth.collect();
-      cloth.contact.evaluate(0, cloth.contact.size(), cloth.x);
       Field d;
       d.clear(cloth.mesh.nodes());
       for (int n = 0; n < cloth.mesh.active(); ++n)
         d.set(n, 1e-3 * Vec3(noise(random), noise(random), noise(random)));
       cloth.mesh.interpolateGhosts(d);
-      const double step = cloth.contact.maxStep(cloth.x, d);
+      const double step = cloth.contact.maxStep(cloth.x, d, 1e300, 1e-6);
       Field beyond = cloth.x;
       for (int n = 0; n < cloth.mesh.nodes(); ++n) {
         beyond.add(n, 10.0 * step * d[n]);

@@ -124,7 +124,7 @@ TEST_F(JointTest, AGraspKeepsGradientLawsAndQuadraticForm) {
   d.segment(positions_, forces_) = fixedRandom(forces_, 3);
   const double ahead = value(unknowns_ + d), behind = value(unknowns_ - d);
   value(unknowns_);
-  const double form = joint_.along(d).quadratic_form;
+  const double form = joint_.along(d, -1.0).quadratic_form;
   EXPECT_NEAR(form, ahead - 2.0 * joint + behind, tolerance(1e-9 * form));
 }
 
@@ -136,10 +136,10 @@ TEST_F(JointTest, QuadraticFormIsThatOfTheSquares) {
   const double middle = value(x);
   const double ahead = value(x + d), behind = value(x - d);
   value(x);
-  const double form = joint_.along(d).quadratic_form;
+  const double form = joint_.along(d, -1.0).quadratic_form;
   EXPECT_NEAR(form, ahead - 2.0 * middle + behind, tolerance(1e-9 * form));
   d.head(positions_) = 1e-4 * fixedRandom(positions_, 4);
-  EXPECT_GT(joint_.along(d).quadratic_form, 0.0);
+  EXPECT_GT(joint_.along(d, -1.0).quadratic_form, 0.0);
 }
 
 }  // namespace

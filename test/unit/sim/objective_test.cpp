@@ -73,12 +73,12 @@ TEST_F(ObjectiveTest, QuadraticFormIsPositiveAndBoundsTheStep) {
   objective_.evaluate(start_, gradient);
   for (unsigned seed = 1; seed <= 10; ++seed) {
     d.head(objective_.size()) = fixedRandom(objective_.size(), seed);
-    EXPECT_GT(objective_.along(d).quadratic_form, 0.0);
+    EXPECT_GT(objective_.along(d, -1.0).quadratic_form, 0.0);
   }
   // Straight at the cloth the probe may use nine tenths of the gap of the sample below it.
   d.setZero();
   d.segment<3>(objective_.size() - 3) = -Vec3::UnitZ();
-  const double step = objective_.along(d).max_step;
+  const double step = objective_.along(d, -1e300).step;
   EXPECT_GT(step, 0.0);
   EXPECT_LT(step, 0.9 * 0.0006);  // 0.3 mm of gap above flat cloth, and up to 0.1 mm of noise
 }

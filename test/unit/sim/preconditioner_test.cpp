@@ -133,7 +133,7 @@ TEST(Multilevel, InvertsTheBlockOfASingleFreeNode) {
     gradient.head(3) = fixedRandom(3, seed);
     objective.precondition(gradient, z);
     const double work = z.head(3).dot(gradient.head(3));
-    EXPECT_NEAR(objective.along(z).quadratic_form, work, tolerance(1e-12) * work);
+    EXPECT_NEAR(objective.along(z, -1.0).quadratic_form, work, tolerance(1e-12) * work);
   }
 }
 

@@ -34,7 +34,7 @@ class Problem : public Objective {
     }
     return value;
   }
-  Along along(const Vector& d) override {
+  Along along(const Vector& d, double slope) override {
     double c = 0;
     if (valley_) {
       const double x = x_[0], j = -2 * x;  // Gauss-Newton for the residuals 1 - x and 10 (y - x²)
@@ -42,7 +42,7 @@ class Problem : public Objective {
     } else {
       for (int k = 0; k < n_; ++k) c += stiffness(k) * d[k] * d[k];
     }
-    return {c, max_step};
+    return {c, std::min(newtonStep(slope, c), max_step)};
   }
   void fitPreconditioner() override {}
   void precondition(const Vector& g, Vector& z) override { z.head(n_) = g.head(n_); }
