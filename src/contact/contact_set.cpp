@@ -60,9 +60,11 @@ double ContactSet::quadraticForm(int begin, int end, const Field& d, const std::
 void ContactSet::serialize(Archive& archive) {
   solids_.serialize(archive);
   memory_.serialize(archive, solids_.size());
+  if (self_) archive("layers", *self_);
 }
 
-void ContactSet::rememberFriction(const Field& nodes) {
+void ContactSet::rememberFriction(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals) {
+  if (self_) self_->rememberFriction(mesh, normals);
   memory_.clear();
   for (int k = 0; k < samples_.size(); ++k) {
     const ContactSample& sample = samples_[k];

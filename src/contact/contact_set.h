@@ -116,9 +116,10 @@ class ContactSet {
     return finder_.isClear(mesh, nodes, probe);
   }
 
-  /// Remembers the friction of all samples for the next step.
+  /// Remembers the friction of all samples and pairs for the next step.
   /// @param nodes positions of the last evaluation [m]
-  void rememberFriction(const Field& nodes);
+  /// @param normals of the surface at the nodes, as for collectPairs()
+  void rememberFriction(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals);
 
   /// Number of samples and pairs: length of the range that evaluate() and quadraticForm() divide in
   /// multiples of kPack.

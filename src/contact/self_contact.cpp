@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "contact/friction_law.h"
 #include "mesh/list_by_node.h"
 #include "simd/kernels.h"
 
@@ -17,13 +18,19 @@ Vec3 laneOf(const double (&values)[3][kPack], int lane) {
 }  // namespace
 
 SelfContact::SelfContact(const Grid& grid, const Options& options, double slip)
-    : law_(options.law), friction_(options.friction), slip_(slip), finder_(grid, options.law.range()) {
+    : grid_(grid),
+      law_(options.law),
+      friction_(options.friction),
+      slip_(slip),
+      memory_(grid),
+      finder_(grid, options.law.range()) {
   packs_.reserve(grid.particles() / 2);
   bounds_.reserve(grid.particles() / 2);
   paired_.reserve(grid.particles());
   places_.reserve(grid.particles());
   rows_.reserve(grid.particles() + 2);
   entries_.reserve(4 * kPack * (grid.particles() / 2));
+  memory_.reserve(2 * grid.particles());
 }
 
 void SelfContact::rebuild(const ActiveMesh& mesh) {
@@ -57,10 +64,46 @@ void SelfContact::collect(const ActiveMesh& mesh, const Field& nodes, const Cons
         pack.start_weights[c][l] = pack.weights[c][l];
         start += pack.weights[c][l] * nodes[pack.nodes[c].index[l]];
       }
+      if (pack.friction[l] > 0.0) {
+        const Place place = placeOf(pack, l, mesh, normals);
+        const Vec3 before = pack.area[l] * memory_.find(place.face, place.at);
+        start -= slip_ * slipUnder(before / pack.friction[l]);
+      }
       for (int c = 0; c < 3; ++c) pack.start[c][l] = start[c];
     }
   }
 }
+
+void SelfContact::rememberFriction(const ActiveMesh& mesh, const ConstArrays& normals) {
+  memory_.clear();
+  forPairs([&](const PairPack& pack, int l) {
+    if (!(pack.friction[l] > 0.0) || !(pack.distance[l] < pack.range[l])) return;
+    const Place place = placeOf(pack, l, mesh, normals);
+    memory_.add(place.face, place.at, place.half, laneOf(pack.drag, l) / pack.area[l]);
+  });
+}
+
+/// The place at the start of the step, so that the step after it finds what was remembered there.
+SelfContact::Place SelfContact::placeOf(const PairPack& pack, int lane, const ActiveMesh& mesh,
+                                        const ConstArrays& normals) const {
+  const auto at = [&](int corner) {
+    const int particle = mesh.particle[pack.nodes[corner].index[lane]];
+    return FlatPoint{double(grid_.column(particle)), double(grid_.row(particle))};
+  };
+  Place place{0, at(0), 0.5 * std::sqrt(2.0 * pack.area[lane] / (grid_.dx * grid_.dy))};
+  if (pack.lines) {
+    const double along = pack.start_weights[1][lane];
+    place.at.u += along * (at(1).u - place.at.u);
+    place.at.v += along * (at(1).v - place.at.v);
+  }
+  const int node = pack.nodes[0].index[lane];
+  const double above =
+      laneOf(pack.start_normal, lane).dot(Vec3(normals.x[node], normals.y[node], normals.z[node]));
+  place.face = (pack.lines ? 2 : 0) + (above > 0.0 ? 1 : 0);
+  return place;
+}
+
+void SelfContact::serialize(Archive& archive) { memory_.serialize(archive, kFaces); }
 
 /// Lists the pairs of each node in a fixed order, so that the bits of the sums do not depend on the
 /// number of threads.

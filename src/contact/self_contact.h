@@ -4,13 +4,16 @@
 #include <vector>
 
 #include "contact/compression_law.h"
+#include "contact/friction_memory.h"
 #include "contact/pair_finder.h"
 #include "contact/pair_packs.h"
 #include "contact/sample_packs.h"
 #include "mesh/active_mesh.h"
 #include "mesh/block.h"
 #include "mesh/field.h"
+#include "mesh/grid.h"
 #include "parallel/runs.h"
+#include "state/archive.h"
 
 namespace haptic_cloth {
 
@@ -36,6 +39,12 @@ class SelfContact {
   /// PairFinder::find().
   void collect(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals,
                const PairFinder::Reach& reach);
+
+  /// Remembers the friction of all pairs at the last evaluation for the next step.
+  void rememberFriction(const ActiveMesh& mesh, const ConstArrays& normals);
+
+  /// Saves or loads what friction remembers; pairs are found in each step.
+  void serialize(Archive& archive);
 
   void beginChange(const ActiveMesh& mesh, const Field& nodes) { finder_.beginChange(mesh, nodes); }
   bool hasRoom(const ActiveMesh& mesh, const Field& nodes, const Cell& cell, double moved) {
@@ -103,10 +112,21 @@ class SelfContact {
     int pack;
     unsigned char lane, corner;
   };
-  void listEntries(int nodes);
+  /// Where a pair presses on its first part.
+  struct Place {
+    int face;  ///< of the cloth: 0 and 1 for nodes, 2 and 3 for lines
+    FlatPoint at;
+    double half;  ///< half the width of the cloth that it stands for [finest cells]
+  };
+  static constexpr int kFaces = 4;
 
+  void listEntries(int nodes);
+  Place placeOf(const PairPack& pack, int lane, const ActiveMesh& mesh, const ConstArrays& normals) const;
+
+  Grid grid_;
   CompressionLaw law_;
   double friction_, slip_;
+  FrictionMemory memory_;  ///< on each face, as on a solid
   PairFinder finder_;
   std::vector<PairPack> packs_;
   std::vector<PairBound> bounds_;  ///< one for each pack

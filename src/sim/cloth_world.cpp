@@ -163,7 +163,7 @@ void ClothWorld::accept(StepReport& report) {
   // Ejected cloth is stopped after each step, but does not count as resting.
   markEjected();
   markJumped();
-  contacts_.rememberFriction(solved.nodes());
+  contacts_.rememberFriction(cloth_.mesh(), solved.nodes(), cloth_.internal().nodeNormals());
   cloth_.move(solved, jumped_);
   energy_.notePinWork(solved.pinWork() + cloth_.pinnedKineticEnergy() - pinned_before);
   sleep_.update(cloth_.mesh(), cloth_.velocities(), solved.awake().flags(), ejected_);
