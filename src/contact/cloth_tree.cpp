@@ -131,7 +131,8 @@ void ClothTree::fitTangents(const ActiveMesh& mesh, const Field& nodes,
   for (std::size_t k = 0; k < mesh.patches.size(); ++k) {
     const Patch& patch = mesh.patches[k];
     const auto x = corners(patch, nodes);
-    const double per_warp = 1.0 / (patch.cell.span() * grid_.dx), per_weft = 1.0 / (patch.cell.span() * grid_.dy);
+    const double per_warp = 1.0 / (patch.cell.span() * grid_.dx),
+                 per_weft = 1.0 / (patch.cell.span() * grid_.dy);
     const auto between = [](const Vec3& from, const Vec3& to, double per_length) {
       const Float4 tangent = toFloats(per_length * (to - from));
       return Box{tangent, tangent};

@@ -149,6 +149,11 @@ class ContactSet {
     if (self_) self_->place(nodes);
   }
 
+  /// Sums up the forces of pairs at the last evaluation for addGradient().
+  void sumPairForces(int nodes) {
+    if (self_) self_->sumForces(nodes);
+  }
+
   /// Evaluates samples and pairs begin..end, and stores their forces and stiffness. @return their energy
   Energy evaluate(int begin, int end, const Field& nodes);
 
@@ -162,7 +167,7 @@ class ContactSet {
   /// Add the energy gradient [N] at nodes begin..end, and the diagonal of H⁺ [N/m] at all nodes.
   void addGradient(int begin, int end, Field& gradient) const {
     gather_.add(begin, end, forces_.gradient(), gradient);
-    if (self_ && self_->size() > 0) self_->addGradient(begin, end, gradient);
+    if (self_) self_->addGradient(begin, end, gradient);
   }
   void addDiagonal(Field& diagonal) const;
 

@@ -29,9 +29,9 @@ struct AtNodes {
   Lanes3 of[4];
 };
 
-HAPTIC_CLOTH_INLINE AtNodes gatherNodes(const PairPack& pack, int l, const ConstArrays& values) {
+HAPTIC_CLOTH_INLINE AtNodes gatherNodes(const PackIndices* nodes, int l, const ConstArrays& values) {
   AtNodes at;
-  for (int c = 0; c < 4; ++c) at.of[c] = gather(values, pack.nodes[c], l);
+  for (int c = 0; c < 4; ++c) at.of[c] = gather(values, nodes[c], l);
   return at;
 }
 
@@ -141,73 +141,51 @@ HAPTIC_CLOTH_INLINE PressureLanes press(const CompressionLaw::Constants& law, co
   return sum;
 }
 
-/// Writes forces of one vector of pairs; adds their stored energy and their friction potential.
+/// Writes forces of one vector of pairs; adds their stored energy.
 HAPTIC_CLOTH_INLINE void pressOne(PairPack& pack, int l, const double* areas, const PairContext& context,
-                                  const AtNodes& x, Lanes& energy, Lanes& loss) {
-  const double slip = context.slip;
+                                  Lanes& energy) {
   const Lanes scale = larger(load(pack.range + l), all(kTiny)) / context.law.range, area = load(areas + l);
   const PressureLanes law = press(context.law, larger(load(pack.distance + l), all(kTiny)) / scale);
   energy += area * scale * law.energy;
   store(pack.pressing + l, area * law.pressure);
   store(pack.stiffness + l, area / scale * law.stiffness);
-  const Lanes limit = load(pack.friction + l);
-  const Lanes3 start_normal = load3(pack.start_normal, l);
-  const Lanes3 moved = weighted(pack.start_weights, l, x) - load3(pack.start, l);
-  const Lanes3 slipped = moved - dot(start_normal, moved) * start_normal;
-  const Lanes y = squareRoot(dot(slipped, slipped)), t = y / slip, slow = all(slip);
-  loss += limit * ifLess(y, slow, slow * t * t * (1.0 - t / 3.0), y - slow / 3.0);
-  const Lanes tangent = limit * ifLess(y, slow, (2.0 - t) / slow, 1.0 / larger(y, slow));
-  store3(pack.drag, l, tangent * slipped);
-  store(pack.drag_stiffness + l, tangent);
 }
 
-constexpr int kVectors = kPack / kLanes;
-
-/// Measures all pairs of a pack. @param x positions of the nodes of its vectors
-HAPTIC_CLOTH_INLINE void measure(PairPack& pack, PairBound& bound, double travelled, const AtNodes* x) {
+/// Measures all pairs of a pack.
+HAPTIC_CLOTH_INLINE void measure(PairPack& pack, PairBound& bound, double travelled, const ConstArrays& x) {
   Lanes gap = all(1e300), clear = all(1e300);
   for (int l = 0; l < kPack; l += kLanes) {
-    measureOne(pack, l, x[l / kLanes]);
+    measureOne(pack, l, gatherNodes(pack.nodes, l, x));
     const Lanes distance = load(pack.distance + l);
     gap = smaller(gap, distance);
-    // Pairs with friction act wherever they are.
-    clear = smaller(clear, ifPositive(load(pack.friction + l), all(-1.0), distance - load(pack.range + l)));
+    clear = smaller(clear, distance - load(pack.range + l));
   }
   bound = {travelled, least(gap), least(clear)};
 }
 
-HAPTIC_CLOTH_INLINE void measureAt(PairPack& pack, PairBound& bound, double travelled, const ConstArrays& x) {
-  AtNodes at[kVectors];
-  for (int v = 0; v < kVectors; ++v) at[v] = gatherNodes(pack, v * kLanes, x);
-  measure(pack, bound, travelled, at);
-}
-
 }  // namespace
 
-ContactEnergy evaluatePairs(PairPack* packs, PairBound* bounds, int begin, int end,
-                            const PairContext& context, const ConstArrays& x) {
-  Lanes energy{}, loss{};
+double evaluatePairs(PairPack* packs, PairBound* bounds, int begin, int end, const PairContext& context,
+                     const ConstArrays& x) {
+  Lanes energy{};
   for (int p = begin; p < end; ++p) {
     PairPack& pack = packs[p];
     PairBound& bound = bounds[p];
     if (context.travelled - bound.measured < bound.clear) continue;
     const bool acted = acts(bound);
-    AtNodes at[kVectors];
-    for (int v = 0; v < kVectors; ++v) at[v] = gatherNodes(pack, v * kLanes, x);
-    measure(pack, bound, context.travelled, at);
+    measure(pack, bound, context.travelled, x);
     if (acts(bound)) {
       double areas[kPack];
       nearestAreas(pack, areas);
-      for (int l = 0; l < kPack; l += kLanes) pressOne(pack, l, areas, context, at[l / kLanes], energy, loss);
+      for (int l = 0; l < kPack; l += kLanes) pressOne(pack, l, areas, context, energy);
     } else if (acted) {
       for (int l = 0; l < kPack; l += kLanes) {
         store(pack.pressing + l, Lanes{});
         store(pack.stiffness + l, Lanes{});
-        store(pack.drag_stiffness + l, Lanes{});
       }
     }
   }
-  return {total(energy), total(loss)};
+  return total(energy);
 }
 
 double pairQuadraticForm(const PairPack* packs, const PairBound* bounds, int begin, int end,
@@ -217,13 +195,44 @@ double pairQuadraticForm(const PairPack* packs, const PairBound* bounds, int beg
     if (!acts(bounds[p])) continue;
     const PairPack& pack = packs[p];
     for (int l = 0; l < kPack; l += kLanes) {
-      const Lanes along = load(pack.stiffness + l), across = load(pack.drag_stiffness + l);
-      if (allLess(larger(along, across), all(kTiny))) continue;  // no contact
-      const AtNodes at = gatherNodes(pack, l, d);
-      const Lanes normal = dot(load3(pack.normal, l), weighted(pack.weights, l, at));
-      const Lanes3 moved = weighted(pack.start_weights, l, at);
-      const Lanes start = dot(load3(pack.start_normal, l), moved);
-      sum += along * normal * normal + across * larger(dot(moved, moved) - start * start, Lanes{});
+      const Lanes along = load(pack.stiffness + l);
+      if (allLess(along, all(kTiny))) continue;  // no contact
+      const Lanes normal =
+          dot(load3(pack.normal, l), weighted(pack.weights, l, gatherNodes(pack.nodes, l, d)));
+      sum += along * normal * normal;
+    }
+  }
+  return total(sum);
+}
+
+double evaluateDrags(DragPack* packs, int begin, int end, double slip, const ConstArrays& x) {
+  Lanes loss{};
+  const Lanes slow = all(slip);
+  for (int p = begin; p < end; ++p) {
+    DragPack& pack = packs[p];
+    for (int l = 0; l < kPack; l += kLanes) {
+      const Lanes limit = load(pack.limit + l);
+      const Lanes3 normal = load3(pack.normal, l);
+      const Lanes3 moved = weighted(pack.weights, l, gatherNodes(pack.nodes, l, x)) - load3(pack.start, l);
+      const Lanes3 slipped = moved - dot(normal, moved) * normal;
+      const Lanes y = squareRoot(dot(slipped, slipped)), t = y / slip;
+      loss += limit * ifLess(y, slow, slow * t * t * (1.0 - t / 3.0), y - slow / 3.0);
+      const Lanes tangent = limit * ifLess(y, slow, (2.0 - t) / slow, 1.0 / larger(y, slow));
+      store3(pack.drag, l, tangent * slipped);
+      store(pack.stiffness + l, tangent);
+    }
+  }
+  return total(loss);
+}
+
+double dragQuadraticForm(const DragPack* packs, int begin, int end, const ConstArrays& d) {
+  Lanes sum{};
+  for (int p = begin; p < end; ++p) {
+    const DragPack& pack = packs[p];
+    for (int l = 0; l < kPack; l += kLanes) {
+      const Lanes3 moved = weighted(pack.weights, l, gatherNodes(pack.nodes, l, d));
+      const Lanes along = dot(load3(pack.normal, l), moved);
+      sum += load(pack.stiffness + l) * larger(dot(moved, moved) - along * along, Lanes{});
     }
   }
   return total(sum);
@@ -239,7 +248,7 @@ double largestPairStep(PairPack* packs, PairBound* bounds, int begin, int end, c
     const double gap = bound.gap - (travelled - bound.measured);
     const double free = std::min(limits.share * gap, gap - limits.least_ranges * limits.widest);
     if (most * limits.fastest < free) continue;
-    if (bound.measured != travelled) measureAt(pack, bound, travelled, x);
+    if (bound.measured != travelled) measure(pack, bound, travelled, x);
     Lanes step = all(most);
     for (int l = 0; l < kPack; l += kLanes) {
       const Lanes3 normal = load3(pack.normal, l);
@@ -269,7 +278,7 @@ double measurePairs(PairPack* packs, PairBound* bounds, int begin, int end, doub
   for (int p = begin; p < end; ++p) {
     PairBound& bound = bounds[p];
     if (bound.gap - (travelled - bound.measured) >= least) continue;
-    if (bound.measured != travelled) measureAt(packs[p], bound, travelled, x);
+    if (bound.measured != travelled) measure(packs[p], bound, travelled, x);
     least = std::min(least, bound.gap);
   }
   return least;

@@ -11,23 +11,31 @@ namespace haptic_cloth {
 /// ends of both lines. Unused lanes have no range.
 struct alignas(64) PairPack {
   PackIndices nodes[4];
-  double area[kPack];      ///< [m²]
-  double range[kPack];     ///< distance at which contact begins; 0 in unused lanes [m]
-  double friction[kPack];  ///< limit of the friction force [N]
-  double start_weights[4][kPack];
-  double start[3][kPack];         ///< Σ start_weights · x at the start of the step [m]
-  double start_normal[3][kPack];  ///< normal at the start of the step
+  double area[kPack];   ///< [m²]
+  double range[kPack];  ///< distance at which contact begins; 0 in unused lanes [m]
   /// First lane of the group: of the pairs of a group only the nearest presses.
   int group[kPack];
   bool lines;  ///< pairs of lines
   // Results of the last evaluation:
   double weights[4][kPack];
-  double normal[3][kPack];       ///< direction of the distance
-  double distance[kPack];        ///< [m]
-  double pressing[kPack];        ///< area times pressure [N]
-  double stiffness[kPack];       ///< along the normal [N/m]
-  double drag[3][kPack];         ///< gradient of friction by Σ start_weights · x [N]
-  double drag_stiffness[kPack];  ///< across start_normal [N/m]
+  double normal[3][kPack];  ///< direction of the distance
+  double distance[kPack];   ///< [m]
+  double pressing[kPack];   ///< area times pressure [N]
+  double stiffness[kPack];  ///< along the normal [N/m]
+};
+
+/// Friction of pairs that press at the start of a step, in packs. They slip by Σ weights · x - start
+/// across their normal. Unused lanes have no limit.
+struct DragPack {
+  PackIndices nodes[4];
+  double weights[4][kPack];
+  double start[3][kPack];   ///< Σ weights · x without slip [m]
+  double normal[3][kPack];  ///< at the start of the step
+  double limit[kPack];      ///< of the force [N]
+  int pair[kPack];          ///< kPack times its pack, plus its lane
+  // Results of the last evaluation:
+  double drag[3][kPack];    ///< energy gradient by Σ weights · x [N]
+  double stiffness[kPack];  ///< across the normal [N/m]
 };
 
 /// What is known of a pack since it was measured: while the nodes travel, no pair of it can begin to
@@ -35,16 +43,16 @@ struct alignas(64) PairPack {
 struct PairBound {
   double measured;  ///< way travelled when the pack was measured [m]
   double gap;       ///< smallest distance of its pairs then [m]
-  double clear;     ///< smallest excess of a distance over the range; negative: its pairs act [m]
+  double clear;     ///< smallest excess of a distance over the range [m]
 };
 
+/// Tells whether a pair of the pack may press.
 inline bool acts(const PairBound& bound) { return !(bound.clear > 0.0); }
 
 /// Values that all pairs share in an evaluation.
 struct PairContext {
   /// Pressure by distance. A pair with a shorter range has the same law over it.
   CompressionLaw::Constants law;
-  double slip;       ///< slip below which friction is smoothed [m]
   double travelled;  ///< bound of how far any distance has changed in the step so far [m]
 };
 
@@ -61,6 +69,9 @@ struct PairLimits {
 //   evaluatePairs      measures packs begin..end, unless they cannot press yet, and writes their forces.
 //                      Returns their energy.
 //   pairQuadraticForm  quadratic form d · H⁺ d of packs begin..end at the last evaluation [J].
+//   evaluateDrags      writes the friction of packs begin..end. Returns its potential [J].
+//                      @param slip below which friction is smoothed [m]
+//   dragQuadraticForm  as pairQuadraticForm.
 //   largestPairStep    largest factor of d within the limits for packs begin..end. Packs that were not
 //                      measured at x are, if they might limit the step.
 //                      The normal separates both parts of a pair: they do not meet before one of their

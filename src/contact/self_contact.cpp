@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "contact/friction_law.h"
-#include "mesh/list_by_node.h"
 #include "simd/kernels.h"
 
 namespace haptic_cloth {
@@ -26,10 +25,11 @@ SelfContact::SelfContact(const Grid& grid, const Options& options, double slip)
       finder_(grid, options.law.range()) {
   packs_.reserve(grid.particles() / 2);
   bounds_.reserve(grid.particles() / 2);
+  drags_.reserve(grid.particles() / kPack + 1);
+  is_paired_.reserve(grid.particles());
   paired_.reserve(grid.particles());
   places_.reserve(grid.particles());
-  rows_.reserve(grid.particles() + 2);
-  entries_.reserve(4 * kPack * (grid.particles() / 2));
+  gradient_.reserve(grid.particles());
   memory_.reserve(2 * grid.particles());
 }
 
@@ -37,90 +37,99 @@ void SelfContact::rebuild(const ActiveMesh& mesh) {
   finder_.rebuild(mesh);
   packs_.clear();  // they name nodes of the old mesh
   bounds_.clear();
+  drags_.clear();
   paired_.clear();
-  rows_.assign(mesh.nodes() + 1, 0);
 }
 
 void SelfContact::collect(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals,
                           const PairFinder::Reach& reach) {
   finder_.find(mesh, nodes, normals, reach, packs_);
-  listEntries(mesh.nodes());
   bounds_.assign(packs_.size(), {0.0, 0.0, 0.0});
+  drags_.clear();
+  listPaired(nodes);
+  travelled_ = 0.0;
+  evaluate(0, size(), nodes);
+  if (friction_ > 0.0) listDrags(mesh, nodes, normals);
+}
+
+/// Lists the nodes of all pairs.
+void SelfContact::listPaired(const Field& nodes) {
   paired_.clear();
   places_.clear();
-  for (int n = 0; n < mesh.nodes(); ++n) {
-    if (rows_[n] == rows_[n + 1]) continue;
-    paired_.push_back(n);
-    places_.push_back(nodes[n]);
-  }
-  travelled_ = 0.0;
-  evaluate(0, size(), nodes);  // without friction yet
-  for (PairPack& pack : packs_) {
-    for (int l = 0; l < kPack; ++l) {
-      pack.friction[l] = friction_ * pack.pressing[l];
-      for (int c = 0; c < 3; ++c) pack.start_normal[c][l] = pack.normal[c][l];
-      Vec3 start = Vec3::Zero();
-      for (int c = 0; c < 4; ++c) {
-        pack.start_weights[c][l] = pack.weights[c][l];
-        start += pack.weights[c][l] * nodes[pack.nodes[c].index[l]];
-      }
-      if (pack.friction[l] > 0.0) {
-        const Place place = placeOf(pack, l, mesh, normals);
-        const Vec3 before = pack.area[l] * memory_.find(place.face, place.at);
-        start -= slip_ * slipUnder(before / pack.friction[l]);
-      }
-      for (int c = 0; c < 3; ++c) pack.start[c][l] = start[c];
+  is_paired_.assign(nodes.size(), 0);
+  forPairs([&](const PairPack& pack, int l) {
+    for (const PackIndices& corner : pack.nodes) {
+      const int n = corner.index[l];
+      if (is_paired_[n]) continue;
+      is_paired_[n] = 1;
+      paired_.push_back(n);
+      places_.push_back(nodes[n]);
     }
+  });
+}
+
+/// Lists the friction of all pairs that press at the start of the step. It begins with the slip under
+/// which it holds what it held before.
+void SelfContact::listDrags(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals) {
+  int lane = kPack;
+  forPressing([&](const PairPack& pack, int l, int pair) {
+    if (lane == kPack) {
+      drags_.push_back({});
+      lane = 0;
+    }
+    DragPack& drag = drags_.back();
+    Vec3 start = Vec3::Zero();
+    for (int c = 0; c < 4; ++c) {
+      drag.nodes[c].set(lane, pack.nodes[c].index[l]);
+      drag.weights[c][lane] = pack.weights[c][l];
+      start += pack.weights[c][l] * nodes[pack.nodes[c].index[l]];
+    }
+    drag.limit[lane] = friction_ * pack.pressing[l];
+    drag.pair[lane] = pair;
+    for (int c = 0; c < 3; ++c) drag.normal[c][lane] = pack.normal[c][l];
+    const Place place = placeOf(drag, lane, mesh, normals);
+    start -= slip_ * slipUnder(pack.area[l] * memory_.find(place.face, place.at) / drag.limit[lane]);
+    for (int c = 0; c < 3; ++c) drag.start[c][lane] = start[c];
+    ++lane;
+  });
+  for (DragPack& drag : drags_) {
+    for (PackIndices& list : drag.nodes) list.finish();
   }
 }
 
 void SelfContact::rememberFriction(const ActiveMesh& mesh, const ConstArrays& normals) {
   memory_.clear();
-  forPairs([&](const PairPack& pack, int l) {
-    if (!(pack.friction[l] > 0.0) || !(pack.distance[l] < pack.range[l])) return;
-    const Place place = placeOf(pack, l, mesh, normals);
-    memory_.add(place.face, place.at, place.half, laneOf(pack.drag, l) / pack.area[l]);
+  forDrags([&](const DragPack& drag, int l) {
+    const PairPack& pack = packs_[drag.pair[l] / kPack];
+    const int lane = drag.pair[l] % kPack;
+    if (!(pack.distance[lane] < pack.range[lane])) return;
+    const Place place = placeOf(drag, l, mesh, normals);
+    memory_.add(place.face, place.at, place.half, laneOf(drag.drag, l) / pack.area[lane]);
   });
 }
 
 /// The place at the start of the step, so that the step after it finds what was remembered there.
-SelfContact::Place SelfContact::placeOf(const PairPack& pack, int lane, const ActiveMesh& mesh,
+SelfContact::Place SelfContact::placeOf(const DragPack& drag, int lane, const ActiveMesh& mesh,
                                         const ConstArrays& normals) const {
+  const PairPack& pack = packs_[drag.pair[lane] / kPack];
+  const double area = pack.area[drag.pair[lane] % kPack];
   const auto at = [&](int corner) {
-    const int particle = mesh.particle[pack.nodes[corner].index[lane]];
+    const int particle = mesh.particle[drag.nodes[corner].index[lane]];
     return FlatPoint{double(grid_.column(particle)), double(grid_.row(particle))};
   };
-  Place place{0, at(0), 0.5 * std::sqrt(2.0 * pack.area[lane] / (grid_.dx * grid_.dy))};
+  Place place{0, at(0), 0.5 * std::sqrt(2.0 * area / (grid_.dx * grid_.dy))};
   if (pack.lines) {
-    const double along = pack.start_weights[1][lane];
+    const double along = drag.weights[1][lane];
     place.at.u += along * (at(1).u - place.at.u);
     place.at.v += along * (at(1).v - place.at.v);
   }
-  const int node = pack.nodes[0].index[lane];
-  const double above =
-      laneOf(pack.start_normal, lane).dot(Vec3(normals.x[node], normals.y[node], normals.z[node]));
+  const int node = drag.nodes[0].index[lane];
+  const double above = laneOf(drag.normal, lane).dot(Vec3(normals.x[node], normals.y[node], normals.z[node]));
   place.face = (pack.lines ? 2 : 0) + (above > 0.0 ? 1 : 0);
   return place;
 }
 
 void SelfContact::serialize(Archive& archive) { memory_.serialize(archive, kFaces); }
-
-/// Lists the pairs of each node in a fixed order, so that the bits of the sums do not depend on the
-/// number of threads.
-void SelfContact::listEntries(int nodes) {
-  const auto visit = [&](const auto& put) {
-    for (int p = 0; p < static_cast<int>(packs_.size()); ++p) {
-      for (int l = 0; l < kPack; ++l) {
-        if (!(packs_[p].area[l] > 0.0)) continue;
-        for (int c = 0; c < 4; ++c) {
-          put(packs_[p].nodes[c].index[l],
-              Entry{p, static_cast<unsigned char>(l), static_cast<unsigned char>(c)});
-        }
-      }
-    }
-  };
-  listByNode(nodes, visit, rows_, entries_);
-}
 
 void SelfContact::place(const Field& nodes) {
   double squared = 0.0, sum = 0.0;
@@ -136,52 +145,66 @@ void SelfContact::place(const Field& nodes) {
 }
 
 ContactEnergy SelfContact::evaluate(int begin, int end, const Field& nodes) {
-  return kernels().evaluatePairs(packs_.data(), bounds_.data(), begin / kPack, end / kPack,
-                                 {law_.constants(), slip_, travelled_}, nodes.arrays());
+  const int pairs = static_cast<int>(packs_.size()), first = begin / kPack, last = end / kPack;
+  ContactEnergy energy{0.0, 0.0};
+  energy.contact =
+      kernels().evaluatePairs(packs_.data(), bounds_.data(), std::min(first, pairs), std::min(last, pairs),
+                              {law_.constants(), travelled_}, nodes.arrays());
+  energy.friction = kernels().evaluateDrags(drags_.data(), std::max(first, pairs) - pairs,
+                                            std::max(last, pairs) - pairs, slip_, nodes.arrays());
+  return energy;
 }
 
 double SelfContact::quadraticForm(int begin, int end, const Field& d) const {
-  return kernels().pairQuadraticForm(packs_.data(), bounds_.data(), begin / kPack, end / kPack, d.arrays());
+  const int pairs = static_cast<int>(packs_.size()), first = begin / kPack, last = end / kPack;
+  return kernels().pairQuadraticForm(packs_.data(), bounds_.data(), std::min(first, pairs),
+                                     std::min(last, pairs), d.arrays()) +
+         kernels().dragQuadraticForm(drags_.data(), std::max(first, pairs) - pairs,
+                                     std::max(last, pairs) - pairs, d.arrays());
+}
+
+void SelfContact::sumForces(int nodes) {
+  if (packs_.empty()) return;
+  gradient_.resize(nodes);
+  for (const int n : paired_) gradient_.set(n, Vec3::Zero());
+  forPressing([&](const PairPack& pack, int l, int) {
+    const Vec3 force = pack.pressing[l] * laneOf(pack.normal, l);
+    for (int c = 0; c < 4; ++c) gradient_.add(pack.nodes[c].index[l], -pack.weights[c][l] * force);
+  });
+  forDrags([&](const DragPack& drag, int l) {
+    for (int c = 0; c < 4; ++c)
+      gradient_.add(drag.nodes[c].index[l], drag.weights[c][l] * laneOf(drag.drag, l));
+  });
 }
 
 void SelfContact::addGradient(int begin, int end, Field& gradient) const {
+  if (packs_.empty()) return;
   for (int n = begin; n < end; ++n) {
-    if (rows_[n] == rows_[n + 1]) continue;
-    Vec3 sum = gradient[n];
-    for (int e = rows_[n]; e < rows_[n + 1]; ++e) {
-      const auto& [p, lane, corner] = entries_[e];
-      if (!acts(bounds_[p])) continue;
-      const PairPack& pack = packs_[p];
-      if (pack.pressing[lane] > 0.0)
-        sum -= pack.pressing[lane] * pack.weights[corner][lane] * laneOf(pack.normal, lane);
-      if (pack.drag_stiffness[lane] > 0.0) sum += pack.start_weights[corner][lane] * laneOf(pack.drag, lane);
-    }
-    gradient.set(n, sum);
+    if (is_paired_[n]) gradient.add(n, gradient_[n]);
   }
 }
 
 void SelfContact::addSprings(Blocks& blocks) const {
-  forPairs([&](const PairPack& pack, int l) {
-    const double along = pack.stiffness[l], across = pack.drag_stiffness[l];
-    if (along == 0.0 && across == 0.0) return;
-    const Block pressed = along * square(laneOf(pack.normal, l)),
-                dragged = across * (isotropic(1.0) - square(laneOf(pack.start_normal, l)));
-    for (int c = 0; c < 4; ++c) {
-      blocks[pack.nodes[c].index[l]] +=
-          std::abs(pack.weights[c][l]) * pressed + std::abs(pack.start_weights[c][l]) * dragged;
-    }
+  forPressing([&](const PairPack& pack, int l, int) {
+    const Block pressed = pack.stiffness[l] * square(laneOf(pack.normal, l));
+    for (int c = 0; c < 4; ++c) blocks[pack.nodes[c].index[l]] += std::abs(pack.weights[c][l]) * pressed;
+  });
+  forDrags([&](const DragPack& drag, int l) {
+    const Block dragged = drag.stiffness[l] * (isotropic(1.0) - square(laneOf(drag.normal, l)));
+    for (int c = 0; c < 4; ++c) blocks[drag.nodes[c].index[l]] += std::abs(drag.weights[c][l]) * dragged;
   });
 }
 
 void SelfContact::addDiagonal(Field& diagonal) const {
-  forPairs([&](const PairPack& pack, int l) {
-    const Vec3 normal = laneOf(pack.normal, l), start = laneOf(pack.start_normal, l);
-    for (int c = 0; c < 4; ++c) {
-      const double w = pack.weights[c][l], s = pack.start_weights[c][l];
-      diagonal.add(pack.nodes[c].index[l],
-                   w * w * pack.stiffness[l] * normal.cwiseAbs2() +
-                       s * s * pack.drag_stiffness[l] * (Vec3::Ones() - start.cwiseAbs2()));
-    }
+  forPressing([&](const PairPack& pack, int l, int) {
+    const Vec3 squared = pack.stiffness[l] * laneOf(pack.normal, l).cwiseAbs2();
+    for (int c = 0; c < 4; ++c)
+      diagonal.add(pack.nodes[c].index[l], pack.weights[c][l] * pack.weights[c][l] * squared);
+  });
+  forDrags([&](const DragPack& drag, int l) {
+    const Vec3 across = drag.stiffness[l] * (Vec3::Ones() - laneOf(drag.normal, l).cwiseAbs2());
+    for (int c = 0; c < 4; ++c)
+      diagonal.add(drag.nodes[c].index[l], drag.weights[c][l] * drag.weights[c][l] * across);
   });
 }
 
@@ -195,17 +218,20 @@ double SelfContact::maxStep(const Field& nodes, const Field& d, double most, dou
 }
 
 void SelfContact::appendAwake(const std::vector<char>& awake, int first, Runs& runs) const {
-  for (int k = 0; k < size(); k += kPack) {
-    const PairPack& pack = packs_[k / kPack];
-    const bool wanted =
-        std::any_of(pack.nodes, pack.nodes + 4, [&](const PackIndices& n) { return n.anyOf(awake.data()); });
-    if (wanted) runs.add(first + k, first + k + kPack);
-  }
+  const auto append = [&](const auto& packs) {
+    for (const auto& pack : packs) {
+      const bool wanted = std::any_of(pack.nodes, pack.nodes + 4,
+                                      [&](const PackIndices& n) { return n.anyOf(awake.data()); });
+      if (wanted) runs.add(first, first + kPack);
+      first += kPack;
+    }
+  };
+  append(packs_);
+  append(drags_);
 }
 
 void SelfContact::markTouched(std::vector<char>& nodes) const {
-  forPairs([&](const PairPack& pack, int l) {
-    if (!(pack.pressing[l] > 0.0)) return;
+  forPressing([&](const PairPack& pack, int l, int) {
     for (int c = 0; c < 4; ++c) {
       if (pack.weights[c][l] != 0.0) nodes[pack.nodes[c].index[l]] = 1;
     }
@@ -214,7 +240,7 @@ void SelfContact::markTouched(std::vector<char>& nodes) const {
 
 int SelfContact::touching() const {
   int count = 0;
-  forPairs([&](const PairPack& pack, int l) { count += pack.pressing[l] > 0.0 ? 1 : 0; });
+  forPressing([&](const PairPack&, int, int) { ++count; });
   return count;
 }
 

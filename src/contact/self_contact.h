@@ -59,10 +59,10 @@ class SelfContact {
     return !finder_.mayMeetUnlisted(mesh, start, end, deviates, packs_);
   }
 
-  /// Number of pairs: length of the range that evaluate() and quadraticForm() divide in multiples of
-  /// kPack.
-  int size() const { return kPack * static_cast<int>(packs_.size()); }
-  int capacity() const { return kPack * static_cast<int>(packs_.capacity()); }
+  /// Number of pairs, and of those with friction: length of the range that evaluate() and quadraticForm()
+  /// divide in multiples of kPack.
+  int size() const { return kPack * static_cast<int>(packs_.size() + drags_.size()); }
+  int capacity() const { return kPack * static_cast<int>(packs_.capacity() + drags_.capacity()); }
 
   /// Notes where the nodes are for the next evaluation.
   void place(const Field& nodes);
@@ -73,7 +73,10 @@ class SelfContact {
   /// Quadratic form d · H⁺ d of pairs begin..end at the last evaluation.
   double quadraticForm(int begin, int end, const Field& d) const;
 
-  /// Adds the energy gradient at nodes begin..end [N].
+  /// Sums up the forces of all pairs at the last evaluation for addGradient().
+  void sumForces(int nodes);
+
+  /// Adds the energy gradient at nodes begin..end [N].  @pre sumForces()
   void addGradient(int begin, int end, Field& gradient) const;
 
   /// Adds the stiffness of all pairs to their nodes in proportion to the weights [N/m].
@@ -107,11 +110,6 @@ class SelfContact {
   double smallestDistance(const Field& nodes);
 
  private:
-  /// A pair at one of its nodes.
-  struct Entry {
-    int pack;
-    unsigned char lane, corner;
-  };
   /// Where a pair presses on its first part.
   struct Place {
     int face;  ///< of the cloth: 0 and 1 for nodes, 2 and 3 for lines
@@ -120,8 +118,30 @@ class SelfContact {
   };
   static constexpr int kFaces = 4;
 
-  void listEntries(int nodes);
-  Place placeOf(const PairPack& pack, int lane, const ActiveMesh& mesh, const ConstArrays& normals) const;
+  /// Calls visit(pack, lane, pair) for all pairs that pressed at the last evaluation.
+  template <class Visit>
+  void forPressing(const Visit& visit) const {
+    for (std::size_t p = 0; p < packs_.size(); ++p) {
+      if (!acts(bounds_[p])) continue;
+      for (int l = 0; l < kPack; ++l) {
+        if (packs_[p].pressing[l] > 0.0) visit(packs_[p], l, kPack * static_cast<int>(p) + l);
+      }
+    }
+  }
+
+  /// Calls visit(pack, lane) for all pairs with friction.
+  template <class Visit>
+  void forDrags(const Visit& visit) const {
+    for (const DragPack& drag : drags_) {
+      for (int l = 0; l < kPack; ++l) {
+        if (drag.limit[l] > 0.0) visit(drag, l);
+      }
+    }
+  }
+
+  void listPaired(const Field& nodes);
+  void listDrags(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals);
+  Place placeOf(const DragPack& drag, int lane, const ActiveMesh& mesh, const ConstArrays& normals) const;
 
   Grid grid_;
   CompressionLaw law_;
@@ -130,11 +150,12 @@ class SelfContact {
   PairFinder finder_;
   std::vector<PairPack> packs_;
   std::vector<PairBound> bounds_;  ///< one for each pack
-  std::vector<int> paired_;        ///< nodes of pairs
-  std::vector<Vec3> places_;       ///< of these nodes at the last place() [m]
-  double travelled_ = 0.0;         ///< see PairContext
-  std::vector<int> rows_;          ///< entries of node n: rows_[n] .. rows_[n + 1]
-  std::vector<Entry> entries_;
+  std::vector<DragPack> drags_;
+  std::vector<char> is_paired_;  ///< one flag for each node
+  std::vector<int> paired_;      ///< nodes of pairs
+  std::vector<Vec3> places_;     ///< of these nodes at the last place() [m]
+  double travelled_ = 0.0;       ///< see PairContext
+  Field gradient_;               ///< of these nodes, see sumForces() [N]
 };
 
 }  // namespace haptic_cloth

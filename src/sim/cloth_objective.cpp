@@ -156,6 +156,7 @@ double ClothObjective::evaluate(const Vector& x, Vector& gradient) {
     awake_.elements().forPart(from, to, [&](int begin, int end) { sums += evaluateElements(begin, end); });
     return sums;
   });
+  contacts_.sumPairForces(mesh_.nodes());
   const Sums motion = team_.sum(
       awake_.nodes().size(),
       [this](int from, int to) {

@@ -11,6 +11,7 @@ struct GatherColumn;
 struct GatherDetail;
 struct LawView;
 struct Motion;
+struct DragPack;
 struct PairBound;
 struct PairContext;
 struct PairLimits;
@@ -86,11 +87,13 @@ struct TriplePack;
   KERNEL(void, patchMargins,                                                                                 \
          (const PatchCorners* corners, int count, double range, const ConstArrays& x, const double* reach,   \
           const double* gaps, const ConstArrays& normals, double* margins))                                  \
-  KERNEL(ContactEnergy, evaluatePairs,                                                                       \
+  KERNEL(double, evaluatePairs,                                                                              \
          (PairPack * packs, PairBound * bounds, int begin, int end, const PairContext& context,              \
           const ConstArrays& x))                                                                             \
   KERNEL(double, pairQuadraticForm,                                                                          \
          (const PairPack* packs, const PairBound* bounds, int begin, int end, const ConstArrays& d))         \
+  KERNEL(double, evaluateDrags, (DragPack * packs, int begin, int end, double slip, const ConstArrays& x))   \
+  KERNEL(double, dragQuadraticForm, (const DragPack* packs, int begin, int end, const ConstArrays& d))       \
   KERNEL(double, largestPairStep,                                                                            \
          (PairPack * packs, PairBound * bounds, int begin, int end, const PairLimits& limits,                \
           double travelled, const ConstArrays& x, const ConstArrays& d))                                     \

@@ -60,6 +60,7 @@ struct Folded {
     sum.clear(mesh.nodes());
     contact.place(x);
     contact.evaluate(0, contact.size(), x);
+    contact.sumForces(mesh.nodes());
     contact.addGradient(0, mesh.nodes(), sum);
     return sum;
   }
