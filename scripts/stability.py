@@ -10,7 +10,7 @@ import sys
 # Column heads of what every case is held to, by the criterion's name in the margins.
 COMMON = {"energy gained / turned over": "energy gained", "made by a mesh change / turned over": "mesh change",
           "made by turning normals / turned over": "normals",
-          "largest strain": "strain", "fastest particle": "speed, m/s", "failed steps": "failed"}
+          "largest strain": "strain", "fastest particle": "speed, m/s", "failed steps": "failed", "crossings": "crossings"}
 Margin = collections.namedtuple("Margin", "case criterion measured limit unit unchecked")
 
 

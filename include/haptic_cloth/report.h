@@ -12,12 +12,6 @@ namespace haptic_cloth {
 /// Why the minimizer stopped.
 enum class Termination { Converged, IterationLimit, TimeBudget, LineSearchFailed, NotFinite, OutOfReach };
 
-/// Tells whether a solve that ended so has no usable result: it is not finite, or the cloth moved so
-/// far that it may have passed through itself.
-inline bool hasFailed(Termination why) {
-  return why == Termination::NotFinite || why == Termination::OutOfReach;
-}
-
 /// Short name of a termination for logs and files ("converged", ...).
 const char* toString(Termination why);
 
@@ -31,7 +25,15 @@ struct MinimizerReport {
   double value_end = 0.0;    ///< Φ where it ends [J]
   double residual = 0.0;     ///< rms_m(|∇Φ|/m) / |gravity| at the end [-]
   double seconds = 0.0;      ///< wall clock [s]
+  /// Share of the motion that was made; below 1 if the cloth might have passed through itself beyond it,
+  /// which is Termination::OutOfReach [-].
+  double motion_made = 1.0;
 };
+
+/// Tells whether a solve has no usable result: it is not finite, or no part of its motion is safe.
+inline bool hasFailed(const MinimizerReport& report) {
+  return report.why == Termination::NotFinite || report.motion_made == 0.0;
+}
 
 /// Energy by kind [J]; that of gravity is zero at the origin of the world.
 struct EnergyReport {

@@ -167,6 +167,7 @@ void Cloth::serialize(Archive& archive) {
   if (archive.loads()) weight_.assign(mesh_.nodes(), 0.0);
   archive("weight", weight_);
   archive("integrator", integrator_);
+  archive("pins", pins_);
   archive("fabric", internal_);
 }
 

@@ -41,13 +41,16 @@ class Cloth {
   /// Starts a step. @param length [s]  @param end time at its end [s]
   void beginStep(double length, double end) {
     integrator_.begin(length);
-    step_end_ = end;
+    pins_.begin(length, end);
   }
   void setAirDamping(double air_damping) { integrator_.setAirDamping(air_damping); }
 
   bool pinsMove() const { return pins_.any(); }
-  /// Sets moving pinned nodes to where they are at the end of the step.
-  void placePins(Field& nodes) const { pins_.place(step_end_, mesh_, nodes); }
+  int pins() const { return pins_.count(); }  ///< entries of the scene's pins
+  /// Sets the nodes of a moving pin to where it is to be at the end of the step.
+  void placePin(int pin, Field& nodes) const { pins_.place(pin, mesh_, nodes); }
+  /// Notes how far the pins came in the step. @param made share of its motion for each of them [-]
+  void advancePins(const std::vector<double>& made) { pins_.advance(made); }
 
   /// Gravity minus acceleration of the nodes in the last step, along the surface normal [m/s²].
   const std::vector<double>& weight() const { return weight_; }
@@ -107,7 +110,6 @@ class Cloth {
   ActiveMesh mesh_;
   ParticleState state_;
   MovingPins pins_;
-  double step_end_ = 0.0;     ///< time at the end of the current step [s]
   Field nodes_, velocities_;  ///< state_ by node
   TimeIntegrator integrator_;
   std::vector<double> weight_;

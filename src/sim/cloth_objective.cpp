@@ -92,15 +92,28 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
   awake_.begin();
 }
 
-void ClothObjective::movePinned(const Field& nodes) {
+double ClothObjective::pinnedShare(const Field& to) {
   constexpr double kLeastRanges = 0.02;  // no law holds back the pins
-  for (int n = mesh_.free; n < mesh_.active(); ++n) motion_.set(n, nodes[n] - nodes_[n]);
+  if (!limitsSteps()) return 1.0;
+  motion_.fill(0.0);
+  for (int n = mesh_.free; n < mesh_.active(); ++n) motion_.set(n, to[n] - nodes_[n]);
   mesh_.interpolateGhosts(motion_);
   std::fill(proxy_motions_.begin(), proxy_motions_.end(), Vec3::Zero());
-  const double share =
-      limitsSteps() ? contacts_.maxStep(nodes_, motion_, proxy_motions_, 1.0, kLeastRanges) : 1.0;
-  for (int n = mesh_.free; n < mesh_.active(); ++n) nodes_.set(n, nodes_[n] + share * motion_[n]);
+  const double share = contacts_.maxStep(nodes_, motion_, proxy_motions_, 1.0, kLeastRanges);
   motion_.fill(0.0);
+  return share;
+}
+
+void ClothObjective::movePinned(const Field& to, double share) {
+  for (int n = mesh_.free; n < mesh_.active(); ++n) nodes_.set(n, nodes_[n] + share * (to[n] - nodes_[n]));
+}
+
+double ClothObjective::shareOfWay(const Field& to, const Vector& x) {
+  for (int n = 0; n < mesh_.nodes(); ++n) motion_.set(n, to[n] - nodes_[n]);
+  forPresent([&](int k) { proxy_motions_[k] = x.segment<3>(proxyAt(probes_[k])) - proxies_[k]; });
+  const double share = contacts_.maxStep(nodes_, motion_, proxy_motions_, 1.0);
+  motion_.fill(0.0);
+  return share;
 }
 
 void ClothObjective::setPinned(const Field& nodes) {

@@ -98,9 +98,16 @@ class ClothObjective : public Objective {
   /// Places the pinned nodes [m]. Call evaluate() after it.
   void setPinned(const Field& nodes);
 
-  /// Moves the pinned nodes towards these positions, as far as nothing is crossed [m]. Call it after
-  /// begin() and evaluate(), and evaluate() again after it.
-  void movePinned(const Field& nodes);
+  /// Share of the way of the pinned nodes to these positions [m] on which nothing is crossed while all
+  /// else stands still. @pre evaluate() at the current positions
+  double pinnedShare(const Field& to);
+
+  /// Moves the pinned nodes by a share of their way to these positions [m]. Call evaluate() after it.
+  void movePinned(const Field& to, double share);
+
+  /// Share of the straight way from the last evaluated point to other positions of all nodes and to the
+  /// proxies of x on which no listed pair and no probe's sample is crossed.
+  double shareOfWay(const Field& to, const Vector& x);
 
   /// Packs node values, and the proxies given to begin(), as unknowns.
   void pack(const Field& nodes, Vector& x) const;

@@ -61,7 +61,7 @@ void ClothWorld::takeStep(int length, StepReport& report) {
   grasps_.update(probes_, cloth_.mesh(), cloth_.state());
   report.minimizer = solver_.solve(grasps_.nodes());  // finds the contacts, too
   energy_.noteStart(solver_.start(), solidsMove());
-  report.failed = hasFailed(report.minimizer.why);
+  report.failed = hasFailed(report.minimizer);
   if (report.failed) {
     restore();
   } else {
@@ -162,9 +162,10 @@ void ClothWorld::accept(StepReport& report) {
   const double pinned_before = cloth_.pinnedKineticEnergy();
   // Ejected cloth is stopped after each step, but does not count as resting.
   markEjected();
-  markJumped();
+  markJumped(report.minimizer);
   contacts_.rememberFriction(cloth_.mesh(), solved.nodes(), cloth_.internal().nodeNormals());
   cloth_.move(solved, jumped_);
+  if (cloth_.pinsMove()) cloth_.advancePins(solver_.pinsMade());
   energy_.notePinWork(solved.pinWork() + cloth_.pinnedKineticEnergy() - pinned_before);
   sleep_.update(cloth_.mesh(), cloth_.velocities(), solved.awake().flags(), ejected_);
   cloth_.stopEjected(contacts_);
@@ -184,9 +185,14 @@ void ClothWorld::reportPairs(StepReport& report) {
   report.min_self_gap = contacts_.smallestSelfGap(cloth_.nodes());
 }
 
-/// Marks the nodes whose velocity may have jumped: ejected, touched, held or asleep.
-void ClothWorld::markJumped() {
+/// Marks the nodes whose velocity may have jumped: ejected, touched, held or asleep; all if only a part of
+/// the motion was made.
+void ClothWorld::markJumped(const MinimizerReport& report) {
   const ActiveMesh& mesh = cloth_.mesh();
+  if (report.motion_made < 1.0) {
+    jumped_.assign(mesh.nodes(), 1);
+    return;
+  }
   jumped_ = ejected_;
   contacts_.markTouched(jumped_);
   for (const HeldNode& held : solver_.objective().held()) jumped_[held.node] = 1;

@@ -82,7 +82,7 @@ class ClothWorld {
   void accept(StepReport& report);
   void reportPairs(StepReport& report);
   void markEjected();
-  void markJumped();
+  void markJumped(const MinimizerReport& report);
   void restore();
   StepReport skipStep(int length);
 

@@ -34,7 +34,7 @@ StepSolver::StepSolver(const Scene& scene, Cloth& cloth, ContactSet& contacts, P
       minimizer_(scene.solver.minimizer),
       reach_(scene, cloth, probes) {
   forces_.reserve(cloth.grid().particles());
-  if (cloth.pinsMove()) pinned_.reserve(cloth.grid().particles());
+  for (Field* field : {&pinned_, &end_}) field->reserve(cloth.grid().particles());
   // Eigen does not initialise these vectors, so pages that no mesh needs take no memory.
   for (Vector* v : {&x_, &start_, &directions_[0], &directions_[1], &motion_, &gradient_})
     v->resize(objective_.capacity());
@@ -73,9 +73,38 @@ MinimizerReport StepSolver::solve(const std::vector<HeldNode>& held) {
     if ((covered && apart) || last.why == Termination::TimeBudget) break;
   }
   // The cloth might have passed through itself where it was not looked at.
-  if (contacts_.meetsItself() && !apart && report.why != Termination::NotFinite)
-    report.why = Termination::OutOfReach;
+  if (!apart && report.why != Termination::NotFinite) shortenMotion(report);
   return report;
+}
+
+/// Leaves a part of the motion to the solution: on the straight way there no pair of layers can have met,
+/// listed or not, and Φ is not above Φ(x⁰).
+void StepSolver::shortenMotion(MinimizerReport& report) {
+  constexpr int kTrials = 10;
+  const int size = objective_.size();
+  report.why = Termination::OutOfReach;
+  report.motion_made = 0.0;
+  end_ = objective_.nodes();
+  objective_.setPinned(cloth_.nodes());
+  evaluateStart();
+  double share = objective_.shareOfWay(end_, x_);
+  motion_.head(size) = x_.head(size) - start_.head(size);
+  pinned_ = cloth_.nodes();
+  for (int trial = 0; trial < kTrials; ++trial, share *= 0.5) {
+    for (int n = cloth_.mesh().free; n < cloth_.mesh().active(); ++n)
+      pinned_.set(n, cloth_.nodes()[n] + share * (end_[n] - cloth_.nodes()[n]));
+    objective_.setPinned(pinned_);
+    x_.head(size) = start_.head(size) + share * motion_.head(size);
+    report.value_end = objective_.evaluate(x_, gradient_);
+    if (!(report.value_end <= start_values_.potential)) continue;
+    if (!contacts_.staysApart(cloth_.mesh(), cloth_.nodes(), objective_.nodes(), true)) continue;
+    objective_.measureSleepers();
+    report.residual = objective_.residual(gradient_);
+    report.motion_made = share;
+    cost_.motion = objective_.motionCost();
+    for (double& made : pins_made_) made *= share;
+    return;
+  }
 }
 
 void StepSolver::findContacts() {
@@ -102,12 +131,38 @@ void StepSolver::beginSolve(const std::vector<HeldNode>& held) {
 }
 
 /// Moves the pins to where they end in the step, or as near to it as nothing is crossed; the other
-/// nodes follow in the solve.
+/// nodes follow in the solve. A pin that something stops does not hold back the others.
 void StepSolver::movePins() {
-  pinned_ = cloth_.nodes();
-  cloth_.placePins(pinned_);
-  objective_.movePinned(pinned_);
-  start_values_.potential = evaluateStart();
+  pins_made_.assign(cloth_.pins(), 0.0);
+  pins_go_.assign(cloth_.pins(), 1);
+  bool more = true;
+  while (more) {
+    pinned_ = objective_.nodes();
+    for (int k = 0; k < cloth_.pins(); ++k) {
+      if (pins_go_[k]) cloth_.placePin(k, pinned_);
+    }
+    const double share = objective_.pinnedShare(pinned_);
+    for (int k = 0; k < cloth_.pins(); ++k) {
+      if (pins_go_[k]) pins_made_[k] += share * (1.0 - pins_made_[k]);
+    }
+    more = share < 1.0 && stopPins();
+    objective_.movePinned(pinned_, share);
+    start_values_.potential = objective_.evaluate(start_, gradient_);
+  }
+}
+
+/// Stops the pins that could not reach their end if they moved alone. @return whether there are any, and
+/// others go on
+bool StepSolver::stopPins() {
+  bool stopped = false;
+  for (int k = 0; k < cloth_.pins(); ++k) {
+    if (!pins_go_[k]) continue;
+    end_ = objective_.nodes();
+    cloth_.placePin(k, end_);
+    pins_go_[k] = objective_.pinnedShare(end_) == 1.0;
+    stopped = stopped || !pins_go_[k];
+  }
+  return stopped && std::any_of(pins_go_.begin(), pins_go_.end(), [](char goes) { return goes != 0; });
 }
 
 /// Minimises over the awake nodes. After each solve everything is evaluated, and sleeping nodes

@@ -40,8 +40,11 @@ class StepSolver {
   void startBudget() { minimizer_.startBudget(); }
 
   /// Solves a step from the current state of cloth and probes. If something moved farther than contacts were
-  /// searched, the step is solved again.
+  /// searched, the step is solved again; in the end only a part of the motion may be left.
   MinimizerReport solve(const std::vector<HeldNode>& held);
+
+  /// Share of its way in the step that each pin made [-].
+  const std::vector<double>& pinsMade() const { return pins_made_; }
 
   /// Returns to the start of the step, after a solve that failed.
   void restore() {
@@ -70,6 +73,8 @@ class StepSolver {
   double evaluateStart();
   void beginSolve(const std::vector<HeldNode>& held);
   void movePins();
+  bool stopPins();
+  void shortenMotion(MinimizerReport& report);
   MinimizerReport minimizeCondensed();
   MinimizerReport minimizeJoint();
   bool wakeDisturbed();
@@ -90,7 +95,10 @@ class StepSolver {
   Start start_values_;
   CostReport cost_;
   Field forces_;  ///< negative forces on the nodes at rest, for sleep_ [N]
-  Field pinned_;  ///< scratch of movePins(): positions with the pins where they end [m]
+  Field pinned_;  ///< scratch: positions with the pins where they end [m]
+  Field end_;     ///< scratch: positions at the end of a motion [m]
+  std::vector<double> pins_made_;
+  std::vector<char> pins_go_;  ///< pins that nothing has stopped in this step
   Vector x_, start_, motion_, gradient_, joint_x_;
   /// Directions of the initial guess: inertial motion, and the motion that gravity adds.
   std::array<Vector, 2> directions_;

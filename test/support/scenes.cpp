@@ -87,6 +87,21 @@ Scene boxDrape(int particles) {
   return scene;
 }
 
+Scene foldedSheet(int columns) {
+  LinearFabric linear;
+  linear.rigidity = 4e-6;
+  linear.compression = 0.1;
+  const int rows = (columns - 1) / 4 + 1;
+  const double length = 0.0025 * (columns - 1);
+  Scene scene = sheetScene(makeFabric(linear), columns, rows, length, 0.25 * length);
+  setStrategy(scene, Strategy::Amrc, 2);
+  pin(scene, 0, 0, 0, rows - 1);
+  pin(scene, columns - 1, columns - 1, 0, rows - 1);
+  scene.cloth.pins[0].velocity = Vec3(0.5 * length / 0.08, 0.0, 0.0);
+  scene.cloth.pins[1].velocity = -scene.cloth.pins[0].velocity;
+  return scene;
+}
+
 Scene capsuleOnStrip(Strategy strategy) {
   using Strip = CapsuleOnStrip;
   LinearFabric linear;

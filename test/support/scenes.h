@@ -42,6 +42,10 @@ std::string name(Strategy strategy);
 /// test.
 Scene boxDrape(int particles);
 
+/// Sheet of cells of 2.5 mm, four times as long as wide. Its ends are pinned and driven against each
+/// other; they stop there after 0.08 s, and the cloth between hangs in folds; amrc.
+Scene foldedSheet(int columns);
+
 /// Weightless strip of finest spacing 2 mm, pinned at both ends, for a frictionless capsule that
 /// lies across it and is longer than the strip is wide.
 struct CapsuleOnStrip {

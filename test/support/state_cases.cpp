@@ -167,6 +167,22 @@ StateCase coarseHammock() {
   return {"a coarse hammock", scene, drive, 40, {3}, [](const Exercised& did) { return did.refined > 0; }};
 }
 
+/// The hems of a sheet are driven against each other by their pins, which stop there; the cloth between
+/// hangs in folds.
+StateCase pressedLayers() {
+  Scene scene = sheetScene(richFabric(), 17, 5, 0.08, 0.02);
+  setStrategy(scene, Strategy::Amrc, 2);
+  scene.adapt.minimum_age = 9;
+  pin(scene, 0, 0, 0, 4);
+  pin(scene, 16, 16, 0, 4);
+  scene.cloth.pins[0].velocity = Vec3(0.4, 0.0, 0.0);
+  scene.cloth.pins[1].velocity = Vec3(-0.4, 0.0, 0.0);
+  const auto drive = [](Simulation&, int) {};
+  return {"layers that press", scene, drive, 180, {97, 103, 120, 126}, [](const Exercised& did) {
+            return did.pressed > 50 && did.refined > 0;
+          }};
+}
+
 class Hash {
  public:
   void add(const void* data, std::size_t size) { bytes_.add(data, size); }
@@ -192,8 +208,8 @@ void add(Hash& hash, const EnergyReport& energy) {
 }  // namespace
 
 std::vector<StateCase> stateCases() {
-  return {slidingCapsule(), secondOrder(),   jointCost(),    graspedSheet(),
-          movedObstacles(), sleepingSheet(), coarseHammock()};
+  return {slidingCapsule(), secondOrder(),   jointCost(),     graspedSheet(),
+          movedObstacles(), sleepingSheet(), coarseHammock(), pressedLayers()};
 }
 
 std::uint64_t readings(const Simulation& simulation) {
@@ -262,6 +278,7 @@ std::uint64_t advance(const StateCase& run, Simulation& simulation, int step, Ex
     exercised->most_awake = std::max(exercised->most_awake, report.awake_particles);
     exercised->asleep += report.awake_particles > 0 && report.awake_particles < exercised->most_awake;
     exercised->moved += before != obstacles();
+    exercised->pressed += report.self_contacts > 0;
     for (std::size_t k = 0; k < run.scene.probes.size(); ++k) {
       const ProbeReport probe = simulation.probe(static_cast<int>(k));
       exercised->touched += probe.contact;

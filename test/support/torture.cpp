@@ -12,6 +12,7 @@
 #include <optional>
 #include <sstream>
 
+#include "contact/crossings.h"
 #include "state/byte_hash.h"
 #include "support/scene_text.h"
 #include "support/tolerance.h"
@@ -152,6 +153,10 @@ class Run {
     allowed_ += turned;
     result_.failed += report.failed ? 1 : 0;
     result_.cut += report.minimizer.why == Termination::Converged ? 0 : 1;
+    result_.shortened_steps += report.minimizer.motion_made < 1.0 ? 1 : 0;
+    result_.pairs = std::max(result_.pairs, report.self_contacts);
+    if (wanted_.limits.crossed.empty())
+      result_.crossings = std::max(result_.crossings, findCrossings(cloth().mesh(), cloth().nodes()).pairs);
     result_.finite = isFinite(world_, energy);
     result_.strain = std::max(result_.strain, cloth().internal().maxStrain(cloth().nodes()));
     result_.speed = std::max(result_.speed, cloth().maxSpeed());
@@ -185,7 +190,7 @@ class Run {
     return places;
   }
 
-  /// Records the speed of the inputs in the step (except jumps), the depth of the cloth and its
+  /// Records the speed of the inputs in the step (except jumps of devices), the depth of the cloth and its
   /// strain.
   void noteMotion() {
     const double h = world_.objective().timeStep(), g = world_.scene().gravity.norm();
@@ -196,6 +201,8 @@ class Run {
       if (!isJump(way, h)) result_.driven = std::max(result_.driven, way / h);
     }
     inputs_ = now;
+    for (int n = cloth().mesh().free; n < cloth().mesh().active(); ++n)
+      result_.driven = std::max(result_.driven, cloth().velocities()[n].norm());
     for (const Edge& edge : cloth().mesh().edges) {
       const double strain = (cloth().nodes()[edge.b] - cloth().nodes()[edge.a]).norm() / edge.length - 1.0;
       result_.stretched = std::max(result_.stretched, strain);
@@ -316,11 +323,17 @@ void judge(const Torture& wanted, const TortureResult& result) {
   } else {
     recordMargin(wanted.name, "fastest particle", result.speed, 0.0, "m/s", limits.any_speed);
   }
+  if (limits.crossed.empty()) {
+    keep("crossings", result.crossings, 0.0, "");
+  } else {
+    recordMargin(wanted.name, "crossings", result.crossings, 0.0, "", limits.crossed);
+  }
   EXPECT_LE(result.unexplained, tolerance(kRoundOff * (1.0 + result.force))) << wanted.name << ": force [N]";
   keep("failed steps", static_cast<double>(result.failed), limits.failed, "");
   std::cout << "  " << wanted.name << ": " << result.steps << " steps, " << result.cut << " cut short, gain "
             << result.gain << " J of " << result.energy << " J (allowed " << result.allowed << " J), force "
-            << result.force << " N, penetration " << result.penetration << " m\n";
+            << result.force << " N, penetration " << result.penetration << " m, " << result.pairs
+            << " pairs press, " << result.shortened_steps << " steps made in part\n";
 }
 
 }  // namespace

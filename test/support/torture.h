@@ -10,8 +10,8 @@
 
 namespace haptic_cloth {
 
-/// Criteria of a run. Every case also requires finite values, equal bits for one and two threads,
-/// and the energy balance, so these are not listed.
+/// Criteria of a run. Every case also requires finite values, equal bits for one and two threads, no
+/// crossing after any step (contact/crossings.h) and the energy balance, so these are not listed.
 ///
 /// Balance: energy minus work may rise above its lowest value so far by round-off, kRoundOff of the
 /// turnover, plus the work of residual forces since then, residual · weight · distance. If Newton's
@@ -22,7 +22,7 @@ namespace haptic_cloth {
 /// is at most a tenth of the turnover, because the residual of a step cut short far from its
 /// solution would explain any rise.
 ///
-/// Speed: speedLimit() is the sum of three sources. Devices and obstacles give at most twice their
+/// Speed: speedLimit() is the sum of three sources. Devices, obstacles and pins give at most twice their
 /// speed (a heavy body hits a light one without loss). A fall gives √(2 g · 2 · depth), since half
 /// of a chain may get the energy that the other half has lost, and its tip outruns free fall
 /// [Tomaszewski et al. 2006]. The fabric gives at most the energy stored at the largest strain of
@@ -45,6 +45,8 @@ struct TortureLimits {
   double thrown = 0.0;  ///< speed from sources not named above [m/s]
   /// Reason why speedLimit() would have no meaning and speed is not checked; empty: it is checked.
   std::string any_speed;
+  /// Reason why the cloth passes through itself from the start; empty: it must not.
+  std::string crossed;
   double created = 0.1;  ///< energy that one mesh change may create, over the turnover [-]
   /// Bending energy that normals may create by turning between steps, in total, over the turnover
   /// [-].
@@ -73,9 +75,12 @@ struct TortureResult {
   bool finite = true;
   double strain = 0.0, speed = 0.0;
   double stretched = 0.0, shortened = 0.0;  ///< largest strain above and below zero [-]
-  double driven = 0.0;                      ///< largest speed of a device or obstacle [m/s]
+  double driven = 0.0;                      ///< largest speed of a device, an obstacle or a pin [m/s]
   /// Largest distance that a particle moved along gravity from its start [m].
   double sunk = 0.0;
+  int crossings = 0;         ///< most pairs after a step
+  long shortened_steps = 0;  ///< of which only a part was made
+  int pairs = 0;             ///< most pairs of parts of the cloth that pressed at once
   double unexplained = 0.0;  ///< force on a probe beyond what its coupling can exert [N]
   double force = 0.0;        ///< largest force on a probe [N]
   double penetration = 0.0;  ///< [m]

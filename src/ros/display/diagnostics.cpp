@@ -77,7 +77,7 @@ DiagnosticStatus solverStatus(const SolverStats& stats, bool paused, double now)
     judge(status, DiagnosticStatus::OK, "paused");
   } else if (stats.taken < 0.0 || now - stats.taken > kHanging) {
     judge(status, DiagnosticStatus::WARN, "no steps");
-  } else if (stats.last.failed || hasFailed(stats.last.minimizer.why)) {
+  } else if (stats.last.failed) {
     judge(status, DiagnosticStatus::WARN, "the last step failed; the last good state was restored");
   } else {
     const std::string& given_up = stats.quality.given_up;

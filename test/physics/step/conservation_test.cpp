@@ -37,6 +37,28 @@ void expectEqualBits(Integrator integrator) {
 TEST(Determinism, AnyNumberOfThreadsGivesTheSameBits) { expectEqualBits(Integrator::Euler); }
 TEST(Determinism, AnyNumberOfThreadsGivesTheSameBitsWithBdf2) { expectEqualBits(Integrator::Bdf2); }
 
+/// Steps in which layers press on each other. The mesh stays fine enough for four threads.
+TEST(Determinism, AnyNumberOfThreadsGivesTheSameBitsInAFold) {
+  Scene scene = foldedSheet(65);
+  scene.adapt.coarsen_below = 0.01;
+  scene.adapt.refine_above = 0.02;
+  Simulation folds(scene);
+  hashAfter(folds, 85);
+  const std::string folded = folds.saveState();
+  std::uint64_t one = 0;
+  for (const int threads : {1, 2, 3, 4}) {
+    scene.solver.threads = threads;
+    Simulation simulation(scene);
+    simulation.loadState(folded, "state");
+    const std::uint64_t hash = hashAfter(simulation, 10);
+    const StepReport report = simulation.step();
+    EXPECT_GT(report.self_contacts, 50);
+    EXPECT_GT(report.active_particles, 900) << "too few for four threads (parallel_for.h)";
+    if (threads == 1) one = hash;
+    EXPECT_EQ(hash, one) << threads << " threads, " << instructionSet();
+  }
+}
+
 TEST(Determinism, ResetRepeatsTheRun) {
   Simulation simulation(boxDrape(17));
   const std::uint64_t start = simulation.stateHash();

@@ -146,6 +146,36 @@ TEST(MovingPins, FirstPinOfAParticleCounts) {
   EXPECT_NEAR(particle(simulation, 0, 1).x(), second.x() - 0.001, tolerance(1e-15));
 }
 
+/// A probe holds back one of two pins of a sheet. It waits while the other goes on; then it catches up, no
+/// faster than twice its speed (docs/reference/scenes.md).
+TEST(MovingPins, WaitAloneAndCatchUpSlowly) {
+  constexpr double kSpeed = 0.1, kFreed = 0.1;  // [m/s], [s]
+  Scene scene = weightlessSheet(9, 9, 0.1, 0.1);
+  pin(scene, 0, 0, 0, 8);
+  pin(scene, 8, 8, 0, 8);
+  for (Pin& pin : scene.cloth.pins) pin.velocity = Vec3(0.0, 0.0, kSpeed);
+  Simulation simulation(scene);
+  const ProbeOptions& probe = scene.probes[0];
+  const double h = scene.solver.time_step;
+  double behind = 0.0, fastest = 0.0, before = 0.0;
+  while (simulation.time() < 3.0 * kFreed - 1e-9) {
+    if (simulation.time() < kFreed) {
+      simulation.setDevice(Vec3(-0.05, 0.0, probe.radius + 2e-3), Vec3::Zero());
+    } else {
+      simulation.removeDevice();
+    }
+    ASSERT_FALSE(simulation.step().failed);
+    const double z = particle(simulation, 0, 4).z();
+    behind = std::max(behind, kSpeed * simulation.time() - z);
+    fastest = std::max(fastest, (z - before) / h);
+    before = z;
+    EXPECT_NEAR(particle(simulation, 8, 4).z(), kSpeed * simulation.time(), 1e-12);
+  }
+  EXPECT_GT(behind, 0.2 * kSpeed * kFreed);  // the pin pushes the proxy, too
+  EXPECT_NEAR(fastest, 2.0 * kSpeed, tolerance(1e-9 * kSpeed));
+  EXPECT_NEAR(before, kSpeed * simulation.time(), 1e-12) << "it has caught up";
+}
+
 TEST(MovingPins, ContinueFromAState) {
   Scene scene = weightlessSheet(9, 9, 0.1, 0.1);
   setStrategy(scene, Strategy::Amrc, 2);

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <iostream>
 #include <string>
 #include <tuple>
 
@@ -21,9 +22,14 @@ long allocations = 0;
 }  // namespace
 
 #ifndef __SANITIZE_ADDRESS__
-// Counts every allocation of this program, Eigen's included; glibc's malloc does the work under
-// another name.
+// Counts every allocation of this program, Eigen's and aligned ones included; glibc does the work under
+// other names.
 extern "C" void* __libc_malloc(std::size_t size);
+extern "C" void* __libc_memalign(std::size_t alignment, std::size_t size);
+extern "C" void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  ++allocations;
+  return __libc_memalign(alignment, size);
+}
 extern "C" void* malloc(std::size_t size) {
   ++allocations;
   return __libc_malloc(size);
@@ -166,6 +172,22 @@ INSTANTIATE_TEST_SUITE_P(Starts, Drape,
                            const bool second = std::get<1>(info.param) == Integrator::Bdf2;
                            return std::string(finest ? "finest" : "coarsest") + (second ? "_bdf2" : "");
                          });
+
+/// Pairs of layers come and go, so their lists cannot be reserved. They at least double where they grow:
+/// from no pairs to all, which are less than 2^14, each of 9 lists allocates 14 times at most.
+TEST(Fold, StepsWithoutAllocating) {
+  Simulation simulation(foldedSheet(33));
+  for (int k = 0; k < 5; ++k) simulation.step();
+  const long before = allocations;
+  for (int k = 0; k < 150; ++k) simulation.step();
+  EXPECT_LE(allocations - before, 9 * 14) << "while it folds";
+  std::cout << "  " << allocations - before << " allocations while it folds\n";
+  const long folded = allocations;
+  int pressed = 0;
+  for (int k = 0; k < 100; ++k) pressed += simulation.step().self_contacts > 20 ? 1 : 0;
+  EXPECT_EQ(allocations, folded);
+  EXPECT_EQ(pressed, 100);
+}
 
 }  // namespace
 }  // namespace haptic_cloth

@@ -501,6 +501,35 @@ TEST_F(Simulate, ReplaysARecording) {
   expectRefused("scene.yaml --replay session --set gravity='[0,0,-1]'", {"session", "scene at hand"});
 }
 
+TEST_F(Simulate, ReplaysAFold) {
+  using namespace haptic_cloth;
+  write("scene.yaml",
+        "cloth:\n"
+        "  particles: [17, 5]\n"
+        "  size: [0.08, 0.02]\n"
+        "  fabric: linen.yaml\n"
+        "  pins:\n"
+        "    - {particles: edge_x0, velocity: [0.4, 0, 0]}\n"
+        "    - {particles: edge_x1, velocity: [-0.4, 0, 0]}\n");
+  Simulation simulation(loadScene((folder_ / "scene.yaml").string()));
+  std::string text = recorded::header(simulation) + '\n';
+  simulation.record([&text](const std::string& line) { text += line + '\n'; });
+  int pressed = 0;
+  for (int step = 0; step < 100; ++step) pressed += simulation.step(1 + step % 2).self_contacts > 0 ? 1 : 0;
+  EXPECT_GT(pressed, 20);
+  const std::string end = recorded::end(simulation);
+  write("session", text + end + '\n');
+  for (const char* threads : {"1", "2", "3"}) {
+    const Outcome outcome =
+        run("scene.yaml --replay session --out result --set solver.threads=" + std::string(threads));
+    ASSERT_EQ(outcome.status, 0) << outcome.error;
+    const auto summary = nlohmann::json::parse(readText(folder_ / "result/summary.json"));
+    EXPECT_EQ("end " + summary["state_hash"].get<std::string>(), end);
+    EXPECT_EQ(summary["crossings"], 0);
+    fs::remove_all(folder_ / "result");
+  }
+}
+
 TEST_F(Simulate, KesTestNamesTheWordsItKnows) {
   const std::string command =
       "'" HAPTIC_CLOTH_KES_TEST "' '" + (folder_ / "linen.yaml").string() + "' --test ";

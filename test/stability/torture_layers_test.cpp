@@ -1,0 +1,212 @@
+/// Cloth that meets itself in hard cases: tumbled, wrung, piled up, pushed through itself, hammered while
+/// folded, cut short, much too thick, soft, rough or slippery.
+/// Criteria: those of every case (test/support/torture.h), of which no crossing is what matters here. Each
+/// case must press layers on each other, else it would say nothing.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "support/torture.h"
+
+namespace haptic_cloth {
+namespace {
+
+/// Length of a case that can go on for any time [s]. @param short_form what suits every build [s]
+double lengthOf(double short_form) { return short_form * tortureLength("HAPTIC_CLOTH_TORTURE_LAYERS", 1.0); }
+
+void tortureLayers(const Torture& wanted) {
+  EXPECT_GT(torture(wanted).pairs, 0) << wanted.name << ": no layers met";
+}
+
+Obstacle floorAt(double height) {
+  Obstacle floor;
+  floor.pose.position.z() = height;
+  return floor;
+}
+
+// Share of the turnover that normals may create by turning. A fold as sharp as a cell turns them far
+// (docs/stability.md, crumpled cloth creates energy): as much as one mesh change may create.
+constexpr double kSharpFolds = 0.1;
+
+/// Strip of 12 x 2 cm that stands on its end, leans a little and falls onto itself on a floor.
+Torture pile(const std::string& name, const std::string& fabric) {
+  Torture strip = tortureSheet(name, fabric, 25, 5, 0.12, 0.02);
+  setStrategy(strip.scene, Strategy::Amrc, 2);
+  const double lean = 0.02;
+  strip.scene.cloth.pose.orientation = Quat(Eigen::AngleAxisd(-0.5 * EIGEN_PI - lean, Vec3::UnitY()));
+  strip.scene.obstacles = {floorAt(-0.06 - 3.0 * strip.scene.cloth.fabric.thickness)};
+  strip.scene.stop.time = 0.25;
+  strip.limits.turned = kSharpFolds;
+  return strip;
+}
+
+std::string fabricOf(double thickness, double stiffness, double rigidity) {
+  LinearFabric linear;
+  linear.thickness = thickness;
+  linear.stiffness = stiffness;
+  linear.rigidity = rigidity;
+  linear.compression = 0.1;
+  return writeFabric(linear);
+}
+
+TEST(Torture, TumbledInADrum) {
+  // Four planes close around the cloth and turn about it, once in 0.4 s. So gravity flips on folds.
+  Torture sheet = tortureSheet("drum", fabricOf(5e-4, 500.0, 4e-6), 17, 17, 0.08, 0.08);
+  setStrategy(sheet.scene, Strategy::Amrc, 2);
+  sheet.scene.obstacles.resize(4);
+  const auto wall = [](int k, double time) {
+    const double radius = std::max(0.008, 0.045 - 0.2 * time), turned = 2.0 * EIGEN_PI / 0.4 * time;
+    const Quat turn(Eigen::AngleAxisd(turned + 0.5 * EIGEN_PI * k, Vec3::UnitY()));
+    return Pose{turn * Vec3(0.0, 0.0, -radius), turn};
+  };
+  for (int k = 0; k < 4; ++k) sheet.scene.obstacles[k].pose = wall(k, 0.0);
+  sheet.before = [wall](ClothWorld& world, long step) {
+    const double end = static_cast<double>(step + 1) * world.scene().solver.time_step;
+    for (int k = 0; k < 4; ++k) world.moveObstacle(k, wall(k, end));
+  };
+  sheet.scene.stop.time = lengthOf(0.3);
+  sheet.limits.turned = kSharpFolds;
+  tortureLayers(sheet);
+}
+
+TEST(Torture, CrumpledByGripsAtRandom) {
+  // Four grips take a sheet near its corners and pull each of them to another place every 0.05 s.
+  Torture sheet = tortureSheet("crumpled", fabricOf(5e-4, 500.0, 4e-6), 13, 13, 0.09, 0.09);
+  setStrategy(sheet.scene, Strategy::Amrc, 2);
+  const double time = lengthOf(0.12);
+  std::mt19937 generator(11);
+  std::uniform_real_distribution<double> place(-0.03, 0.03);
+  sheet.scene.probes.assign(4, gripper(0.01, 200.0));
+  for (int k = 0; k < 4; ++k) {
+    ProbeOptions& grip = sheet.scene.probes[k];
+    grip.name = "grip" + std::to_string(k);
+    const Vec3 corner(k % 2 == 0 ? -0.035 : 0.035, k / 2 == 0 ? -0.035 : 0.035, 0.0);
+    grip.path = {{0.0, corner + Vec3(0.0, 0.0, 0.0055)}, {0.01, corner + Vec3(0.0, 0.0, 0.003)}};
+    for (double t = 0.06; t < time + 0.05; t += 0.05)
+      grip.path.push_back({t, Vec3(place(generator), place(generator), place(generator))});
+    grip.grasp = {{0.0, 2.0 * time}};
+  }
+  sheet.scene.solver.minimizer.max_iterations = 50;
+  sheet.scene.stop.time = time;
+  sheet.limits.pushed = true;
+  sheet.limits.turned = kSharpFolds;
+  tortureLayers(sheet);
+}
+
+/// Sheet whose opposite sides are turned against each other, once in 0.2 s.
+Torture wrungSheet(const std::string& name) {
+  Torture sheet = tortureSheet(name, fabricOf(5e-4, 500.0, 4e-6), 17, 17, 0.1, 0.1);
+  setStrategy(sheet.scene, Strategy::Amrc, 2);
+  sheet.scene.gravity.setZero();
+  pin(sheet.scene, 0, 0, 0, 16);
+  pin(sheet.scene, 16, 16, 0, 16);
+  for (const int k : {0, 1}) {
+    const double side = k == 0 ? 1.0 : -1.0;
+    sheet.scene.cloth.pins[k].turn = Vec3(side * 2.0 * EIGEN_PI / 0.4, 0.0, 0.0);
+    sheet.scene.cloth.pins[k].velocity = Vec3(side * 0.08, 0.0, 0.0);
+  }
+  sheet.scene.stop.time = 0.2;
+  // One iteration leaves nearly all of a pin's way to the cells beside it: at most the distance that two
+  // places of a pin can have, over the width of a cell.
+  sheet.limits.strain = (0.1 + 0.08 * sheet.scene.stop.time) / (0.1 / 16.0);
+  return sheet;
+}
+
+class TortureWrung : public testing::TestWithParam<int> {};
+
+TEST_P(TortureWrung, WithFewIterations) {
+  // 0 means no time, as in TortureBudget.
+  const int iterations = GetParam();
+  Torture sheet = wrungSheet("wrung_" + std::to_string(iterations));
+  sheet.scene.solver.minimizer.max_iterations = std::max(1, iterations);
+  if (iterations == 0) sheet.scene.solver.minimizer.time_budget = 1e-12;
+  tortureLayers(sheet);
+}
+
+INSTANTIATE_TEST_SUITE_P(Iterations, TortureWrung, testing::Values(0, 3));
+
+class TorturePile : public testing::TestWithParam<int> {};
+
+TEST_P(TorturePile, WithFewIterations) {
+  const int iterations = GetParam();
+  Torture strip = pile("pile_budget_" + std::to_string(iterations), fabricOf(5e-4, 500.0, 4e-6));
+  strip.scene.solver.minimizer.max_iterations = std::max(1, iterations);
+  if (iterations == 0) strip.scene.solver.minimizer.time_budget = 1e-12;
+  strip.scene.stop.time = 0.6;
+  tortureLayers(strip);
+}
+
+INSTANTIATE_TEST_SUITE_P(Iterations, TorturePile, testing::Values(0, 3));
+
+class TortureLoops : public testing::TestWithParam<int> {};
+
+TEST_P(TortureLoops, ThatTouch) {
+  // The ends of a strip are pushed past each other, so that it hangs in a loop whose sides touch, and
+  // the pins stop each other. Then the same in long steps of one iteration.
+  const int length = GetParam();
+  Torture strip =
+      tortureSheet("loops_" + std::to_string(length) + "ms", fabricOf(5e-4, 500.0, 4e-6), 33, 9, 0.16, 0.04);
+  setStrategy(strip.scene, Strategy::Amrc, 2);
+  pin(strip.scene, 0, 0, 0, 8);
+  pin(strip.scene, 32, 32, 0, 8);
+  const double speed = length > 1 ? 1.4 : 0.4, step = 1e-3 * length;
+  strip.scene.cloth.pins[0].velocity = Vec3(speed, 0.0, 0.0);
+  strip.scene.cloth.pins[1].velocity = Vec3(-speed, 0.0, 0.0);
+  strip.scene.solver.time_step = step;
+  strip.scene.stop.time = length > 1 ? 0.8 : 0.3;
+  if (length > 1) {
+    strip.scene.solver.minimizer.time_budget = 1e-12;
+    // A pin that catches up makes this way in a step, most of which an iteration may leave to a cell.
+    strip.limits.strain = 2.0 * speed * step / 0.005;
+  }
+  tortureLayers(strip);
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, TortureLoops, testing::Values(1, 8));
+
+TEST(Torture, ProbeHammersAFold) {
+  // A probe beats a pile of folds 20 times a second, with 1 m/s.
+  Torture strip = pile("hammer", fabricOf(5e-4, 500.0, 4e-6));
+  const double time = lengthOf(0.4);
+  std::vector<PathPoint>& path = strip.scene.probes[0].path;
+  std::mt19937 generator(3);
+  std::uniform_real_distribution<double> place(-0.01, 0.01);
+  path = {{0.0, Vec3(0.0, 0.0, 0.1)}, {0.2, Vec3(0.0, 0.0, -0.03)}};
+  for (double t = 0.225; t < time + 0.05; t += 0.05) {
+    path.push_back({t, Vec3(place(generator), place(generator), -0.055)});
+    path.push_back({t + 0.025, Vec3(place(generator), place(generator), -0.03)});
+  }
+  strip.scene.stop.time = time;
+  strip.limits.pushed = true;
+  tortureLayers(strip);
+}
+
+struct Extreme {
+  const char* name;
+  double thickness, stiffness, rigidity;  ///< [m], [N/m], [N m]
+  double friction;                        ///< between layers
+};
+
+void PrintTo(const Extreme& value, std::ostream* out) { *out << value.name; }
+
+class TortureExtreme : public testing::TestWithParam<Extreme> {};
+
+TEST_P(TortureExtreme, FallsInFolds) {
+  const Extreme& extreme = GetParam();
+  Torture strip = pile(std::string("pile_") + extreme.name,
+                       fabricOf(extreme.thickness, extreme.stiffness, extreme.rigidity));
+  strip.scene.cloth.self_friction = extreme.friction;
+  tortureLayers(strip);
+}
+
+// Cells are 5 mm wide.
+INSTANTIATE_TEST_SUITE_P(
+    Fabrics, TortureExtreme,
+    testing::Values(Extreme{"thin", 2e-5, 500.0, 4e-6, 0.3}, Extreme{"thick", 8e-3, 500.0, 4e-6, 0.3},
+                    Extreme{"soft", 5e-4, 50.0, 1e-6, 0.3}, Extreme{"stiff", 5e-4, 2e4, 4e-6, 0.3},
+                    Extreme{"slippery", 5e-4, 500.0, 4e-6, 0.0}, Extreme{"rough", 5e-4, 500.0, 4e-6, 2.0}),
+    [](const auto& info) { return std::string(info.param.name); });
+
+}  // namespace
+}  // namespace haptic_cloth
