@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstring>
@@ -160,6 +161,30 @@ TEST_F(State, WhatARunIsToldFromOutsideMayDiffer) {
   Simulation other(scene);
   EXPECT_NO_THROW(other.loadState(saved_, "state"));
   EXPECT_EQ(other.saveState(), saved_);
+}
+
+/// Two particles far apart change places, so the cells around them cut each other. What may pass
+/// through itself is taken.
+TEST_F(State, ClothThatPassesThroughItselfIsRefusedByThePlace) {
+  const auto swapPlaces = [](StateEntry& entry) {
+    constexpr std::size_t kSize = 3 * sizeof(double), kOne = 4 * 17 + 4, kOther = 12 * 17 + 12;
+    std::swap_ranges(&entry.bytes[kOne * kSize], &entry.bytes[(kOne + 1) * kSize],
+                     &entry.bytes[kOther * kSize]);
+  };
+  const std::string crossed = changed("particles.position", swapPlaces);
+  expectRefused(crossed, {"cloth = ", " crossings, first of cells (", ") at [", "must not pass through itself"});
+
+  std::vector<StateEntry> entries = stateEntries(crossed);
+  const auto self_contact = std::find_if(entries.begin(), entries.end(), [](const StateEntry& entry) {
+    return entry.name == "cloth.self_contact";
+  });
+  ASSERT_NE(self_contact, entries.end());
+  self_contact->bytes[0] = 0;
+  Scene passing = run_.scene;
+  passing.cloth.self_contact = false;
+  Simulation other(passing);
+  EXPECT_NO_THROW(other.loadState(sealState(entries), "state"));
+  EXPECT_GT(other.crossings().pairs, 0);
 }
 
 TEST_F(State, ImpossibleValuesAreRefusedByName) {

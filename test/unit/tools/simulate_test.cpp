@@ -563,7 +563,7 @@ TEST_F(Simulate, RefusesAStartThatCrossesItself) {
   write("on.state", haptic_cloth::sealState(entries));
   expectRefused(
       scene + "--set stop.time=0.062 --resume on.state",
-      {"on.state: cloth = ", " crossings, first of cells (", ") at [", "must not pass through itself"});
+      {"on.state: cloth = ", " crossings, first of cells (", ") at [", "must not pass through itself", "cannot untangle"});
 }
 
 TEST_F(Simulate, RefusesStatesItCannotUse) {
