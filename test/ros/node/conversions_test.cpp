@@ -146,6 +146,18 @@ class MarkersTest : public testing::Test {
   DisplayFrame frame_;
 };
 
+/// Folded over, cloth shows its back. Whoever looks from above sees the lines all the same.
+TEST_F(MarkersTest, LinesAreSeenFromAboveOnTheBackToo) {
+  MarkerBuilder builder(scene_, "world", MarkerOptions());
+  const double height = frame_.positions[0].z();
+  for (const char* side : {"front", "back"}) {
+    const auto mesh = builder.build(frame_, {Vec3::Zero()}, ros::Time(1.0)).markers[1];
+    ASSERT_FALSE(mesh.points.empty());
+    for (const geometry_msgs::Point& point : mesh.points) ASSERT_GT(point.z, height) << side;
+    for (Vec3& position : frame_.positions) position.x() = -position.x();
+  }
+}
+
 TEST_F(MarkersTest, CountsStayTheSameForEveryMesh) {
   MarkerBuilder builder(scene_, "world", MarkerOptions());
   const auto first = builder.build(frame_, {Vec3::Zero()}, ros::Time(1.0));

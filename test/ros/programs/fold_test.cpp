@@ -21,10 +21,10 @@ namespace {
 
 // From config/scenes/fold.yaml: times at which the hand holds the folded corner, presses the fold, has
 // lifted, and the crease, where x + y is half of that of the corner's places before and after.
-constexpr double kHeld = 2.6, kPressed = 4.0, kLifted = 7.2;      // s
+constexpr double kHeld = 3.6, kPressed = 5.4, kLifted = 9.3;      // s
 constexpr double kCornerBefore = 0.20, kCornerAfter = -0.04;      // x + y, m
 constexpr double kCrease = 0.5 * (kCornerBefore + kCornerAfter);  // m
-/// Longest wait for a time of the cloth: a round takes 10.5 s at full speed.
+/// Longest wait for a time of the cloth: a round takes 12.5 s at full speed.
 constexpr double kRound = 100.0;  // s
 
 /// What the node says about the cloth, while it is listened to.
