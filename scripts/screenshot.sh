@@ -3,7 +3,7 @@
 # Needs a build. Waits for SIMULATED seconds and a force of FORCE newton on any probe. Example:
 # FORCE=0.2 scripts/screenshot.sh fingers.png scene:=two_fingers
 # With MOMENTS it takes one picture at each of these simulated times, without a look at the force, and sets them side by
-# side: MOMENTS="1.9 3.4 5.3" scripts/screenshot.sh docs/images/fold.png scene:=fold
+# side: MOMENTS="1.6 2.9 5.3" scripts/screenshot.sh docs/images/fold.png scene:=fold
 # Fails, and leaves OUT.png alone, if rviz has not drawn CLOTH_PIXELS (10000) pixels of cloth after DRAW_TIMEOUT (120)
 # seconds, or if the wait takes more than TIMEOUT (180) seconds.
 set -euo pipefail

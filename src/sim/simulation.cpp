@@ -31,8 +31,8 @@ void requireNoCrossings(const Cloth& cloth, const std::string& origin) {
   const Crossings found = findCrossings(cloth.mesh(), cloth.nodes());
   if (found.pairs == 0) return;
   std::ostringstream place;
-  place << found.pairs << " crossings, first of cells (" << found.cell[0] << ", " << found.cell[1] << ") and ("
-        << found.other[0] << ", " << found.other[1] << ") at [" << found.position.x() << ", "
+  place << found.pairs << " crossings, first of cells (" << found.cell[0] << ", " << found.cell[1]
+        << ") and (" << found.other[0] << ", " << found.other[1] << ") at [" << found.position.x() << ", "
         << found.position.y() << ", " << found.position.z() << "] m";
   throw InputError(origin, "cloth", place.str(),
                    "must not pass through itself with cloth.self_contact, which cannot untangle it");

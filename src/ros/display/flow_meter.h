@@ -61,13 +61,13 @@ class FlowMeter {
   std::deque<Probe> probes_;  ///< a deque, because callbacks refer to the elements
   Flow markers_, state_;
   std::size_t cells_ = 0;
-  int rung_ = 0, worst_rung_ = 0;  ///< of the newest state, and the largest since clear
-  double slipped_ = 0.0;           ///< of the newest state [s]
-  unsigned pairs_ = 0, most_pairs_ = 0;  ///< self-contacts: of the newest state, and most since clear
+  int rung_ = 0, worst_rung_ = 0;                ///< of the newest state, and the largest since clear
+  double slipped_ = 0.0;                         ///< of the newest state [s]
+  unsigned pairs_ = 0, most_pairs_ = 0;          ///< self-contacts: of the newest state, and most since clear
   double gap_ = kNoGap, smallest_gap_ = kNoGap;  ///< of layers: of the newest state, and since clear [m]
   std::uint64_t failed_ = 0, out_of_reach_ = 0;  ///< steps, of the newest state
-  double time_ = 0.0, received_ = -1.0;  ///< of the newest state: simulated, and steady clock [s]
-  double simulated_ = 0.0, elapsed_ = 0.0;  ///< by all states since clear, without resets [s]
+  double time_ = 0.0, received_ = -1.0;          ///< of the newest state: simulated, and steady clock [s]
+  double simulated_ = 0.0, elapsed_ = 0.0;       ///< by all states since clear, without resets [s]
   ros::Subscriber markers_subscriber_, state_subscriber_;
 };
 
