@@ -9,6 +9,7 @@ file(GLOB launches CONFIGURE_DEPENDS test/ros/*/*.test)
 add_library(ros_test_support STATIC EXCLUDE_FROM_ALL test/ros/support/ros_test_support.cpp
   test/ros/faults/fault_support.cpp test/ros/faults/raw_listeners.cpp)
 haptic_cloth_test_settings(ros_test_support)
+target_link_libraries(ros_test_support test_support)
 set(ros_test_programs ros_unit_tests)
 foreach(launch ${launches})
   string(REGEX REPLACE "\\.test$" "_test.cpp" source "${launch}")

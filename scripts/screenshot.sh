@@ -1,11 +1,13 @@
 #!/usr/bin/env bash
 # Takes a picture of the demonstration without a screen: screenshot.sh [OUT.png] [scene:=FILE ...]
 # Needs a build. Waits for SIMULATED seconds and a force of FORCE newton on any probe. Example:
-# FORCE=0.2 scripts/screenshot.sh fingers.png scene:=config/scenes/two_fingers.yaml path:=true
+# FORCE=0.2 scripts/screenshot.sh fingers.png scene:=two_fingers
+# With MOMENTS it takes one picture at each of these simulated times, without a look at the force, and sets them side by
+# side: MOMENTS="1.6 2.9 5.3" scripts/screenshot.sh docs/images/fold.png scene:=fold
 # Fails, and leaves OUT.png alone, if rviz has not drawn CLOTH_PIXELS (10000) pixels of cloth after DRAW_TIMEOUT (120)
-# seconds, or if nothing presses within TIMEOUT (180) seconds.
+# seconds, or if the wait takes more than TIMEOUT (180) seconds.
 set -euo pipefail
-case "${1:-}" in -h | --help) sed -n 2,6p "$0"; exit 0 ;; esac
+case "${1:-}" in -h | --help) sed -n 2,8p "$0"; exit 0 ;; esac
 root="$(cd "$(dirname "$0")/.." && pwd)"
 out="$root/docs/images/demo.png"
 if [ $# -gt 0 ] && [[ "$1" == *.png ]]; then
@@ -26,10 +28,11 @@ export ROS_MASTER_URI="http://localhost:$port"
 mkdir -p "$(dirname "$out")"
 
 log="$(mktemp)"
-picture="$(mktemp --suffix=.png)"
+pictures="$(mktemp -d)"
+picture="$pictures/newest.png"
 roslaunch -p "$port" haptic_cloth demo.launch rviz_options:=--disable-anti-aliasing "$@" >"$log" 2>&1 &
 launch=$!
-trap 'kill -TERM "$launch" 2>/dev/null; wait "$launch" 2>/dev/null || true; rm -f "$log" "$picture"' EXIT
+trap 'kill -TERM "$launch" 2>/dev/null; wait "$launch" 2>/dev/null || true; rm -rf "$log" "$pictures"' EXIT
 
 fail() {
   tail -n 20 "$log" >&2
@@ -50,6 +53,16 @@ print(numpy.count_nonzero((b > 60) & (b > 1.4 * r) & (b > 1.2 * g)), numpy.uniqu
   [ "$pixels" -ge "$wanted" ]
 }
 
+# Waits for the cloth and takes the picture: take SIMULATED FORCE [WINDOW].
+take() {
+  for _ in 1 2 3; do
+    "$root/scripts/wait_for_press.py" "$1" "${TIMEOUT:-180}" "${@:2}" || fail "the wait was too long"
+    sleep 0.3  # until rviz has drawn what was felt
+    if shows_cloth; then return; fi
+  done
+  fail "rviz does not draw the cloth any more: $found"
+}
+
 # A first start of rviz can take a minute.
 end=$((SECONDS + ${DRAW_TIMEOUT:-120}))
 until shows_cloth; do
@@ -57,14 +70,16 @@ until shows_cloth; do
   [ "$SECONDS" -lt "$end" ] || fail "rviz has not drawn the cloth: $found"
   sleep 0.5
 done
-for _ in 1 2 3; do
-  "$root/scripts/wait_for_press.py" "${SIMULATED:-1.0}" "${TIMEOUT:-180}" "${FORCE:-0.8}" || fail "nothing presses"
-  sleep 0.3  # until rviz has drawn what was felt
-  if shows_cloth; then
-    cp "$picture" "$out"
-    chmod a+r "$out"
-    echo "$out"
-    exit 0
-  fi
-done
-fail "rviz does not draw the cloth any more: $found"
+if [ -z "${MOMENTS:-}" ]; then
+  take "${SIMULATED:-1.0}" "${FORCE:-0.8}"
+  cp "$picture" "$out"
+else
+  for moment in $MOMENTS; do
+    take "$moment" 0 0.1
+    convert "$picture" -crop 660x520+484+170 +repage "$pictures/at_$moment.png"  # the cloth without rviz's panels
+  done
+  # shellcheck disable=SC2086
+  convert $(printf "$pictures/at_%s.png " $MOMENTS) +append -resize 1280x "$out"
+fi
+chmod a+r "$out"
+echo "$out"

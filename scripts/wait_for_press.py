@@ -1,7 +1,10 @@
 #!/usr/bin/python3
-"""Ends when the cloth has draped and a hand presses on it. Usage: wait_for_press.py SIMULATED_SECONDS TIMEOUT [FORCE]
+"""Ends when the cloth has draped and a hand presses on it.
 
-Listens to every probe of the running node: all topics NAME/reaction. FORCE in newton, default 0.8."""
+Usage: wait_for_press.py SIMULATED_SECONDS TIMEOUT [FORCE [WINDOW]]
+
+Listens to every probe of the running node: all topics NAME/reaction. FORCE in newton, default 0.8. With WINDOW it ends
+only in so many simulated seconds after SIMULATED_SECONDS, if need be after the next reset."""
 import math
 import sys
 import time
@@ -15,7 +18,7 @@ from geometry_msgs.msg import WrenchStamped
 from haptic_cloth.msg import ClothState
 
 
-def main(simulated, timeout, wanted):
+def main(simulated, timeout, wanted=0.8, window=math.inf):
     rospy.init_node("wait_for_press", anonymous=True)
     seen = {"time": 0.0}
     forces = {}
@@ -34,7 +37,7 @@ def main(simulated, timeout, wanted):
         if time.monotonic() > look:
             listen()
             look = time.monotonic() + 1.0
-        if seen["time"] >= simulated and max(forces.values(), default=0.0) > wanted:
+        if 0.0 <= seen["time"] - simulated <= window and max(forces.values(), default=0.0) >= wanted:
             return 0
         time.sleep(0.005)
     print("no press within %g s: simulated %.2f s, forces %s" % (
@@ -48,4 +51,4 @@ def norm(message):
 
 
 if __name__ == "__main__":
-    sys.exit(main(float(sys.argv[1]), float(sys.argv[2]), float(sys.argv[3]) if len(sys.argv) > 3 else 0.8))
+    sys.exit(main(*map(float, sys.argv[1:])))

@@ -79,7 +79,8 @@ class Simulation {
   /// Continues from a saved state, bit for bit, with any number of threads. The scenes must be
   /// equal except for paths, grasps, stop, threads and time budget.
   /// @param origin name of the source in messages
-  /// @throws InputError naming the difference or error; the simulation is then unchanged
+  /// @throws InputError naming the difference or error, or the place where cloth that meetsItself()
+  /// passes through itself; the simulation is then unchanged
   void loadState(const std::string& saved, const std::string& origin);
 
   const Scene& scene() const;
@@ -87,6 +88,7 @@ class Simulation {
   int threads() const;
   double mass() const;  ///< mass of the cloth [kg]
   int activeParticles() const;
+  bool meetsItself() const;  ///< layers press on each other; false: they pass through each other
   ProbeReport probe(int probe = 0) const;
   Pose obstaclePose(int obstacle) const;
   EnergyReport energy() const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <new>
+#include <sstream>
 
 #include "contact/crossings.h"
 #include "haptic_cloth/error.h"
@@ -21,6 +22,20 @@ void requireFixed(const Options& now, const Options& changed, const std::string&
     if (now[k].live || valueText(now[k]) == valueText(changed[k])) continue;
     throw InputError("options", prefix + now[k].key, "", "cannot change while the simulation runs");
   }
+}
+
+/// Refuses cloth that passes through itself. Self-contact keeps layers on the sides where they are, so it
+/// would never come apart.
+/// @param origin source of the cloth in messages
+void requireNoCrossings(const Cloth& cloth, const std::string& origin) {
+  const Crossings found = findCrossings(cloth.mesh(), cloth.nodes());
+  if (found.pairs == 0) return;
+  std::ostringstream place;
+  place << found.pairs << " crossings, first of cells (" << found.cell[0] << ", " << found.cell[1]
+        << ") and (" << found.other[0] << ", " << found.other[1] << ") at [" << found.position.x() << ", "
+        << found.position.y() << ", " << found.position.z() << "] m";
+  throw InputError(origin, "cloth", place.str(),
+                   "must not pass through itself with cloth.self_contact, which cannot untangle it");
 }
 
 }  // namespace
@@ -120,6 +135,7 @@ void Simulation::loadState(const std::string& saved, const std::string& origin) 
   auto loaded = std::make_unique<Implementation>(Scene(scene()));
   loaded->world.serialize(archive);
   archive.finish();
+  if (loaded->world.contacts().meetsItself()) requireNoCrossings(loaded->world.cloth(), origin);
   implementation_ = std::move(loaded);
 }
 
@@ -128,6 +144,7 @@ double Simulation::time() const { return implementation_->world.time(); }
 int Simulation::threads() const { return implementation_->world.threads(); }
 double Simulation::mass() const { return implementation_->world.cloth().mass(); }
 int Simulation::activeParticles() const { return implementation_->world.cloth().mesh().active(); }
+bool Simulation::meetsItself() const { return implementation_->world.contacts().meetsItself(); }
 ProbeReport Simulation::probe(int probe) const { return implementation_->world.probes()[probe]; }
 EnergyReport Simulation::energy() const { return implementation_->world.energy(); }
 double Simulation::maxSpeed() const { return implementation_->world.cloth().maxSpeed(); }

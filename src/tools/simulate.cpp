@@ -10,7 +10,6 @@
 #include <fstream>
 #include <iostream>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -118,20 +117,6 @@ bool readArguments(int argc, char** argv, Arguments& arguments) {
   return line.read(argc, argv);
 }
 
-/// Refuses cloth that passes through itself at the start.
-/// @param origin file that the start comes from
-void requireNoCrossings(const Simulation& simulation, const std::string& origin) {
-  if (!simulation.scene().cloth.self_contact) return;
-  const haptic_cloth::Crossings found = simulation.crossings();
-  if (found.pairs == 0) return;
-  std::ostringstream place;
-  place << found.pairs << " crossings, first of cells (" << found.cell[0] << ", " << found.cell[1]
-        << ") and (" << found.other[0] << ", " << found.other[1] << ") at [" << found.position.x() << ", "
-        << found.position.y() << ", " << found.position.z() << "] m";
-  throw haptic_cloth::InputError(origin, "cloth", place.str(),
-                                 "must not pass through itself with cloth.self_contact");
-}
-
 int simulate(const Arguments& arguments) {
   if (arguments.real_time && !arguments.replay.empty()) {
     throw haptic_cloth::UsageError("--real-time: cannot be combined with --replay");
@@ -143,7 +128,6 @@ int simulate(const Arguments& arguments) {
   if (!arguments.resume.empty()) {
     const std::uint64_t most = haptic_cloth::largestState(simulation.scene());
     simulation.loadState(haptic_cloth::readStateFile(arguments.resume, most), arguments.resume);
-    requireNoCrossings(simulation, arguments.resume);
   }
   std::ifstream recording;
   std::optional<haptic_cloth::Replay> replay;

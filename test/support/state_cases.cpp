@@ -328,6 +328,23 @@ std::vector<StateEntry> stateEntries(const std::string& sealed) {
   return entries;
 }
 
+void foldThrough(std::vector<StateEntry>& entries, double width, double height) {
+  const auto find = [&](const std::string& name) -> std::string& {
+    return std::find_if(entries.begin(), entries.end(), [&](const auto& e) { return e.name == name; })->bytes;
+  };
+  std::string &xs = find("nodes.x"), &zs = find("nodes.z");
+  for (std::size_t at = 0; at < xs.size(); at += sizeof(double)) {
+    double x, z;
+    std::memcpy(&x, &xs[at], sizeof x);
+    std::memcpy(&z, &zs[at], sizeof z);
+    if (x >= 0.0) continue;
+    x = -x;
+    z += (3.0 - 8.0 * x / width) * height;
+    std::memcpy(&xs[at], &x, sizeof x);
+    std::memcpy(&zs[at], &z, sizeof z);
+  }
+}
+
 std::string sealState(const std::vector<StateEntry>& entries) {
   std::string content;
   for (const StateEntry& entry : entries) {

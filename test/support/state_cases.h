@@ -57,6 +57,12 @@ struct StateEntry {
 
 std::vector<StateEntry> stateEntries(const std::string& sealed);
 
+/// Lays the half of a nearly flat sheet with x < 0 over the other half and, farther out, through it.
+/// @param entries of a state of a sheet whose middle is at x = 0
+/// @param width of the sheet along x [m]
+/// @param height of the middle of the folded half above the other half [m]; its border is as far below
+void foldThrough(std::vector<StateEntry>& entries, double width, double height);
+
 /// Makes a valid state from entries, whatever they contain.
 std::string sealState(const std::vector<StateEntry>& entries);
 

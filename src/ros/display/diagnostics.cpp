@@ -42,6 +42,12 @@ void judge(DiagnosticStatus& status, int level, const std::string& message) {
 
 using DropReason = std::pair<const char*, std::uint64_t>;
 
+const char* failureText(Termination why) {
+  if (why == Termination::OutOfReach)
+    return "a step failed: parts of the cloth may have met unseen, so it stopped where it was";
+  return "a step failed: its result was not finite; the last good state was restored";
+}
+
 /// Reasons for dropping messages, each with its count.
 std::array<DropReason, 6> dropReasons(const InputCounters& counters) {
   return {DropReason{"not finite", counters.not_finite}, {"unknown frame", counters.unknown_frame},
@@ -77,8 +83,8 @@ DiagnosticStatus solverStatus(const SolverStats& stats, bool paused, double now)
     judge(status, DiagnosticStatus::OK, "paused");
   } else if (stats.taken < 0.0 || now - stats.taken > kHanging) {
     judge(status, DiagnosticStatus::WARN, "no steps");
-  } else if (stats.last.failed) {
-    judge(status, DiagnosticStatus::WARN, "the last step failed; the last good state was restored");
+  } else if (now - stats.failed.when < kLately) {
+    judge(status, DiagnosticStatus::WARN, failureText(stats.failed.why));
   } else {
     const std::string& given_up = stats.quality.given_up;
     judge(status, DiagnosticStatus::OK, given_up.empty() ? "running" : "running with " + given_up);
@@ -94,7 +100,11 @@ DiagnosticStatus solverStatus(const SolverStats& stats, bool paused, double now)
   add(status, "iterations per step", stats.iterations);
   add(status, "termination", std::string(toString(stats.last.minimizer.why)));
   add(status, "residual [|g|]", stats.last.minimizer.residual);
-  add(status, "failed steps", stats.failed);
+  add(status, "failed steps", stats.failed.count);
+  add(status, "failed: parts may have met", stats.failed.out_of_reach);
+  add(status, "self-contact", std::string(stats.meets_itself ? "on" : "off: layers pass through each other"));
+  add(status, "pairs of layers that press", static_cast<std::uint64_t>(stats.last.self_contacts));
+  add(status, "smallest gap of layers [mm]", 1e3 * stats.last.min_self_gap);
   add(status, "kinetic energy [J]", stats.kinetic);
   static const std::string processor = processorName();  // reads a file once
   add(status, "processor", processor);

@@ -2,7 +2,6 @@
 
 #include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/WrenchStamped.h>
-#include <haptic_cloth/ClothState.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include <algorithm>
@@ -42,16 +41,29 @@ FlowMeter::FlowMeter(ros::NodeHandle& node, const std::vector<std::string>& prob
   markers_subscriber_ = node.subscribe<visualization_msgs::MarkerArray>(
       topics::kMarkers, 2,
       [this](const visualization_msgs::MarkerArray::ConstPtr& message) { markers_.add(isFinite(*message)); });
-  state_subscriber_ =
-      node.subscribe<ClothState>(topics::kState, 2, [this](const ClothState::ConstPtr& message) {
-        state_.add(isFinite(message->positions) && isFinite(message->tension) && isFinite(message->bending));
-        cells_ = message->levels.size();
-        rung_ = message->rung;
-        worst_rung_ = std::max(worst_rung_, rung_);
-        slipped_ = message->slipped;
-        newest_ = {message->time, steadyNow()};
-        if (state_.count == 1) first_ = newest_;
-      });
+  state_subscriber_ = node.subscribe<ClothState>(
+      topics::kState, 2, [this](const ClothState::ConstPtr& message) { note(*message); });
+}
+
+void FlowMeter::note(const ClothState& state) {
+  state_.add(isFinite(state.positions) && isFinite(state.tension) && isFinite(state.bending));
+  cells_ = state.levels.size();
+  rung_ = state.rung;
+  worst_rung_ = std::max(worst_rung_, rung_);
+  slipped_ = state.slipped;
+  pairs_ = state.self_contacts;
+  most_pairs_ = std::max(most_pairs_, pairs_);
+  gap_ = state.min_self_gap;
+  smallest_gap_ = std::min(smallest_gap_, gap_);
+  failed_ = state.failed_steps;
+  out_of_reach_ = state.out_of_reach;
+  const double now = steadyNow();
+  if (received_ >= 0.0 && state.time >= time_) {  // else the cloth was reset
+    simulated_ += state.time - time_;
+    elapsed_ += now - received_;
+  }
+  time_ = state.time;
+  received_ = now;
 }
 
 void FlowMeter::subscribe(ros::NodeHandle& node, const std::string& name, Probe& probe) {
@@ -92,12 +104,12 @@ void FlowMeter::clear() {
   }
   markers_.count = state_.count = 0;
   worst_rung_ = rung_;
+  most_pairs_ = pairs_;
+  smallest_gap_ = gap_;
+  simulated_ = elapsed_ = 0.0;
 }
 
 std::string FlowMeter::line(double seconds) const {
-  const double between = newest_.received - first_.received;
-  const double real_time_factor =
-      state_.count > 1 && between > 0.0 ? (newest_.time - first_.time) / between : 0.0;
   std::string text;
   char part[200];
   for (const Probe& probe : probes_) {
@@ -108,9 +120,10 @@ std::string FlowMeter::line(double seconds) const {
   }
   std::snprintf(
       part, sizeof part,
-      "markers %4.1f Hz  state %4.1f Hz | cells %5zu  t %6.2f s  speed %4.2f  rung %d  slipped %.2f s",
-      markers_.count / seconds, state_.count / seconds, cells_, newest_.time, real_time_factor, rung_,
-      slipped_);
+      "markers %4.1f Hz  state %4.1f Hz | cells %5zu  t %6.2f s  speed %4.2f  rung %d  slipped %.2f s | "
+      "self-contacts %3u  gap %4.2f mm  failed %llu",
+      markers_.count / seconds, state_.count / seconds, cells_, time_, realTimeFactor(), rung_, slipped_,
+      pairs_, 1e3 * gap_, static_cast<unsigned long long>(failed_));
   return text + part;
 }
 
@@ -127,9 +140,12 @@ std::string FlowMeter::verdict(double seconds, bool& passed) const {
   }
   double most = 0.0;
   for (const Probe& probe : probes_) most = std::max(most, probe.max_force);
-  char rest[100];
-  std::snprintf(rest, sizeof rest, ", force up to %.2f N, rung up to %d, slipped %.2f s", most, worst_rung_,
-                slipped_);
+  char rest[200];
+  std::snprintf(rest, sizeof rest,
+                ", force up to %.2f N, speed %.2f, rung up to %d, slipped %.2f s, self-contacts up to %u, "
+                "gap down to %.2f mm, failed %llu (%llu out of reach)",
+                most, realTimeFactor(), worst_rung_, slipped_, most_pairs_, 1e3 * smallest_gap_,
+                static_cast<unsigned long long>(failed_), static_cast<unsigned long long>(out_of_reach_));
   return (passed ? "PASS: " : "FAIL: ") + text.substr(2) + rest;
 }
 

@@ -1,10 +1,13 @@
 /// Measures whether topics flow: counts messages and checks their numbers.
 #pragma once
 
+#include <haptic_cloth/ClothState.h>
 #include <ros/node_handle.h>
 
 #include <cmath>
+#include <cstdint>
 #include <deque>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -50,17 +53,21 @@ class FlowMeter {
   };
   void subscribe(ros::NodeHandle& node, const std::string& name, Probe& probe);
   std::vector<const Flow*> flows() const;
+  void note(const ClothState& state);
+  double realTimeFactor() const { return elapsed_ > 0.0 ? simulated_ / elapsed_ : 0.0; }
+
+  static constexpr double kNoGap = std::numeric_limits<double>::infinity();
 
   std::deque<Probe> probes_;  ///< a deque, because callbacks refer to the elements
   Flow markers_, state_;
   std::size_t cells_ = 0;
-  int rung_ = 0, worst_rung_ = 0;  ///< of the newest state, and the largest since clear
-  double slipped_ = 0.0;           ///< of the newest state [s]
-  /// Simulated time of a state, and when it was received.
-  struct Arrival {
-    double time, received;  ///< [s]
-  };
-  Arrival newest_{}, first_{};  ///< the newest state, and the first one counted
+  int rung_ = 0, worst_rung_ = 0;                ///< of the newest state, and the largest since clear
+  double slipped_ = 0.0;                         ///< of the newest state [s]
+  unsigned pairs_ = 0, most_pairs_ = 0;          ///< self-contacts: of the newest state, and most since clear
+  double gap_ = kNoGap, smallest_gap_ = kNoGap;  ///< of layers: of the newest state, and since clear [m]
+  std::uint64_t failed_ = 0, out_of_reach_ = 0;  ///< steps, of the newest state
+  double time_ = 0.0, received_ = -1.0;          ///< of the newest state: simulated, and steady clock [s]
+  double simulated_ = 0.0, elapsed_ = 0.0;       ///< by all states since clear, without resets [s]
   ros::Subscriber markers_subscriber_, state_subscriber_;
 };
 

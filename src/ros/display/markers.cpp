@@ -19,6 +19,7 @@ constexpr int kMaxTriangles = 20000;
 constexpr double kAmbient = 0.35;  ///< share of ambient light [-]
 /// Height of the mesh lines above the surface, against flicker [m].
 constexpr double kLineLift = 3e-4;
+constexpr double kFoldedOver = -0.5;  ///< z of the normal of cloth that shows its back to one above [-]
 constexpr double kTextHeight = 0.01, kTextLift = 0.08;  ///< of the text on quality [m]
 constexpr float kClothRed = 0.25F, kClothGreen = 0.50F, kClothBlue = 0.85F;
 
@@ -157,14 +158,17 @@ std_msgs::ColorRGBA MarkerBuilder::lineColor(const DisplayFrame& frame, std::siz
   return levelColor(frame.cells[cell].level);
 }
 
-/// Draws the left and lower side of every leaf and the far borders of the cloth: every line once.
+/// Draws the left and lower side of every leaf and the far borders of the cloth: every line once, on the
+/// upper side of the cloth, or on its back where it is folded over and the back faces up.
 void MarkerBuilder::updateMesh(const DisplayFrame& frame) {
   Marker& mesh = markers_.markers[kMesh];
   mesh.points.clear();
   mesh.colors.clear();
   const auto line = [&](int from, int to, const std_msgs::ColorRGBA& color) {
     for (const int particle : {from, to}) {
-      mesh.points.push_back(toPoint(frame.positions[particle] + kLineLift * normals_[particle]));
+      const Vec3& normal = normals_[particle];
+      const double lift = normal.z() < kFoldedOver ? -kLineLift : kLineLift;
+      mesh.points.push_back(toPoint(frame.positions[particle] + lift * normal));
       mesh.colors.push_back(color);
     }
   };

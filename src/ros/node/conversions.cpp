@@ -147,6 +147,10 @@ void toClothState(const DisplayFrame& frame, int columns, int rows, std::vector<
   message.given_up = frame.quality.given_up;
   message.step_length = frame.quality.step_length;
   message.slipped = frame.quality.slipped;
+  message.self_contacts = static_cast<std::uint32_t>(frame.last.self_contacts);
+  message.min_self_gap = frame.last.min_self_gap;
+  message.failed_steps = frame.failed.count;
+  message.out_of_reach = frame.failed.out_of_reach;
   message.force_errors.clear();
   for (const ProbeView& probe : frame.probes) {
     message.force_errors.push_back(static_cast<float>(probe.report.force_error));

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -46,6 +47,21 @@ struct ProbeView {
   GraspState grasp = GraspState::Open;
 };
 
+/// Steps that failed since the start of the node. Each restored the last good state.
+struct FailedSteps {
+  std::uint64_t count = 0;
+  std::uint64_t out_of_reach = 0;            ///< of these: parts of the cloth may have met unseen
+  Termination why = Termination::Converged;  ///< of the newest
+  double when = -std::numeric_limits<double>::infinity();  ///< of the newest, steady clock [s]
+
+  void note(Termination reason, double now) {
+    ++count;
+    out_of_reach += reason == Termination::OutOfReach;
+    why = reason;
+    when = now;
+  }
+};
+
 /// A copy of what is shown.
 struct DisplayFrame {
   double time = 0.0;  ///< simulated [s]
@@ -55,6 +71,8 @@ struct DisplayFrame {
   std::vector<ProbeView> probes;  ///< in the scene's order, as the obstacles
   std::vector<Pose> obstacles;
   QualityReport quality;
+  FailedSteps failed;
+  StepReport last;
   bool valid = false;
 };
 
@@ -66,9 +84,10 @@ struct SolverStats {
   int steps = 0;                ///< in the window
   double real_time_factor = 0;  ///< simulated over wall time [-]
   double iterations = 0.0;      ///< mean a step [-]
-  std::uint64_t failed = 0;     ///< since start
   double kinetic = 0.0;         ///< [J]
+  bool meets_itself = true;     ///< see Simulation::meetsItself()
   QualityReport quality;
+  FailedSteps failed;
   std::vector<double> force_errors;  ///< of the probes, estimated [N]
   StepReport last;
 };

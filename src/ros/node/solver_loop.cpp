@@ -29,6 +29,7 @@ SolverLoop::SolverLoop(const NodeOptions& options, SharedState& shared)
       simulation_(sceneFor(options.scene)),
       targets_seen_(options.scene.obstacles.size(), 0),
       pacer_(simulation_, options.pace) {
+  window_.meets_itself = simulation_.meetsItself();
   if (options.record.empty()) return;
   recorder_.emplace(options.record);
   recorder_->write(recorded::header(simulation_));
@@ -94,6 +95,7 @@ void SolverLoop::startAnew() {
   for (std::size_t k = 0; k < targets_seen_.size(); ++k)
     targets_seen_[k] = shared_.obstacles[k].read().number;
   pacer_.restart();
+  last_ = StepReport();
   window_start_ = -1.0;
   shared_.frame_wanted = true;
   copyFrameWhenWanted();
@@ -136,6 +138,8 @@ void SolverLoop::copyFrameWhenWanted() {
     frame_.obstacles.push_back(simulation_.obstaclePose(static_cast<int>(k)));
   }
   frame_.quality = pacer_.quality();
+  frame_.failed = failed_;
+  frame_.last = last_;
   frame_.valid = true;
   shared_.frame.write(frame_);
 }
@@ -151,7 +155,8 @@ void SolverLoop::moveObstacles() {
 
 void SolverLoop::record(const StepReport& report) {
   const double now = steadyNow();
-  window_.failed += report.failed;
+  last_ = report;
+  if (report.failed) failed_.note(report.minimizer.why, now);
   if (window_start_ < 0.0) {
     window_start_ = now;
     window_start_time_ = simulation_.time();
@@ -173,6 +178,7 @@ void SolverLoop::record(const StepReport& report) {
   for (std::size_t k = 0; k < shared_.probes.size(); ++k) {
     window_.force_errors.push_back(simulation_.probe(static_cast<int>(k)).force_error);
   }
+  window_.failed = failed_;
   window_.last = report;
   shared_.solver_stats.write(window_);
   window_start_ = now;

@@ -51,6 +51,8 @@ class SolverLoop {
 
   SolverStats window_;
   double window_start_ = -1.0, window_start_time_ = 0.0, window_iterations_ = 0.0;
+  FailedSteps failed_;
+  StepReport last_;  ///< of this cloth
   DisplayFrame frame_;
 };
 

@@ -1,6 +1,6 @@
 /// A hand that follows the scene: every probe with a path follows it and grasps at its times. Time
 /// starts with a reset of the cloth, once the node subscribes to every probe. It is the cloth's
-/// time: in slow motion the hand is slow as well.
+/// time: in slow motion the hand is slow as well. With ~repeat_after the paths start again.
 #include <geometry_msgs/PoseStamped.h>
 #include <haptic_cloth/ClothState.h>
 #include <ros/ros.h>
@@ -94,6 +94,7 @@ class PathProbe {
   }
 
   bool isHeard() const { return pose_.getNumSubscribers() > 0; }
+  double end() const { return probe_.path.back().time; }  ///< of the path [s]
 
  private:
   std::string frame_id_;
@@ -114,6 +115,8 @@ int run(int argc, char** argv) {
   for (std::size_t k = 0; k < options.scene.probes.size(); ++k) {
     if (!options.scene.probes[k].path.empty()) probes.emplace_back(options, k, node);
   }
+  double end = probes.empty() ? std::numeric_limits<double>::infinity() : 0.0;  // of all paths
+  for (const PathProbe& probe : probes) end = std::max(end, probe.end());
   const double period = 1.0 / path.rate;
   ClothClock clock;
   FirstNews news;
@@ -135,7 +138,14 @@ int run(int argc, char** argv) {
       due = haptic_cloth::steadyNow();
     }
     ros::spinOnce();
-    for (PathProbe& probe : probes) probe.step(started ? clock.read() : 0.0);
+    const double time = started ? clock.read() : 0.0;
+    for (PathProbe& probe : probes) probe.step(time);
+    if (path.repeat_after > 0.0 && time > end + path.repeat_after) {
+      started = false;
+      lead = kLead;
+      clock = ClothClock();
+      news = FirstNews();
+    }
   }
   return 0;
 }

@@ -54,7 +54,9 @@ std::vector<OptionGroup> groupsOf(PathHandOptions& hand) {
   return {{"",
            "",
            {{"node", field(hand.node), kNoRange, "", kServed},
-            {"rate", field(hand.rate), kFinitePositive, "Hz", "poses per second"}}}};
+            {"rate", field(hand.rate), kFinitePositive, "Hz", "poses per second"},
+            {"repeat_after", field(hand.repeat_after), kFiniteNotNegative, "s",
+             "wait after the end of all paths before they start again with a reset; 0: they do not"}}}};
 }
 
 std::vector<OptionGroup> groupsOf(MonitorOptions& monitor) {

@@ -39,6 +39,7 @@ struct MouseHandOptions {
 struct PathHandOptions {
   std::string node = "haptic_cloth";
   double rate = 1000.0;
+  double repeat_after = 0.0;
 };
 
 struct MonitorOptions {

@@ -17,10 +17,14 @@
 #include <fstream>
 #include <limits>
 #include <memory>
+#include <string>
+#include <vector>
 
+#include "haptic_cloth/state_file.h"
 #include "ros/node/conversions.h"
 #include "ros/node/steady_clock.h"
 #include "ros/support/ros_test_support.h"
+#include "support/state_cases.h"
 
 namespace haptic_cloth {
 namespace {
@@ -314,6 +318,26 @@ TEST_F(NodeTest, RefusesStatesThatDoNotFitAndGoesOn) {
   ASSERT_TRUE(waitFor([&] { return time > 0.0; }));
   const double now = time;
   EXPECT_TRUE(waitFor([&] { return time > now; }));
+}
+
+TEST_F(NodeTest, RefusesClothThatPassesThroughItselfAndKeepsItsOwn) {
+  const Folder folder;
+  pause(true);
+  ASSERT_EQ(call<SaveState>("save_state", folder.file("good")).find("saved "), 0u);
+  std::vector<StateEntry> entries = stateEntries(readStateFile(folder.file("good")));
+  foldThrough(entries, 0.10, 0.01);
+  std::ofstream(folder.file("crossed"), std::ios::binary) << sealState(entries);
+
+  const std::string answer = call<LoadState>("load_state", folder.file("crossed"));
+  EXPECT_EQ(answer.find("failed: "), 0u) << answer;
+  for (const char* words : {"crossed: cloth = ", " crossings, first of cells (", ") at [",
+                            "must not pass through itself", "cannot untangle"}) {
+    EXPECT_NE(answer.find(words), std::string::npos) << answer;
+  }
+  ASSERT_EQ(call<SaveState>("save_state", folder.file("after")).find("saved "), 0u);
+  EXPECT_TRUE(readStateFile(folder.file("after")) == readStateFile(folder.file("good")))
+      << "its own was lost";
+  pause(false);
 }
 
 TEST_F(NodeTest, BadPosesAreDroppedAndCounted) {

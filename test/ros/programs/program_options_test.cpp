@@ -49,7 +49,7 @@ TEST(ProgramOptions, SaysWhatIsWrong) {
   unknown["speed"] = 1.0;
   EXPECT_EQ(messageOf<PathHandOptions>(zero), "/program (parameters): rate = 0: must be finite and > 0");
   EXPECT_EQ(messageOf<PathHandOptions>(unknown),
-            "/program (parameters): speed: unknown parameter; known here: node, rate");
+            "/program (parameters): speed: unknown parameter; known here: node, rate, repeat_after");
 }
 
 TEST(ProgramOptions, ARemovedKeyNamesWhatReplacesIt) {

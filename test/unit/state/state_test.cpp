@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstring>
@@ -160,6 +161,25 @@ TEST_F(State, WhatARunIsToldFromOutsideMayDiffer) {
   Simulation other(scene);
   EXPECT_NO_THROW(other.loadState(saved_, "state"));
   EXPECT_EQ(other.saveState(), saved_);
+}
+
+/// What may pass through itself is taken.
+TEST_F(State, ClothThatPassesThroughItselfIsRefusedByThePlace) {
+  std::vector<StateEntry> entries = stateEntries(saved_);
+  foldThrough(entries, run_.scene.cloth.size[0], 0.01);
+  expectRefused(sealState(entries), {"cloth = ", " crossings, first of cells (", ") at [",
+                                     "must not pass through itself", "cannot untangle"});
+
+  const auto self_contact = std::find_if(entries.begin(), entries.end(), [](const StateEntry& entry) {
+    return entry.name == "cloth.self_contact";
+  });
+  ASSERT_NE(self_contact, entries.end());
+  self_contact->bytes[0] = 0;
+  Scene passing = run_.scene;
+  passing.cloth.self_contact = false;
+  Simulation other(passing);
+  EXPECT_NO_THROW(other.loadState(sealState(entries), "state"));
+  EXPECT_GT(other.crossings().pairs, 0);
 }
 
 TEST_F(State, ImpossibleValuesAreRefusedByName) {

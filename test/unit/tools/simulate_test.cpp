@@ -590,9 +590,9 @@ TEST_F(Simulate, RefusesAStartThatCrossesItself) {
   ASSERT_NE(entry, entries.end());
   entry->bytes[0] = 1;
   write("on.state", haptic_cloth::sealState(entries));
-  expectRefused(
-      scene + "--set stop.time=0.062 --resume on.state",
-      {"on.state: cloth = ", " crossings, first of cells (", ") at [", "must not pass through itself"});
+  expectRefused(scene + "--set stop.time=0.062 --resume on.state",
+                {"on.state: cloth = ", " crossings, first of cells (", ") at [",
+                 "must not pass through itself", "cannot untangle"});
 }
 
 TEST_F(Simulate, RefusesStatesItCannotUse) {
