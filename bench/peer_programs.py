@@ -43,6 +43,10 @@ def add_arguments(parser):
     parser.add_argument("--no-peers", action="store_true", help="leaves out all programs of bench/peers")
 
 
+def folder(arguments):
+    return arguments.peers or pathlib.Path(arguments.simulate).resolve().parent
+
+
 class Peers:
     """The programs of bench/peers that are built."""
 
@@ -51,12 +55,12 @@ class Peers:
         self.simulators = {}
         if arguments.no_peers:
             return
-        folder = arguments.peers or pathlib.Path(arguments.simulate).resolve().parent
         for program in dict.fromkeys(peer[1] for peer in PEERS):
-            if (folder / program).is_file():
-                self.simulators[program] = runs.Simulator(folder / program, arguments, time_limit)
+            path = folder(arguments) / program
+            if path.is_file():
+                self.simulators[program] = runs.Simulator(path, arguments, time_limit)
             else:
-                print("%s: not there, left out (-DHAPTIC_CLOTH_BENCH=ON builds it)" % (folder / program))
+                print("%s: not there, left out (-DHAPTIC_CLOTH_BENCH=ON builds it)" % path)
 
     def measure(self, scene):
         """(name, command line, result) of each completed run; one thread each."""
