@@ -211,6 +211,7 @@ bool isDriven(const Scene& scene) {
 
 json summarise(const Peer& peer, const Scene& scene, const Run& run) {
   json summary = measureShape(scene, FinestMesh(scene, run.positions));
+  summary["instants"] = json::array();
   double energy = run.start_energy, gained = 0.0;
   for (const Instant& instant : run.instants) {
     summary["instants"].push_back({{"time", instant.time},
