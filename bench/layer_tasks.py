@@ -50,7 +50,7 @@ def row_of(task, system, result, step_ms):
     if instants:
         row["stretch_percent"] = 100.0 * max(instant["stretch"] for instant in instants)
         row["compression_percent"] = 100.0 * max(instant["compression"] for instant in instants)
-    if summary["energy_gained"] is not None:
+    if instants and summary["energy_gained"] is not None:
         row["energy_gained_mj"] = 1e3 * summary["energy_gained"]
     if "corner" in task and not summary["stopped"]:
         row["corner_mm"] = 1e3 * float(np.linalg.norm(result.positions()[-1, -1, :2]))
@@ -139,7 +139,10 @@ ABOUT = [
     "surface of its own mesh. A run that takes too long is stopped and has fewer instants.",
     "Stretch and compression: the largest along a thread at these instants; in a crease compression is the chord of a fold. "
     "Energy gained: sum of the rises of the total energy from instant to instant; only where nothing drives the cloth (T4).",
-    "T5N is Newton's example `cloth_twist`: no crossing, all particles within 0.9 m along the axis and 0.6 m across, and slower "
-    "than 1 m/s. `explicit` is left out: its cloth does not meet itself. Bullet's probe only carries what it touched when it "
-    "closed; its deformable solver throws cloth off a floor, so it is left out of T4 and T6. What the peers do about layers: [bench/peers](../../bench/peers/README.md).",
+    "T5 follows the twist of Codim-IPC, which is published without crossings. T5N is Newton's example `cloth_twist`: "
+    "no crossing, all particles within 0.9 m along the axis and 0.6 m across, and slower than 1 m/s. "
+    "`explicit` is left out: its cloth does not meet itself. Bullet's probe only carries what it touched when it "
+    "closed; its deformable solver throws cloth off a floor, so it is left out of T4 and T6. What the peers do about "
+    "layers: [bench/peers](../../bench/peers/README.md). Elsewhere: PositionBasedDynamics (#82) and Jolt (#789) have no "
+    "self-collision; NvCloth keeps particles at one fixed distance.",
 ]

@@ -63,11 +63,12 @@ class Peers:
                 print("%s: not there, left out (-DHAPTIC_CLOTH_BENCH=ON builds it)" % path)
 
     def measure(self, scene):
-        """(name, command line, result) of each completed run; one thread each."""
+        """(name, command line, result) of each completed run; one thread each, without self-contact."""
         for name, program, feels, lines in PEERS:
             if program not in self.simulators or (scene.has_probe and not feels):
                 continue
             for line in lines[self.size]:
-                result = self.simulators[program].measure(scene, {"solver.threads": 1}, line)
+                result = self.simulators[program].measure(
+                    scene, {"solver.threads": 1, "cloth.self_contact": False}, line)
                 if result is not None:
                     yield name, " ".join(line), result
