@@ -43,6 +43,10 @@ def add_arguments(parser):
     parser.add_argument("--no-peers", action="store_true", help="leaves out all programs of bench/peers")
 
 
+def folder(arguments):
+    return arguments.peers or pathlib.Path(arguments.simulate).resolve().parent
+
+
 class Peers:
     """The programs of bench/peers that are built."""
 
@@ -51,19 +55,20 @@ class Peers:
         self.simulators = {}
         if arguments.no_peers:
             return
-        folder = arguments.peers or pathlib.Path(arguments.simulate).resolve().parent
         for program in dict.fromkeys(peer[1] for peer in PEERS):
-            if (folder / program).is_file():
-                self.simulators[program] = runs.Simulator(folder / program, arguments, time_limit)
+            path = folder(arguments) / program
+            if path.is_file():
+                self.simulators[program] = runs.Simulator(path, arguments, time_limit)
             else:
-                print("%s: not there, left out (-DHAPTIC_CLOTH_BENCH=ON builds it)" % (folder / program))
+                print("%s: not there, left out (-DHAPTIC_CLOTH_BENCH=ON builds it)" % path)
 
     def measure(self, scene):
-        """(name, command line, result) of each completed run; one thread each."""
+        """(name, command line, result) of each completed run; one thread each, without self-contact."""
         for name, program, feels, lines in PEERS:
             if program not in self.simulators or (scene.has_probe and not feels):
                 continue
             for line in lines[self.size]:
-                result = self.simulators[program].measure(scene, {"solver.threads": 1}, line)
+                result = self.simulators[program].measure(
+                    scene, {"solver.threads": 1, "cloth.self_contact": False}, line)
                 if result is not None:
                     yield name, " ".join(line), result

@@ -181,7 +181,7 @@ def fingerprint(path):
 
 
 def machine_of(summary):
-    """Processor and instruction set, to be shown with every figure. Peers do not report them."""
+    """Processor and instruction set, to be shown with every figure."""
     return {key: summary.get(key) for key in ("processor", "simd")}
 
 
@@ -203,6 +203,7 @@ class Simulator:
         self.time_limit = time_limit
         self.keep_steps = keep_steps
         self.machine = machine_of({})  # of all timed runs
+        self.failure = ""  # why the last run that failed did
         self._fingerprint = fingerprint(self.program)
 
     def measure(self, scene, overrides, options=(), load=""):
@@ -214,6 +215,7 @@ class Simulator:
         if self.resume and (directory / "run.json").exists():
             run = json.loads((directory / "run.json").read_text())
             if "failed" in run and run["time_limit"] == self.time_limit:
+                self.failure = run["failed"]
                 print("%s %s: %s" % (scene.name, overrides, run["failed"]), file=sys.stderr)
                 return None
             if len(run.get("wall_times", ())) >= self.repeat:
@@ -297,6 +299,7 @@ class Simulator:
             failed = "stopped after %g s" % time_limit if child.status is None else child.errors or (
                 "ended with status %d" % child.status)
             print("%s %s %s: %s" % (scene.name, " ".join(options), overrides, failed), file=sys.stderr)
+            self.failure = failed
             _note(directory, {"failed": failed, "time_limit": time_limit})
             return None
         result = Result(directory, [0.0], child.peak_memory)

@@ -2,13 +2,15 @@
 ///   --solver soft         btSoftBody in btSoftRigidDynamicsWorld: position based links with a
 ///                         stiffness in [0, 1]
 ///   --solver deformable   btDeformableMultiBodyDynamicsWorld: backward Euler on linear springs
-/// Both have only links: bending is a spring between every other particle of a thread.
+/// Both have only links: bending is a spring between every other particle of a thread. The cloth meets
+/// itself by one convex cluster for each triangle (soft) or by particles and triangles (deformable).
 #include <BulletSoftBody/btDeformableBodySolver.h>
 #include <BulletSoftBody/btDeformableGravityForce.h>
 #include <BulletSoftBody/btDeformableMassSpringForce.h>
 #include <BulletSoftBody/btDeformableMultiBodyConstraintSolver.h>
 #include <BulletSoftBody/btDeformableMultiBodyDynamicsWorld.h>
 #include <BulletSoftBody/btSoftBody.h>
+#include <BulletSoftBody/btSoftBodyInternals.h>
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 #include <btBulletDynamicsCommon.h>
@@ -105,6 +107,13 @@ class DeformableSolver : public btDeformableBodySolver {
   }
 };
 
+/// A particle that the probe carries.
+struct Held {
+  int particle;
+  Vec3 offset;    ///< from the probe [m]
+  btScalar mass;  ///< when it is free [kg]
+};
+
 class BulletCloth : public Peer {
  public:
   BulletCloth(const Scene& scene, const Arguments& arguments)
@@ -119,13 +128,17 @@ class BulletCloth : public Peer {
     makeWorld();
     makeCloth();
     for (const Obstacle& obstacle : scene.obstacles) addObstacle(obstacle);
-    if (!scene.probes[0].path.empty()) addProbe();
+    if (!scene.probes[0].path.empty() && scene.probes[0].grasp.empty()) addProbe();
   }
 
   double frame() const override { return h_; }
 
   void step(const Vec3* device, const Vec3& device_velocity) override {
-    if (device != nullptr) {
+    time_ += h_;
+    for (const MovedParticle& moved : moved_) carry(moved.particle, moved.position(time_));
+    if (device != nullptr && probe_ == nullptr) moveGrasp(*device);
+    moveObstacles();
+    if (probe_ != nullptr) {
       btTransform pose(btQuaternion::getIdentity(), toBullet(*device - h_ * device_velocity));
       probe_->setWorldTransform(pose);
       probe_->setInterpolationWorldTransform(pose);
@@ -133,8 +146,12 @@ class BulletCloth : public Peer {
       probe_->setInterpolationLinearVelocity(toBullet(device_velocity));
     }
     world_->stepSimulation(static_cast<btScalar>(h_), 0);
-    if (deformable_) slowDown();
-    if (device != nullptr) {
+    if (deformable_) {
+      slowDown();
+    } else if (scene_.cloth.self_contact) {
+      collideWithItself();
+    }
+    if (probe_ != nullptr) {
       force_ =
           kProbeMass / h_ * (fromBullet(probe_->getLinearVelocity()) - fromBullet(toBullet(device_velocity)));
       probe_position_ = *device;
@@ -157,6 +174,7 @@ class BulletCloth : public Peer {
             {"iterations", iterations_},
             {"newton", deformable_ ? newton_ : 0},
             {"links", cloth_->m_links.size()},
+            {"most_self_contacts", most_self_contacts_},
             {"bending_spring", bending_spring_}};
   }
 
@@ -249,8 +267,58 @@ class BulletCloth : public Peer {
     if (deformable_) {
       cloth_->m_cfg.collisions = btSoftBody::fCollision::SDF_RD | btSoftBody::fCollision::SDF_RDN;
     }
-    cloth_->setSelfCollision(false);
+    cloth_->setSelfCollision(scene_.cloth.self_contact);
     cloth_->setActivationState(DISABLE_DEACTIVATION);
+    if (!scene_.cloth.self_contact) return;
+    if (deformable_) {
+      cloth_->m_cfg.collisions |= btSoftBody::fCollision::VF_DD;
+    } else {
+      cloth_->m_cfg.collisions |= btSoftBody::fCollision::CL_SS | btSoftBody::fCollision::CL_SELF;
+      cloth_->generateClusters(0);  // one for each triangle
+    }
+  }
+
+  /// Finds the contacts of the next step. In Bullet 3.24 the flag CL_SELF never takes effect, because it is
+  /// part of the mask that selects CL_SS; so its collider is called here.
+  void collideWithItself() {
+    btSoftColliders::CollideCL_SS collider;
+    collider.ProcessSoftSoft(cloth_.get(), cloth_.get());
+    most_self_contacts_ = std::max(most_self_contacts_, cloth_->m_joints.size());
+  }
+
+  /// Gives a particle without mass the velocity that takes it to its place in one step.
+  void carry(int particle, const Vec3& place) {
+    btSoftBody::Node& node = cloth_->m_nodes[particle];
+    node.m_v = node.m_vn = (toBullet(place) - node.m_x) / static_cast<btScalar>(h_);
+  }
+
+  /// A closed probe carries the particles that it touched when it closed; without grasp it would be a solid.
+  void moveGrasp(const Vec3& device) {
+    const bool closed = grasps(scene_, time_);
+    if (!closed) {
+      for (const Held& held : held_) cloth_->setMass(held.particle, held.mass);
+      held_.clear();
+    } else if (held_.empty()) {
+      std::vector<Vec3> x;
+      positions(x);
+      for (int n : touchedParticles(scene_, x, device)) {
+        const btScalar mass = cloth_->getMass(n);
+        if (mass == 0) continue;
+        cloth_->setMass(n, 0);
+        held_.push_back({n, x[n] - device, mass});
+      }
+    }
+    for (const Held& held : held_) carry(held.particle, device + held.offset);
+    probe_position_ = device;
+  }
+
+  void moveObstacles() {
+    for (std::size_t k = 0; k < scene_.obstacles.size(); ++k) {
+      if (scene_.obstacles[k].path.empty()) continue;
+      btTransform pose = bodies_[k]->getWorldTransform();
+      pose.setOrigin(toBullet(obstaclePosition(scene_.obstacles[k], time_)));
+      bodies_[k]->setWorldTransform(pose);
+    }
   }
 
   /// Applies air damping, which Bullet's deformable world lacks.
@@ -368,7 +436,11 @@ class BulletCloth : public Peer {
     const Quat& q = obstacle.pose.orientation;
     const btQuaternion turn(static_cast<btScalar>(q.x()), static_cast<btScalar>(q.y()),
                             static_cast<btScalar>(q.z()), static_cast<btScalar>(q.w()));
-    addBody(std::move(shape), 0.0, btTransform(turn, toBullet(centre)), obstacle.friction);
+    btRigidBody* body =
+        addBody(std::move(shape), 0.0, btTransform(turn, toBullet(centre)), obstacle.friction);
+    if (obstacle.path.empty()) return;
+    body->setCollisionFlags(body->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+    body->setActivationState(DISABLE_DEACTIVATION);
   }
 
   std::unique_ptr<btConvexInternalShape> box(const Vec3& size) const {
@@ -421,6 +493,10 @@ class BulletCloth : public Peer {
   std::vector<std::unique_ptr<btConvexInternalShape>> shapes_;
   std::vector<std::unique_ptr<btRigidBody>> bodies_;
   std::unique_ptr<btSoftBody> cloth_;
+  double time_ = 0.0;
+  std::vector<MovedParticle> moved_ = movedParticles(scene_);
+  std::vector<Held> held_;
+  int most_self_contacts_ = 0;
   btRigidBody* probe_ = nullptr;
   Vec3 probe_position_ = Vec3::Zero(), force_ = Vec3::Zero();
 };

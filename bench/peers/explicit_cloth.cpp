@@ -1,7 +1,8 @@
 /// explicit_cloth: symplectic Euler on the package's own energies, finest mesh, at its largest
 /// stable step. Surface normals, contact candidates, friction and the history of the fabric are
 /// updated once per solver.time_step, as in the package; candidates also when something has moved
-/// beyond their range. Forces are evaluated every step.
+/// beyond their range. Forces are evaluated every step. The cloth does not meet itself, and there are
+/// neither moving obstacles nor grasps.
 #include <algorithm>
 #include <cmath>
 
@@ -35,8 +36,13 @@ class ExplicitCloth : public Peer {
         leaves_(grid_, scene.cloth.pins, 0),
         mesh_(leaves_, scene.cloth.fabric.areal_density),
         internal_(scene.cloth.fabric, mesh_),
+        moved_(movedParticles(scene)),
         contacts_(grid_, scene.obstacles, scene.probes,
                   {scene.cloth.fabric.thickness, kSlipSpeed, scene.solver.time_step}, team_) {
+    if (!scene.probes[0].grasp.empty()) throw std::runtime_error("no grasps here");
+    for (const Obstacle& obstacle : scene.obstacles) {
+      if (!obstacle.path.empty()) throw std::runtime_error("no moving obstacles here");
+    }
     const std::vector<Vec3> flat = flatCloth(scene);
     for (Field* field : {&x_, &v_, &gradient_}) field->clear(mesh_.nodes());
     for (int n = 0; n < mesh_.nodes(); ++n) x_.set(n, flat[mesh_.particle[n]]);
@@ -157,6 +163,7 @@ class ExplicitCloth : public Peer {
         x[n] += h_ * v[n];
       }
     }
+    movePins();
     if (!present_) return;
     const Vec3 force = -contacts_.proxyGradient(0);
     const double k = scene_.probes[0].coupling_stiffness, b = scene_.probes[0].coupling_damping;
@@ -164,6 +171,17 @@ class ExplicitCloth : public Peer {
     proxy_ += h_ * proxy_velocity_;
     supplied_ -= h_ * force.dot(proxy_velocity_);
     force_ += force;
+  }
+
+  /// Moves the pins; gradient_ is the force on them before, at half a step from the middle of the motion.
+  void movePins() {
+    time_ += h_;
+    for (const MovedParticle& moved : moved_) {
+      const int n = mesh_.node[moved.particle];
+      const Vec3 place = moved.position(time_);
+      supplied_ += gradient_[n].dot(place - x_[n]);
+      x_.set(n, place);
+    }
   }
 
   /// Energy that the fabric can return. For laws with memory this is less than the work done on
@@ -190,7 +208,7 @@ class ExplicitCloth : public Peer {
     return sum;
   }
 
-  /// Checks stability. Only the probe can add energy; a further increase means instability.
+  /// Checks stability. Only the probe and moving pins can add energy; a further increase means instability.
   void check() {
     const double strain = internal_.maxStrain(x_);
     if (!(strain < kMaxStrain)) throw Unstable("strain " + std::to_string(strain));
@@ -200,7 +218,7 @@ class ExplicitCloth : public Peer {
     throughput_ = std::max({throughput_, kinetic, std::abs(supplied_)});
     const double created = throughput_ > 0.0 ? (energy - lowest_) / throughput_ : 0.0;
     worst_ = std::max(worst_, created);
-    if (!(created <= (present_ ? kEnergyCreatedByProbe : kEnergyCreated)))
+    if (!(created <= (present_ || !moved_.empty() ? kEnergyCreatedByProbe : kEnergyCreated)))
       throw Unstable("energy created " + std::to_string(created));
   }
 
@@ -210,6 +228,7 @@ class ExplicitCloth : public Peer {
   ActiveMesh mesh_;
   InternalEnergy internal_;
   Team team_{1};
+  std::vector<MovedParticle> moved_;
   ContactSet contacts_;
   std::vector<ContactSet::Reach> touching_;
   Field x_, v_, gradient_, start_;
@@ -220,6 +239,7 @@ class ExplicitCloth : public Peer {
   Vec3 proxy_ = Vec3::Zero(), proxy_start_ = Vec3::Zero(), proxy_velocity_ = Vec3::Zero();
   Vec3 force_ = Vec3::Zero();
   double proxy_reach_ = 0.0;
+  double time_ = 0.0;
   double lowest_ = 0.0, supplied_ = 0.0, contact_ = 0.0;
   double throughput_ = 0.0, worst_ = 0.0;
   long collections_ = 0;

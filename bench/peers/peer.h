@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -32,6 +33,13 @@ class Peer {
   virtual Vec3 probe() const = 0;
   virtual Vec3 probeForce() const = 0;
 
+  /// Crossings and total energy [J] of the method's own surface, if it is not the finest mesh.
+  struct OwnMeasure {
+    int crossings;
+    double energy;
+  };
+  virtual std::optional<OwnMeasure> ownMeasure() const { return {}; }
+
   /// Further entries for the summary, about the method.
   virtual nlohmann::json details() const = 0;
 };
@@ -45,7 +53,8 @@ struct Unstable : std::runtime_error {
 struct Arguments {
   std::string scene, out, solver;
   std::vector<std::string> overrides;
-  double step = 0.0;  ///< [s]
+  double step = 0.0;   ///< [s]
+  double limit = 0.0;  ///< wall time of all steps after which the run ends early [s]; 0: none
   int iterations = 0, newton = 0, substeps = 0;
 };
 
@@ -57,6 +66,26 @@ std::vector<double> particleMasses(const Scene& scene);
 
 /// Whether each particle is pinned.
 std::vector<char> pinnedParticles(const Scene& scene);
+
+/// A particle held by a pin that moves.
+struct MovedParticle {
+  int particle;
+  Pin pin;
+  Vec3 start;  ///< position in the flat cloth [m]
+
+  Vec3 position(double time) const;
+};
+std::vector<MovedParticle> movedParticles(const Scene& scene);
+
+/// Whether the scene's first probe is closed at a time [s].
+bool grasps(const Scene& scene, double time);
+
+/// Particles that the first probe takes when it closes at `place` [m]: the corners of all cells of which a
+/// point touches it.
+std::vector<int> touchedParticles(const Scene& scene, const std::vector<Vec3>& positions, const Vec3& place);
+
+/// Position of an obstacle on its path at a time [s].
+Vec3 obstaclePosition(const Obstacle& obstacle, double time);
 
 /// Slope of a law from zero to s, on the middle line of its loop; |s| is kept at or above `least`.
 double secant(const Loop& law, double s, double least);

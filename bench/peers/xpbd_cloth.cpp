@@ -5,6 +5,9 @@
 ///   shear     distances along both diagonals of a cell
 ///   bending   x_l - 2 x_c + x_r on a thread [Kelager et al. 2010], quadratic in the curvature
 ///   contact   projection out of the solids, friction removes slip up to μ times the depth
+///   layers    particle and triangle at least one thickness apart [Müller et al. 2007]; pairs from a
+///             spatial hash once per frame, each on the side where it is then; friction as above
+///   grasp     while the probe is closed, the particles that it touches keep their place at it
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -54,6 +57,100 @@ struct Patch4 {
   std::array<int, 4> corners;
 };
 
+/// A particle and a triangle that may meet. The particle stays on its side of the triangle.
+struct LayerPair {
+  int particle;
+  std::array<int, 3> triangle;
+  double side;  ///< 1 or -1
+};
+
+struct Held {
+  int particle;
+  Vec3 offset;  ///< from the proxy [m]
+};
+
+/// Weights of the corners a, b, c for the point of their triangle that is nearest to p.
+std::array<double, 3> nearest(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 ab = b - a, ac = c - a, ap = p - a;
+  const double uu = ab.squaredNorm(), uv = ab.dot(ac), vv = ac.squaredNorm();
+  const double pu = ab.dot(ap), pv = ac.dot(ap), det = uu * vv - uv * uv;
+  if (det > 0.0) {
+    const double s = (vv * pu - uv * pv) / det, t = (uu * pv - uv * pu) / det;
+    if (s >= 0.0 && t >= 0.0 && s + t <= 1.0) return {1.0 - s - t, s, t};
+  }
+  std::array<double, 3> best{1.0, 0.0, 0.0};
+  double least = ap.squaredNorm();
+  const std::array<const Vec3*, 3> corners{&a, &b, &c};
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 &from = *corners[k], &to = *corners[(k + 1) % 3];
+    const double length = (to - from).squaredNorm();
+    const double s = length > 0.0 ? std::clamp((p - from).dot(to - from) / length, 0.0, 1.0) : 0.0;
+    const double distance = (from + s * (to - from) - p).squaredNorm();
+    if (distance > least) continue;
+    least = distance;
+    best = {0.0, 0.0, 0.0};
+    best[k] = 1.0 - s;
+    best[(k + 1) % 3] = s;
+  }
+  return best;
+}
+
+/// Points sorted by the cell of a uniform grid, found by a hash of the cell.
+class SpatialHash {
+ public:
+  void fill(const std::vector<Vec3>& points, double cell) {
+    cell_ = cell;
+    const int count = static_cast<int>(points.size());
+    first_.assign(2 * count + 1, 0);
+    for (const Vec3& x : points) ++first_[bucket(at(x)) + 1];
+    for (std::size_t b = 1; b < first_.size(); ++b) first_[b] += first_[b - 1];
+    entries_.resize(count);
+    std::vector<int> next(first_.begin(), first_.end() - 1);
+    for (int p = 0; p < count; ++p) {
+      const Cell c = at(points[p]);
+      entries_[next[bucket(c)]++] = {p, c};
+    }
+  }
+
+  template <class Visit>
+  void forPointsIn(const Vec3& low, const Vec3& high, const Visit& visit) const {
+    const Cell from = at(low), to = at(high);
+    Cell c;
+    for (c[0] = from[0]; c[0] <= to[0]; ++c[0]) {
+      for (c[1] = from[1]; c[1] <= to[1]; ++c[1]) {
+        for (c[2] = from[2]; c[2] <= to[2]; ++c[2]) {
+          const std::size_t b = bucket(c);
+          for (int k = first_[b]; k < first_[b + 1]; ++k) {
+            if (entries_[k].cell == c) visit(entries_[k].point);
+          }
+        }
+      }
+    }
+  }
+
+ private:
+  using Cell = std::array<int, 3>;
+  struct Entry {
+    int point;
+    Cell cell;
+  };
+
+  Cell at(const Vec3& x) const {
+    return {static_cast<int>(std::floor(x.x() / cell_)), static_cast<int>(std::floor(x.y() / cell_)),
+            static_cast<int>(std::floor(x.z() / cell_))};
+  }
+
+  std::size_t bucket(const Cell& c) const {
+    const auto hash = static_cast<unsigned>(c[0]) * 73856093u ^ static_cast<unsigned>(c[1]) * 19349663u ^
+                      static_cast<unsigned>(c[2]) * 83492791u;
+    return hash % (first_.size() - 1);
+  }
+
+  double cell_ = 1.0;
+  std::vector<int> first_;
+  std::vector<Entry> entries_;
+};
+
 class XpbdCloth : public Peer {
  public:
   XpbdCloth(const Scene& scene, double step, int substeps)
@@ -71,6 +168,8 @@ class XpbdCloth : public Peer {
               Stiffness(scene.cloth.fabric.bending[kWeft], kLeastCurvature, 100.0)},
         shear_(scene.cloth.fabric.shear, kLeastAngle, 0.05),
         solids_(scene.obstacles.begin(), scene.obstacles.end()),
+        solid_moves_(solids_.size(), Vec3::Zero()),
+        moved_(movedParticles(scene)),
         x_(flatCloth(scene)),
         before_(x_),
         v_(x_.size(), Vec3::Zero()) {
@@ -81,6 +180,7 @@ class XpbdCloth : public Peer {
     listEdges();
     listDiagonals();
     listBends();
+    listTriangles();
   }
 
   double frame() const override { return frame_; }
@@ -88,14 +188,19 @@ class XpbdCloth : public Peer {
   void step(const Vec3* device, const Vec3& device_velocity) override {
     if (device != nullptr && !present_) proxy_ = *device;
     present_ = device != nullptr;
-    findTouches();
+    const double start = frames_++ * frame_;
+    updateGrasp(start + frame_);
+    findTouches(start);
+    findLayers();
     force_ = Vec3::Zero();
     for (int k = 1; k <= substeps_; ++k) {
-      predict();
+      moveSolids(start + k * h_);
+      predict(start + k * h_);
       if (present_) predictProxy(*device - device_velocity * (h_ * (substeps_ - k)), device_velocity);
       for (int direction : {kWarp, kWeft}) solveStretch(direction);
       solveShear();
       for (int direction : {kWarp, kWeft}) solveBend(direction);
+      solveLayers();
       solveSolids();
       if (present_) solveProbe();
       for (std::size_t p = 0; p < x_.size(); ++p) v_[p] = (x_[p] - before_[p]) / h_;
@@ -108,7 +213,10 @@ class XpbdCloth : public Peer {
   Vec3 probeForce() const override { return force_; }
 
   nlohmann::json details() const override {
-    return {{"method", "XPBD, one Gauss-Seidel pass a substep"}, {"step", frame_}, {"substeps", substeps_}};
+    return {{"method", "XPBD, one Gauss-Seidel pass a substep"},
+            {"step", frame_},
+            {"substeps", substeps_},
+            {"most_layer_pairs", most_layers_}};
   }
 
  private:
@@ -169,11 +277,113 @@ class XpbdCloth : public Peer {
     }
   }
 
-  void predict() {
+  /// Lists the two triangles of each cell; their diagonals change direction from cell to cell.
+  void listTriangles() {
+    for (int j = 0; j + 1 < rows_; ++j) {
+      for (int i = 0; i + 1 < columns_; ++i) {
+        const int a = particle(i, j), b = particle(i + 1, j), c = particle(i, j + 1),
+                  d = particle(i + 1, j + 1);
+        if ((i + j) % 2 == 0) {
+          triangles_.insert(triangles_.end(), {{a, b, d}, {a, d, c}});
+        } else {
+          triangles_.insert(triangles_.end(), {{a, b, c}, {b, d, c}});
+        }
+      }
+    }
+  }
+
+  void predict(double time) {
     const double slowed = 1.0 / (1.0 + scene_.air_damping * h_);
     for (std::size_t p = 0; p < x_.size(); ++p) {
       before_[p] = x_[p];
       if (inverse_mass_[p] > 0.0) x_[p] += h_ * slowed * (v_[p] + h_ * scene_.gravity);
+    }
+    for (const MovedParticle& moved : moved_) x_[moved.particle] = moved.position(time);
+  }
+
+  void moveSolids(double time) {
+    for (std::size_t s = 0; s < solids_.size(); ++s) {
+      const Vec3 place = obstaclePosition(scene_.obstacles[s], time);
+      solid_moves_[s] = place - solids_[s].position();
+      solids_[s].place(place);
+    }
+  }
+
+  /// A closed probe takes what it touches; an open one lets go.
+  void updateGrasp(double time) {
+    if (!present_ || !grasps(scene_, time)) held_.clear();
+    if (!present_ || !grasps(scene_, time) || !held_.empty()) return;
+    for (int p : touchedParticles(scene_, x_, proxy_)) {
+      if (inverse_mass_[p] > 0.0) held_.push_back({p, x_[p] - proxy_});
+    }
+  }
+
+  void solveGrasp() {
+    for (const Held& held : held_) {
+      const Vec3 push =
+          (proxy_ + held.offset - x_[held.particle]) / (inverse_mass_[held.particle] + 1.0 / proxy_mass_);
+      x_[held.particle] += inverse_mass_[held.particle] * push;
+      proxy_ -= push / proxy_mass_;
+    }
+  }
+
+  /// Finds the particles and triangles that may come within a thickness of each other in this frame.
+  void findLayers() {
+    layers_.clear();
+    if (!scene_.cloth.self_contact) return;
+    Vec3 mean = Vec3::Zero();
+    for (const Vec3& v : v_) mean += v / static_cast<double>(v_.size());
+    double fastest = 0.0;
+    for (const Vec3& v : v_) fastest = std::max(fastest, (v - mean).norm());
+    const double close = scene_.cloth.fabric.thickness + 0.1 * std::min(dx_, dy_);
+    hash_.fill(x_, std::max(dx_, dy_));
+    for (const std::array<int, 3>& t : triangles_) {
+      const Vec3 &a = x_[t[0]], &b = x_[t[1]], &c = x_[t[2]];
+      double fast = 0.0;
+      for (int k : t) fast = std::max(fast, (v_[k] - mean).norm());
+      const Vec3 reach = Vec3::Constant(close + 2.0 * frame_ * (fast + fastest));
+      hash_.forPointsIn(a.cwiseMin(b).cwiseMin(c) - reach, a.cwiseMax(b).cwiseMax(c) + reach, [&](int p) {
+        if (p == t[0] || p == t[1] || p == t[2]) return;
+        const std::array<double, 3> w = nearest(x_[p], a, b, c);
+        const double range = close + 2.0 * frame_ * (fast + (v_[p] - mean).norm());
+        if ((w[0] * a + w[1] * b + w[2] * c - x_[p]).squaredNorm() > range * range) return;
+        layers_.push_back({p, t, (x_[p] - a).dot((b - a).cross(c - a)) < 0.0 ? -1.0 : 1.0});
+      });
+    }
+    most_layers_ = std::max(most_layers_, layers_.size());
+  }
+
+  /// Moves particle and triangle apart to one thickness: along the triangle's normal above its inside, along
+  /// their distance beside it.
+  void solveLayers() {
+    const double thickness = scene_.cloth.fabric.thickness;
+    for (const LayerPair& pair : layers_) {
+      const std::array<int, 3>& t = pair.triangle;
+      const std::array<double, 3> weights = nearest(x_[pair.particle], x_[t[0]], x_[t[1]], x_[t[2]]);
+      const auto point = [&](const std::vector<Vec3>& x) {
+        return Vec3(weights[0] * x[t[0]] + weights[1] * x[t[1]] + weights[2] * x[t[2]]);
+      };
+      const Vec3 away = x_[pair.particle] - point(x_);
+      Vec3 normal = away;
+      if (weights[0] > 0.0 && weights[1] > 0.0 && weights[2] > 0.0) {
+        normal = pair.side * (x_[t[1]] - x_[t[0]]).cross(x_[t[2]] - x_[t[0]]);
+      }
+      const double length = normal.norm();
+      if (!(length > 0.0)) continue;
+      normal /= length;
+      const double depth = thickness - away.dot(normal);
+      if (!(depth > 0.0)) continue;
+      double w = inverse_mass_[pair.particle];
+      for (int c = 0; c < 3; ++c) w += weights[c] * weights[c] * inverse_mass_[t[c]];
+      if (w == 0.0) continue;
+      const Vec3 moved = away - (before_[pair.particle] - point(before_));
+      const Vec3 slip = moved - moved.dot(normal) * normal;
+      const double limit = scene_.cloth.self_friction * depth, slid = slip.norm();
+      const Vec3 push = (depth * normal - slip * (slid > limit ? limit / slid : 1.0)) / w;
+      x_[pair.particle] += inverse_mass_[pair.particle] * push;
+      for (int c = 0; c < 3; ++c) {
+        x_[t[c]] -= inverse_mass_[t[c]] * weights[c] * push;
+      }
     }
   }
 
@@ -233,14 +443,19 @@ class XpbdCloth : public Peer {
   }
 
   /// Finds the particles and cells that may touch solids within this frame.
-  void findTouches() {
+  void findTouches(double start) {
     touches_.clear();
+    std::vector<double> moves;  // of the solids within the frame [m]
+    for (const Obstacle& obstacle : scene_.obstacles) {
+      moves.push_back(
+          (obstaclePosition(obstacle, start + frame_) - obstaclePosition(obstacle, start)).norm());
+    }
     const double fall = frame_ * frame_ * scene_.gravity.norm(), thickness = scene_.cloth.fabric.thickness;
     for (int p = 0; p < static_cast<int>(x_.size()); ++p) {
       if (inverse_mass_[p] == 0.0) continue;
       const double reach = thickness + 2.0 * (frame_ * v_[p].norm() + fall) + 0.1 * std::min(dx_, dy_);
       for (int s = 0; s < static_cast<int>(solids_.size()); ++s) {
-        if (solids_[s].distance(x_[p]).value < reach) touches_.push_back({p, s});
+        if (solids_[s].distance(x_[p]).value < reach + moves[s]) touches_.push_back({p, s});
       }
     }
     patches_.clear();
@@ -262,7 +477,7 @@ class XpbdCloth : public Peer {
       const double depth = scene_.cloth.fabric.thickness - d.value;
       if (!(depth > 0.0)) continue;
       x += depth * d.normal;
-      const Vec3 moved = x - before_[touch.particle];
+      const Vec3 moved = x - before_[touch.particle] - solid_moves_[touch.solid];
       const Vec3 slip = moved - moved.dot(d.normal) * d.normal;
       const double limit = solids_[touch.solid].friction() * depth, length = slip.norm();
       x -= slip * (length > limit ? limit / length : 1.0);
@@ -279,6 +494,7 @@ class XpbdCloth : public Peer {
         for (int a = 0; a < nu; ++a) touchProbe(patch, (a + 0.5) / nu, (b + 0.5) / nv);
       }
     }
+    solveGrasp();
     force_ += proxy_mass_ / (h_ * h_) * (proxy_ - proxy_free_);
   }
 
@@ -315,6 +531,8 @@ class XpbdCloth : public Peer {
   std::array<Stiffness, 2> stretch_, bend_;
   Stiffness shear_;
   std::vector<Solid> solids_;
+  std::vector<Vec3> solid_moves_;  ///< within the substep [m]
+  std::vector<MovedParticle> moved_;
   std::vector<Vec3> x_, before_, v_;
   std::vector<double> inverse_mass_;
   std::array<std::vector<Distance2>, 2> edges_;
@@ -322,6 +540,12 @@ class XpbdCloth : public Peer {
   std::array<std::vector<Bend>, 2> bends_;
   std::vector<Touch> touches_;
   std::vector<Patch4> patches_;
+  std::vector<std::array<int, 3>> triangles_;
+  SpatialHash hash_;
+  std::vector<LayerPair> layers_;
+  std::size_t most_layers_ = 0;
+  std::vector<Held> held_;
+  int frames_ = 0;
   bool present_ = false;
   double proxy_mass_ = 1.0;
   Vec3 proxy_ = Vec3::Zero(), proxy_before_ = Vec3::Zero(), proxy_free_ = Vec3::Zero();
