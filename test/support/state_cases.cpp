@@ -191,9 +191,25 @@ void add(Hash& hash, const EnergyReport& energy) {
 
 }  // namespace
 
+/// A hanging strip is wound up by its first columns.
+StateCase rolledStrip() {
+  Scene scene = sheetScene(richFabric(), 33, 9, 0.12, 0.03);
+  setStrategy(scene, Strategy::Amrc, 2);
+  hangDown(scene);
+  pin(scene, 0, 2, 0, 8);
+  scene.cloth.pins[0].turn = Vec3(0.0, 100.0, 0.0);
+  scene.cloth.pins[0].centre = Vec3(0.0, 0.0, 0.06 - 0.12 / 32.0);
+  return {"a strip that is rolled up",
+          scene,
+          [](Simulation&, int) {},
+          160,
+          {100, 130},
+          [](const Exercised& did) { return did.layers > 20; }};
+}
+
 std::vector<StateCase> stateCases() {
-  return {slidingCapsule(), secondOrder(),   jointCost(),    graspedSheet(),
-          movedObstacles(), sleepingSheet(), coarseHammock()};
+  return {slidingCapsule(), secondOrder(),   jointCost(),     graspedSheet(),
+          movedObstacles(), sleepingSheet(), coarseHammock(), rolledStrip()};
 }
 
 std::uint64_t readings(const Simulation& simulation) {
@@ -262,6 +278,7 @@ std::uint64_t advance(const StateCase& run, Simulation& simulation, int step, Ex
     exercised->most_awake = std::max(exercised->most_awake, report.awake_particles);
     exercised->asleep += report.awake_particles > 0 && report.awake_particles < exercised->most_awake;
     exercised->moved += before != obstacles();
+    exercised->layers += report.self_contacts > 0;
     for (std::size_t k = 0; k < run.scene.probes.size(); ++k) {
       const ProbeReport probe = simulation.probe(static_cast<int>(k));
       exercised->touched += probe.contact;

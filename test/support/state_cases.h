@@ -21,6 +21,7 @@ struct Exercised {
   int ignored = 0;
   int most_awake = 0;  ///< largest number of awake particles
   int moved = 0;       ///< steps in which an obstacle moved
+  int layers = 0;      ///< steps in which layers of the cloth pressed on each other
 };
 
 /// Run whose inputs depend only on the number of the step.
