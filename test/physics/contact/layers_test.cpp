@@ -268,7 +268,7 @@ double massOf(const Scene& scene, int i, int j) {
 }
 
 /// Two layers without friction hit each other askew in free flight.
-TEST(LayerOnLayer, KeepsMomentumInACollision) {
+TEST(LayersInFlight, KeepMomentumWhenTheyHitEachOther) {
   constexpr int kSide = 9;
   constexpr double kTime = 0.03;
   const Vec3 aside(0.02, 0.01, 0.0);  // [m/s]
