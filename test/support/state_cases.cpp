@@ -207,9 +207,25 @@ void add(Hash& hash, const EnergyReport& energy) {
 
 }  // namespace
 
+/// A hanging strip is wound up by its first columns.
+StateCase rolledStrip() {
+  Scene scene = sheetScene(richFabric(), 33, 9, 0.12, 0.03);
+  setStrategy(scene, Strategy::Amrc, 2);
+  hangDown(scene);
+  pin(scene, 0, 2, 0, 8);
+  scene.cloth.pins[0].turn = Vec3(0.0, 100.0, 0.0);
+  scene.cloth.pins[0].centre = Vec3(0.0, 0.0, 0.06 - 0.12 / 32.0);
+  return {"a strip that is rolled up",
+          scene,
+          [](Simulation&, int) {},
+          160,
+          {100, 130},
+          [](const Exercised& did) { return did.pressed > 20; }};
+}
+
 std::vector<StateCase> stateCases() {
   return {slidingCapsule(), secondOrder(),   jointCost(),     graspedSheet(),
-          movedObstacles(), sleepingSheet(), coarseHammock(), pressedLayers()};
+          movedObstacles(), sleepingSheet(), coarseHammock(), pressedLayers(), rolledStrip()};
 }
 
 std::uint64_t readings(const Simulation& simulation) {

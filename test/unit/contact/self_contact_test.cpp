@@ -12,6 +12,7 @@
 #include "contact/crossings.h"
 #include "energy/surface_normals.h"
 #include "haptic_cloth/simulation.h"
+#include "state/archive.h"
 #include "support/scenes.h"
 
 namespace haptic_cloth {
@@ -54,6 +55,11 @@ struct Folded {
     SurfaceNormals normals(mesh, false);
     normals.update(mesh, x);
     contact.collect(mesh, x, normals.nodes(), {still, reach});
+  }
+  void remember() {
+    SurfaceNormals normals(mesh, false);
+    normals.update(mesh, x);
+    contact.rememberFriction(mesh, normals.nodes());
   }
   Field gradient() {
     Field sum;
@@ -203,6 +209,48 @@ TEST(SelfContact, LayersPressByTheLaw) {
   const double pressure = law()(gap).pressure;
   const double width = 20 * kSpacing, length = 0.24 - fold - EIGEN_PI * 0.5 * gap;
   EXPECT_NEAR(up, pressure * width * length, pressure * width * 2.0 * kSpacing);
+}
+
+/// Layers that stuck start the next step with the same friction, also in a contact that has loaded the
+/// state. The upper layer moves by 2e-7 m over gaps of at least 0.5 thicknesses, so normals turn by up to
+/// 4e-4, and friction with them.
+TEST(SelfContact, FrictionGoesOnWhereItEnded) {
+  std::mt19937 random(7);
+  Folded cloth(gridOf(25, 9, 0), 0.4);
+  cloth.place([](const Vec3& at) { return hairpin(at, 0.04, 0.5 * kThickness + 0.01 * at.y()); });
+  shake(cloth, random, 2e-5);
+  const auto friction = [](const SelfContact& contact) {  // sums over all pairs
+    double sizes = 0.0;
+    Vec3 sum = Vec3::Zero();
+    contact.forPairs([&](const PairPack& pack, int l) {
+      if (!(pack.drag_stiffness[l] > 0.0)) return;
+      const Vec3 drag(pack.drag[0][l], pack.drag[1][l], pack.drag[2][l]);
+      sizes += drag.norm();
+      sum += drag;
+    });
+    return std::pair(sizes, sum);
+  };
+  cloth.collect();
+  for (int n = 0; n < cloth.mesh.nodes(); ++n) {
+    if (cloth.x[n].z() > 0.4 * kThickness) cloth.x.add(n, Vec3(0.0, 2e-7, 0.0));  // the upper layer
+  }
+  cloth.gradient();
+  const auto [sizes, sum] = friction(cloth.contact);
+  ASSERT_GT(sizes, 0.0);
+  cloth.remember();
+  Archive saving;
+  cloth.contact.serialize(saving);
+  Folded other(gridOf(25, 9, 0), 0.4);
+  other.x = cloth.x;
+  Archive loading(saving.sealed(), "state");
+  other.contact.serialize(loading);
+  for (Folded* next : {&cloth, &other}) {
+    next->collect();
+    next->gradient();
+    const auto [now_sizes, now_sum] = friction(next->contact);
+    EXPECT_NEAR(now_sizes, sizes, 4e-4 * sizes);
+    EXPECT_NEAR((now_sum - sum).norm(), 0.0, 4e-4 * sizes);
+  }
 }
 
 /// A step of the largest factor crosses nothing, however wild the direction; ten times as far does.

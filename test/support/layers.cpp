@@ -1,0 +1,113 @@
+#include "support/layers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "contact/compression_law.h"
+#include "contact/contact_law.h"
+#include "support/scenes.h"
+#include "support/state_cases.h"
+
+namespace haptic_cloth {
+namespace {
+
+double readDouble(const std::string& bytes, std::size_t index) {
+  double number = 0.0;
+  std::memcpy(&number, &bytes[index * sizeof(number)], sizeof(number));
+  return number;
+}
+
+void writeDouble(std::string& bytes, std::size_t index, double number) {
+  std::memcpy(&bytes[index * sizeof(number)], &number, sizeof(number));
+}
+
+/// Distance below `range` at which a law has a pressure [Pa].
+template <class Law>
+double distanceUnder(const Law& law, double pressure) {
+  double low = 0.0, high = law.range();
+  for (int k = 0; k < 100; ++k) {
+    const double middle = 0.5 * (low + high);
+    (law(middle).pressure > pressure ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+}  // namespace
+
+Fabric slackFabric(double areal_density, bool measured) {
+  LinearFabric linear;
+  linear.areal_density = areal_density;
+  linear.stiffness = 100.0;
+  linear.compression = 1e-6;
+  linear.shear_modulus = 1e-6;
+  Fabric fabric = makeFabric(linear);
+  if (measured) fabric.compression = Compression{linear.thickness, 0.7 * linear.thickness, 0.35};
+  return fabric;
+}
+
+Scene layersScene(const Layers& layers, const Fabric& fabric) {
+  int columns = 0;
+  for (const int count : layers.columns) columns += count;
+  Scene scene = sheetScene(fabric, columns, layers.rows, (columns - 1) * layers.spacing,
+                           (layers.rows - 1) * layers.spacing);
+  scene.cloth.pose.position = Vec3(0.5 * (columns - 1) * layers.spacing, 0.0, 1.0);
+  return scene;
+}
+
+Vec3 placeInLayers(const Layers& layers, const std::vector<double>& heights, int i, int j) {
+  std::size_t layer = 0;
+  int column = 0, from = i;  // column above the lowest layer
+  double step = 1.0;
+  while (from >= layers.columns[layer]) {
+    from -= layers.columns[layer];
+    column += static_cast<int>(step) * (layers.columns[layer] - 1);
+    step = -step;
+    ++layer;
+  }
+  const Vec3 aside = layer % 2 == 0 ? Vec3::Zero() : Vec3(0.3, 0.2, 0.0);  // no node lies above another
+  const Vec3 place(column + step * from, j - 0.5 * (layers.rows - 1), heights[layer] / layers.spacing);
+  return layers.spacing * (place + aside);
+}
+
+void placeCloth(Simulation& simulation, const ByParticle& place, const ByParticle& velocity) {
+  const int columns = simulation.scene().cloth.particles[kWarp];
+  std::vector<Vec3> flat;
+  simulation.positions(flat);
+  std::vector<StateEntry> entries = stateEntries(simulation.saveState());
+  const auto entry = [&](const std::string& name) -> std::string& {
+    return std::find_if(entries.begin(), entries.end(), [&](const StateEntry& e) { return e.name == name; })
+        ->bytes;
+  };
+  // Node n is the particle at the same place.
+  std::vector<int> particle;
+  const double dx = flat[1].x() - flat[0].x(), dy = flat[columns].y() - flat[0].y();
+  for (std::size_t n = 0; n < flat.size(); ++n) {
+    const long i = std::lround((readDouble(entry("nodes.x"), n) - flat[0].x()) / dx),
+               j = std::lround((readDouble(entry("nodes.y"), n) - flat[0].y()) / dy);
+    particle.push_back(static_cast<int>(j * columns + i));
+  }
+  const auto set = [&](const std::string& particles, const std::string& nodes, const ByParticle& value) {
+    for (std::size_t n = 0; n < flat.size(); ++n) {
+      const int p = particle[n];
+      const Vec3 at = value(p % columns, p / columns);
+      for (int c = 0; c < 3; ++c) {
+        writeDouble(entry(particles), 3 * p + c, at[c]);
+        writeDouble(entry(nodes + "." + "xyz"[c]), n, at[c]);
+      }
+    }
+  };
+  set("particles.position", "nodes", place);
+  if (velocity) set("particles.velocity", "velocities", velocity);
+  simulation.loadState(sealState(entries), "placed cloth");
+}
+
+double layerDistance(const Fabric& fabric, double pressure) {
+  return distanceUnder(CompressionLaw(fabric), pressure);
+}
+
+double solidDistance(const Fabric& fabric, double pressure) {
+  return distanceUnder(ContactLaw(fabric.thickness), pressure);
+}
+
+}  // namespace haptic_cloth
