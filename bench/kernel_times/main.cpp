@@ -182,7 +182,7 @@ void addThreads(int threads, const std::string& strategy, ClothCase& cloth) {
       name + "energy", -1.0, -1.0,
       [&cloth, on_threads] {
         on_threads();
-        return cloth.objective().along(cloth.direction()).quadratic_form;
+        return cloth.objective().along(cloth.direction(), -1.0).quadratic_form;
       },
       cloth.particles());
   addIterations(name + "total", cloth, -1.0, -1.0, [&cloth, on_threads](int count) {

@@ -60,7 +60,13 @@ double ContactSet::quadraticForm(int begin, int end, const Field& d, const std::
 void ContactSet::serialize(Archive& archive) {
   solids_.serialize(archive);
   memory_.serialize(archive, solids_.size());
-  if (self_) archive("layers", *self_);
+  // Cloth that passes through itself remembers nothing there, but has the same entries: a state may be
+  // loaded with and without self-contact.
+  struct NoLayers {
+    FrictionMemory memory;
+    void serialize(Archive& entries) { memory.serialize(entries, SelfContact::kFaces); }
+  } none{FrictionMemory(grid_)};
+  self_ ? archive("layers", *self_) : archive("layers", none);
 }
 
 void ContactSet::rememberFriction(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals) {

@@ -210,11 +210,10 @@ void PairFinder::addNode(const ActiveMesh& mesh, const Field& nodes, const Reach
     if (p[k] - near > std::max({a[k], b[k], c[k]}) || p[k] + near < std::min({a[k], b[k], c[k]})) return;
   }
   const Vec3 between = p - nearestOnTriangle(p, a, b, c);
-  const double distance = between.norm(), most = apart(reach, std::array<int, 1>{node}, t);
-  if (distance > within_ + most) return;
+  const double distance = between.norm();
+  if (distance > within_ + apart(reach, std::array<int, 1>{node}, t)) return;
   const std::array<int, 4> list{node, t[0], t[1], t[2]};
   const double range = rangeOf(mesh, list, false);
-  if (distance > std::min(within_, range) + most) return;
   const double above =
       between.x() * normals_.x[node] + between.y() * normals_.y[node] + between.z() * normals_.z[node];
   if (distance > kTogether * range && range > 0.0)
@@ -236,7 +235,6 @@ void PairFinder::addLines(const ActiveMesh& mesh, const Field& nodes, const Reac
   if (distance > lines_within_ + most) return;
   const std::array<int, 4> list{one.a, one.b, other.a, other.b};
   const double range = kLineRange * rangeOf(mesh, list, true);
-  if (distance > std::min(lines_within_, range) + most) return;
   if (distance > kTogether * range && range > 0.0) lines_.push_back({list, range, distance, 0});
 }
 
@@ -287,8 +285,8 @@ void PairFinder::listGroups(std::vector<PairPack>& packs) {
   }
 }
 
-/// Adds a group, which lies within one pack. If it has more members, the nearest make the group, and the
-/// others only must not be crossed. @param lane next free lane of the last pack
+/// Adds a group, which lies within one pack, its nearest pair first. If it has more members, the nearest make
+/// the group, and the others only must not be crossed. @param lane next free lane of the last pack
 void PairFinder::addGroup(std::size_t first, std::size_t end, std::vector<PairPack>& packs, int& lane) const {
   const auto open = [&] {
     packs.push_back(emptyPack(false));

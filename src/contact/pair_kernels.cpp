@@ -102,20 +102,47 @@ HAPTIC_CLOTH_INLINE void measureOne(PairPack& pack, int l, const AtNodes& x) {
   for (int k = 0; k < 4; ++k) store(pack.weights[k] + l, nearest.weights[k]);
 }
 
-/// Clears the area of the pairs that are not the nearest of their group. @return areas that count
-HAPTIC_CLOTH_INLINE void nearestAreas(const PairPack& pack, double* areas) {
-  for (int l = 0; l < kPack; ++l) areas[l] = pack.area[l];
-  if (pack.lines) return;
-  int nearest[kPack]{};
+/// How the pairs of a pack share the pressure of their groups.
+struct Shares {
+  double distance[kPack];  ///< of the group over its range [-]
+  double of_pair[kPack];   ///< change of that by the pair's own distance over its range [-]
+  double range[kPack];     ///< of the group: that of its first pair [m]
+};
+
+/// The distance of a group is a smooth minimum of the distances of its pairs, each over its range,
+///
+///     Σ q_i^(1-p) / Σ q_i^-p,    p = 16,
+///
+/// which is exact if all are alike [Lehmer mean]. The minimum itself has a kink where another triangle
+/// becomes the nearest: at all nodes that lie above a valley, a side or a corner.
+HAPTIC_CLOTH_INLINE Shares sharesOf(const PairPack& pack) {
+  constexpr double kPower = 64.0;
+  constexpr int kSquares = 6;  // kPower is 2 to this power
+  double over_range[kPack], nearest[kPack], sum[kPack]{}, moment[kPack]{}, weights[kPack];
   for (int l = 0; l < kPack; ++l) {
-    const int first = pack.group[l];
-    const bool nearer = first == l || pack.distance[l] * pack.range[nearest[first]] <
-                                          pack.distance[nearest[first]] * pack.range[l];
-    if (nearer) nearest[first] = l;
+    over_range[l] = std::max(pack.distance[l], kTiny) / (pack.range[l] > 0.0 ? pack.range[l] : 1.0);
+    nearest[l] = over_range[l];
   }
   for (int l = 0; l < kPack; ++l) {
-    if (nearest[pack.group[l]] != l) areas[l] = 0.0;
+    double& least = nearest[pack.group[l]];
+    least = std::min(least, over_range[l]);
   }
+  for (int l = 0; l < kPack; ++l) {
+    const int group = pack.group[l];
+    double weight = nearest[group] / over_range[l];
+    for (int k = 0; k < kSquares; ++k) weight *= weight;
+    weights[l] = weight;
+    sum[group] += weights[l];
+    moment[group] += weights[l] * over_range[l];
+  }
+  Shares shares;
+  for (int l = 0; l < kPack; ++l) {
+    const int group = pack.group[l];
+    shares.distance[l] = moment[group] / sum[group];
+    shares.of_pair[l] = weights[l] / sum[group] * (1.0 - kPower * (1.0 - shares.distance[l] / over_range[l]));
+    shares.range[l] = pack.range[group];
+  }
+  return shares;
 }
 
 struct PressureLanes {
@@ -141,14 +168,18 @@ HAPTIC_CLOTH_INLINE PressureLanes press(const CompressionLaw::Constants& law, co
   return sum;
 }
 
-/// Writes forces of one vector of pairs; adds their stored energy.
-HAPTIC_CLOTH_INLINE void pressOne(PairPack& pack, int l, const double* areas, const PairContext& context,
+/// Writes forces of one vector of pairs; adds the stored energy of the groups that begin in it.
+HAPTIC_CLOTH_INLINE void pressOne(PairPack& pack, int l, const Shares& shares, const PairContext& context,
                                   Lanes& energy) {
-  const Lanes scale = larger(load(pack.range + l), all(kTiny)) / context.law.range, area = load(areas + l);
-  const PressureLanes law = press(context.law, larger(load(pack.distance + l), all(kTiny)) / scale);
-  energy += area * scale * law.energy;
-  store(pack.pressing + l, area * law.pressure);
-  store(pack.stiffness + l, area / scale * law.stiffness);
+  const Lanes own = larger(load(pack.range + l), all(kTiny)), range = load(shares.range + l),
+              area = load(pack.area + l), share = load(shares.of_pair + l);
+  const PressureLanes law = press(context.law, context.law.range * load(shares.distance + l));
+  Lanes begins{};
+  for (int k = 0; k < kLanes; ++k) begins[k] = pack.group[l + k] == l + k ? 1.0 : 0.0;
+  energy += begins * area * (range / context.law.range) * law.energy;
+  const Lanes force = area * (range / own) * share;
+  store(pack.pressing + l, force * law.pressure);
+  store(pack.stiffness + l, larger(force, Lanes{}) * (context.law.range / own) * law.stiffness);
 }
 
 /// Measures all pairs of a pack.
@@ -175,9 +206,8 @@ double evaluatePairs(PairPack* packs, PairBound* bounds, int begin, int end, con
     const bool acted = acts(bound);
     measure(pack, bound, context.travelled, x);
     if (acts(bound)) {
-      double areas[kPack];
-      nearestAreas(pack, areas);
-      for (int l = 0; l < kPack; l += kLanes) pressOne(pack, l, areas, context, energy);
+      const Shares shares = sharesOf(pack);
+      for (int l = 0; l < kPack; l += kLanes) pressOne(pack, l, shares, context, energy);
     } else if (acted) {
       for (int l = 0; l < kPack; l += kLanes) {
         store(pack.pressing + l, Lanes{});

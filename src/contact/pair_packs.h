@@ -13,14 +13,14 @@ struct alignas(64) PairPack {
   PackIndices nodes[4];
   double area[kPack];   ///< [m²]
   double range[kPack];  ///< distance at which contact begins; 0 in unused lanes [m]
-  /// First lane of the group: of the pairs of a group only the nearest presses.
+  /// First lane of the group, whose pairs share area and pressure.
   int group[kPack];
   bool lines;  ///< pairs of lines
   // Results of the last evaluation:
   double weights[4][kPack];
   double normal[3][kPack];  ///< direction of the distance
   double distance[kPack];   ///< [m]
-  double pressing[kPack];   ///< area times pressure [N]
+  double pressing[kPack];   ///< area times pressure; below 0 for some pairs of a group [N]
   double stiffness[kPack];  ///< along the normal [N/m]
 };
 

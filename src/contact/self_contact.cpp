@@ -68,33 +68,51 @@ void SelfContact::listPaired(const Field& nodes) {
   });
 }
 
-/// Lists the friction of all pairs that press at the start of the step. It begins with the slip under
-/// which it holds what it held before.
+/// Lists the friction of all groups that press at the start of the step: it acts at their nearest pair.
 void SelfContact::listDrags(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals) {
   int lane = kPack;
-  forPressing([&](const PairPack& pack, int l, int pair) {
-    if (lane == kPack) {
-      drags_.push_back({});
-      lane = 0;
+  for (std::size_t p = 0; p < packs_.size(); ++p) {
+    if (!acts(bounds_[p])) continue;
+    const PairPack& pack = packs_[p];
+    double pressing[kPack]{};
+    int nearest[kPack]{};
+    for (int l = 0; l < kPack; ++l) {
+      const int group = pack.group[l];
+      pressing[group] += pack.pressing[l];
+      if (group == l || pack.distance[l] < pack.distance[nearest[group]]) nearest[group] = l;
     }
-    DragPack& drag = drags_.back();
-    Vec3 start = Vec3::Zero();
-    for (int c = 0; c < 4; ++c) {
-      drag.nodes[c].set(lane, pack.nodes[c].index[l]);
-      drag.weights[c][lane] = pack.weights[c][l];
-      start += pack.weights[c][l] * nodes[pack.nodes[c].index[l]];
+    for (int l = 0; l < kPack; ++l) {
+      if (!(pressing[l] > 0.0)) continue;
+      if (lane == kPack) {
+        drags_.push_back({});
+        lane = 0;
+      }
+      const int pair = kPack * static_cast<int>(p) + nearest[l];
+      beginDrag(drags_.back(), lane++, pair, friction_ * pressing[l], mesh, nodes, normals);
     }
-    drag.limit[lane] = friction_ * pack.pressing[l];
-    drag.pair[lane] = pair;
-    for (int c = 0; c < 3; ++c) drag.normal[c][lane] = pack.normal[c][l];
-    const Place place = placeOf(drag, lane, mesh, normals);
-    start -= slip_ * slipUnder(pack.area[l] * memory_.find(place.face, place.at) / drag.limit[lane]);
-    for (int c = 0; c < 3; ++c) drag.start[c][lane] = start[c];
-    ++lane;
-  });
+  }
   for (DragPack& drag : drags_) {
     for (PackIndices& list : drag.nodes) list.finish();
   }
+}
+
+/// Begins friction at a pair with the slip under which it holds what it held before.
+void SelfContact::beginDrag(DragPack& drag, int lane, int pair, double limit, const ActiveMesh& mesh,
+                            const Field& nodes, const ConstArrays& normals) {
+  const PairPack& pack = packs_[pair / kPack];
+  const int l = pair % kPack;
+  Vec3 start = Vec3::Zero();
+  for (int c = 0; c < 4; ++c) {
+    drag.nodes[c].set(lane, pack.nodes[c].index[l]);
+    drag.weights[c][lane] = pack.weights[c][l];
+    start += pack.weights[c][l] * nodes[pack.nodes[c].index[l]];
+  }
+  drag.limit[lane] = limit;
+  drag.pair[lane] = pair;
+  for (int c = 0; c < 3; ++c) drag.normal[c][lane] = pack.normal[c][l];
+  const Place place = placeOf(drag, lane, mesh, normals);
+  start -= slip_ * slipUnder(pack.area[l] * memory_.find(place.face, place.at) / limit);
+  for (int c = 0; c < 3; ++c) drag.start[c][lane] = start[c];
 }
 
 void SelfContact::rememberFriction(const ActiveMesh& mesh, const ConstArrays& normals) {
@@ -167,7 +185,7 @@ void SelfContact::sumForces(int nodes) {
   if (packs_.empty()) return;
   gradient_.resize(nodes);
   for (const int n : paired_) gradient_.set(n, Vec3::Zero());
-  forPressing([&](const PairPack& pack, int l, int) {
+  forPressing([&](const PairPack& pack, int l) {
     const Vec3 force = pack.pressing[l] * laneOf(pack.normal, l);
     for (int c = 0; c < 4; ++c) gradient_.add(pack.nodes[c].index[l], -pack.weights[c][l] * force);
   });
@@ -185,7 +203,7 @@ void SelfContact::addGradient(int begin, int end, Field& gradient) const {
 }
 
 void SelfContact::addSprings(Blocks& blocks) const {
-  forPressing([&](const PairPack& pack, int l, int) {
+  forPressing([&](const PairPack& pack, int l) {
     const Block pressed = pack.stiffness[l] * square(laneOf(pack.normal, l));
     for (int c = 0; c < 4; ++c) blocks[pack.nodes[c].index[l]] += std::abs(pack.weights[c][l]) * pressed;
   });
@@ -196,7 +214,7 @@ void SelfContact::addSprings(Blocks& blocks) const {
 }
 
 void SelfContact::addDiagonal(Field& diagonal) const {
-  forPressing([&](const PairPack& pack, int l, int) {
+  forPressing([&](const PairPack& pack, int l) {
     const Vec3 squared = pack.stiffness[l] * laneOf(pack.normal, l).cwiseAbs2();
     for (int c = 0; c < 4; ++c)
       diagonal.add(pack.nodes[c].index[l], pack.weights[c][l] * pack.weights[c][l] * squared);
@@ -231,7 +249,7 @@ void SelfContact::appendAwake(const std::vector<char>& awake, int first, Runs& r
 }
 
 void SelfContact::markTouched(std::vector<char>& nodes) const {
-  forPressing([&](const PairPack& pack, int l, int) {
+  forPressing([&](const PairPack& pack, int l) {
     for (int c = 0; c < 4; ++c) {
       if (pack.weights[c][l] != 0.0) nodes[pack.nodes[c].index[l]] = 1;
     }
@@ -240,7 +258,12 @@ void SelfContact::markTouched(std::vector<char>& nodes) const {
 
 int SelfContact::touching() const {
   int count = 0;
-  forPressing([&](const PairPack&, int, int) { ++count; });
+  for (std::size_t p = 0; p < packs_.size(); ++p) {
+    if (!acts(bounds_[p])) continue;
+    bool presses[kPack]{};
+    for (int l = 0; l < kPack; ++l) presses[packs_[p].group[l]] |= packs_[p].pressing[l] > 0.0;
+    count += static_cast<int>(std::count(presses, presses + kPack, true));
+  }
   return count;
 }
 

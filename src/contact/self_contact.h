@@ -43,6 +43,8 @@ class SelfContact {
   /// Remembers the friction of all pairs at the last evaluation for the next step.
   void rememberFriction(const ActiveMesh& mesh, const ConstArrays& normals);
 
+  static constexpr int kFaces = 4;  ///< on which friction is remembered: two of nodes, two of lines
+
   /// Saves or loads what friction remembers; pairs are found in each step.
   void serialize(Archive& archive);
 
@@ -105,30 +107,6 @@ class SelfContact {
     }
   }
 
-  int touching() const;  ///< number of pairs that press
-  /// Of all pairs at `nodes`, the last evaluated point; infinite without pairs [m].
-  double smallestDistance(const Field& nodes);
-
- private:
-  /// Where a pair presses on its first part.
-  struct Place {
-    int face;  ///< of the cloth: 0 and 1 for nodes, 2 and 3 for lines
-    FlatPoint at;
-    double half;  ///< half the width of the cloth that it stands for [finest cells]
-  };
-  static constexpr int kFaces = 4;
-
-  /// Calls visit(pack, lane, pair) for all pairs that pressed at the last evaluation.
-  template <class Visit>
-  void forPressing(const Visit& visit) const {
-    for (std::size_t p = 0; p < packs_.size(); ++p) {
-      if (!acts(bounds_[p])) continue;
-      for (int l = 0; l < kPack; ++l) {
-        if (packs_[p].pressing[l] > 0.0) visit(packs_[p], l, kPack * static_cast<int>(p) + l);
-      }
-    }
-  }
-
   /// Calls visit(pack, lane) for all pairs with friction.
   template <class Visit>
   void forDrags(const Visit& visit) const {
@@ -139,8 +117,33 @@ class SelfContact {
     }
   }
 
+  int touching() const;  ///< number of nodes and lines that press, by side
+  /// Of all pairs at `nodes`, the last evaluated point; infinite without pairs [m].
+  double smallestDistance(const Field& nodes);
+
+ private:
+  /// Where a pair presses on its first part.
+  struct Place {
+    int face;  ///< of the cloth: 0 and 1 for nodes, 2 and 3 for lines
+    FlatPoint at;
+    double half;  ///< half the width of the cloth that it stands for [finest cells]
+  };
+
+  /// Calls visit(pack, lane) for all pairs that carried force at the last evaluation.
+  template <class Visit>
+  void forPressing(const Visit& visit) const {
+    for (std::size_t p = 0; p < packs_.size(); ++p) {
+      if (!acts(bounds_[p])) continue;
+      for (int l = 0; l < kPack; ++l) {
+        if (packs_[p].pressing[l] != 0.0) visit(packs_[p], l);
+      }
+    }
+  }
+
   void listPaired(const Field& nodes);
   void listDrags(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals);
+  void beginDrag(DragPack& drag, int lane, int pair, double limit, const ActiveMesh& mesh, const Field& nodes,
+                 const ConstArrays& normals);
   Place placeOf(const DragPack& drag, int lane, const ActiveMesh& mesh, const ConstArrays& normals) const;
 
   Grid grid_;

@@ -65,7 +65,7 @@ Vec3 placeInLayers(const Layers& layers, const std::vector<double>& heights, int
     step = -step;
     ++layer;
   }
-  const Vec3 aside = layer % 2 == 0 ? Vec3::Zero() : Vec3(0.3, 0.2, 0.0);  // no node lies above another
+  const Vec3 aside = layer % 2 == 0 ? Vec3(Vec3::Zero()) : layers.aside;
   const Vec3 place(column + step * from, j - 0.5 * (layers.rows - 1), heights[layer] / layers.spacing);
   return layers.spacing * (place + aside);
 }

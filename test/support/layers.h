@@ -14,6 +14,8 @@ struct Layers {
   std::vector<int> columns;  ///< particles along warp of each layer, from the lowest to the highest
   int rows = 0;              ///< particles along weft
   double spacing = 0.0;      ///< [m]
+  /// Shift of every second layer [cells]; with none, nodes lie exactly above nodes.
+  Vec3 aside{0.3, 0.2, 0.0};
 };
 
 /// Fabric that resists stretch, but neither bending nor compression nor shear: nothing but contact and

@@ -222,8 +222,7 @@ TEST(SelfContact, FrictionGoesOnWhereItEnded) {
   const auto friction = [](const SelfContact& contact) {  // sums over all pairs
     double sizes = 0.0;
     Vec3 sum = Vec3::Zero();
-    contact.forPairs([&](const PairPack& pack, int l) {
-      if (!(pack.drag_stiffness[l] > 0.0)) return;
+    contact.forDrags([&](const DragPack& pack, int l) {
       const Vec3 drag(pack.drag[0][l], pack.drag[1][l], pack.drag[2][l]);
       sizes += drag.norm();
       sum += drag;
