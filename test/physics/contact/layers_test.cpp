@@ -169,12 +169,12 @@ TEST_P(Pile, IsAsThickAsItsLayersUnderTheirWeight) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Compression, Pile, testing::Combine(testing::Bool(), testing::Bool()),
-                         [](const auto& info) {
-                           const auto [measured, aligned] = info.param;
-                           return std::string(measured ? "measured" : "not_measured") +
-                                  (aligned ? "_node_above_node" : "");
-                         });
+std::string nameOfPile(const testing::TestParamInfo<std::tuple<bool, bool>>& info) {
+  const auto [measured, aligned] = info.param;
+  return std::string(measured ? "measured" : "not_measured") + (aligned ? "_node_above_node" : "");
+}
+
+INSTANTIATE_TEST_SUITE_P(Compression, Pile, testing::Combine(testing::Bool(), testing::Bool()), nameOfPile);
 
 /// Fabric whose folds hardly push themselves open.
 Fabric limpFabric(bool measured) {
@@ -278,8 +278,8 @@ double massOf(const Scene& scene, int i, int j) {
 /// Two layers without friction hit each other askew in free flight.
 TEST(LayersInFlight, KeepMomentumWhenTheyHitEachOther) {
   constexpr int kSide = 9;
-  constexpr double kTime = 0.03;
-  const Vec3 aside(0.02, 0.01, 0.0);  // [m/s]
+  constexpr double kTime = 0.03, kSpeed = 0.2;  // [s], [m/s]
+  const Vec3 aside(0.02, 0.01, 0.0);            // [m/s]
   const Layers layers{{kSide, kSide}, kSide, 4e-3};
   Scene scene = layersScene(layers, slackFabric(kDensity, false));
   scene.gravity.setZero();
@@ -294,13 +294,13 @@ TEST(LayersInFlight, KeepMomentumWhenTheyHitEachOther) {
       [&](int i, int j) {
         return placeInLayers(layers, {0.0, 1.5 * thickness}, i, j);
       },
-      [&](int i, int) { return Vec3(i / kSide * (aside - 0.2 * Vec3::UnitZ())); });
+      [&](int i, int) { return Vec3(i / kSide * (aside - kSpeed * Vec3::UnitZ())); });
   std::vector<Vec3> before, after;
   simulation.positions(before);
   Vec3 first = Vec3::Zero(), momentum = first, spin_first = first, spin = first;
   for (int p = 0; p < 2 * kSide * kSide; ++p) {
     const int i = p % (2 * kSide);
-    const Vec3 m = massOf(scene, i, p / (2 * kSide)) * (i / kSide) * (aside - 0.2 * Vec3::UnitZ());
+    const Vec3 m = massOf(scene, i, p / (2 * kSide)) * (i / kSide) * (aside - kSpeed * Vec3::UnitZ());
     first += m;
     spin_first += before[p].cross(m);
   }
@@ -319,10 +319,10 @@ TEST(LayersInFlight, KeepMomentumWhenTheyHitEachOther) {
       spin += after[n].cross(moved);
     }
     const double now = simulation.energy().total();
-    EXPECT_LE(now, energy) << "step " << step;
+    const double left = report.minimizer.residual * kGravity * simulation.mass() * h;
+    EXPECT_LE(now, energy + left * kSpeed) << "step " << step;  // and the work of the force that is left
     energy = now;
-    unbalanced += report.minimizer.residual * kGravity * simulation.mass() * h +
-                  (1.0 - report.velocity_scale) * momentum.norm();
+    unbalanced += left + (1.0 - report.velocity_scale) * momentum.norm();
     before = after;
   }
   EXPECT_GT(touching, 50);
