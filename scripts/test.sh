@@ -11,7 +11,7 @@ if [ "${1:-}" != --no-install ]; then "$root/scripts/install_deps.sh"; fi
 
 rm -rf "$build/test_results"
 status=0
-(cd "$build" && ctest --output-on-failure) 2>&1 | tee "$build/ctest.log" || status=$?
+(cd "$build" && ctest --output-on-failure --parallel "$(nproc)") 2>&1 | tee "$build/ctest.log" || status=$?
 summary="$(grep 'tests passed,' "$build/ctest.log" | tail -n 1)"
 if ! /usr/bin/python3 "$root/scripts/check_results.py" "$build" "$root/test/ros"; then
   echo "FAILED: the test results do not bear out what ctest says: $summary"
