@@ -63,7 +63,7 @@ struct StepReport {
   double velocity_scale = 1.0;   ///< factor of the energy guard; 1: not needed
   double adapt_seconds = 0.0;    ///< wall clock time of mesh adaptation [s]
   double max_penetration = 0.0;  ///< deepest contact sample below an obstacle or the probe [m]
-  int self_contacts = 0;         ///< pairs of parts of the cloth that press on each other
+  int self_contacts = 0;         ///< nodes and lines of the cloth that press on another part of it
   /// Smallest distance of parts of the cloth that may meet; infinite if there are none [m].
   double min_self_gap = std::numeric_limits<double>::infinity();
 };

@@ -145,8 +145,8 @@ class ContactSet {
   void appendAwake(const std::vector<char>& awake, int first, Runs& runs) const;
 
   /// Notes where the nodes are for the next evaluation.
-  void placeNodes(const Field& nodes) {
-    if (self_) self_->place(nodes);
+  void noteMotion(const Field& nodes) {
+    if (self_) self_->noteMotion(nodes);
   }
 
   /// Sums up the forces of pairs at the last evaluation for addGradient().

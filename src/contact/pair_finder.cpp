@@ -10,6 +10,9 @@ namespace {
 
 // Range of lines over that of nodes and triangles: flat layers press by their nodes alone.
 constexpr double kLineRange = 0.25;
+// Distance up to which pairs of nodes are listed, over the range: triangles a little beyond the range share
+// the pressure of a node, by less than 1 % beyond this.
+constexpr double kGroupReach = 1.15;
 // Range over the distance in the flat cloth, at most. ClothTree leaves out parts whose distance is at
 // least this share of it.
 constexpr double kShareOfRest = 0.5;
@@ -114,7 +117,7 @@ void PairFinder::rebuild(const ActiveMesh& mesh) {
 void PairFinder::find(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals,
                       const Reach& reach, std::vector<PairPack>& packs) {
   normals_ = normals;
-  search(mesh, nodes, reach, thickness_);
+  search(mesh, nodes, reach, kGroupReach * thickness_);
   packs.clear();
   sortByNode(mesh.nodes());
   listGroups(packs);

@@ -14,7 +14,7 @@ namespace haptic_cloth {
 
 /// Finds pairs of a node and a triangle, and of two lines, that may touch within a step. Two surfaces
 /// of triangles that do not cross can only begin to cross where such a pair meets. Nodes and triangles
-/// carry the pressure between layers: each node presses with half of its area on the nearest triangle
+/// carry the pressure between layers: each node presses with half of its area on the triangles near it
 /// on either of its sides, and the other layer's nodes do the same. Lines press only where nodes
 /// cannot: at folds and borders that cross each other.
 class PairFinder {

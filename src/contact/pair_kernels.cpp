@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cmath>
 
 #include "contact/pair_packs.h"
@@ -11,6 +10,9 @@ namespace HAPTIC_CLOTH_PATH {
 namespace {
 
 constexpr double kTiny = 1e-300;
+
+HAPTIC_CLOTH_INLINE double lesser(double a, double b) { return b < a ? b : a; }
+HAPTIC_CLOTH_INLINE double greater(double a, double b) { return a < b ? b : a; }
 
 HAPTIC_CLOTH_INLINE Lanes3 load3(const double (*values)[kPack], int l) {
   return {load(values[0] + l), load(values[1] + l), load(values[2] + l)};
@@ -111,7 +113,7 @@ struct Shares {
 
 /// The distance of a group is a smooth minimum of the distances of its pairs, each over its range,
 ///
-///     Σ q_i^(1-p) / Σ q_i^-p,    p = 16,
+///     Σ q_i^(1-p) / Σ q_i^-p,    p = 64,
 ///
 /// which is exact if all are alike [Lehmer mean]. The minimum itself has a kink where another triangle
 /// becomes the nearest: at all nodes that lie above a valley, a side or a corner.
@@ -120,12 +122,12 @@ HAPTIC_CLOTH_INLINE Shares sharesOf(const PairPack& pack) {
   constexpr int kSquares = 6;  // kPower is 2 to this power
   double over_range[kPack], nearest[kPack], sum[kPack]{}, moment[kPack]{}, weights[kPack];
   for (int l = 0; l < kPack; ++l) {
-    over_range[l] = std::max(pack.distance[l], kTiny) / (pack.range[l] > 0.0 ? pack.range[l] : 1.0);
+    over_range[l] = greater(pack.distance[l], kTiny) / (pack.range[l] > 0.0 ? pack.range[l] : 1.0);
     nearest[l] = over_range[l];
   }
   for (int l = 0; l < kPack; ++l) {
     double& least = nearest[pack.group[l]];
-    least = std::min(least, over_range[l]);
+    least = lesser(least, over_range[l]);
   }
   for (int l = 0; l < kPack; ++l) {
     const int group = pack.group[l];
@@ -276,7 +278,7 @@ double largestPairStep(PairPack* packs, PairBound* bounds, int begin, int end, c
     PairBound& bound = bounds[p];
     // No pair of the pack is nearer than this, and none may use up more than `free`.
     const double gap = bound.gap - (travelled - bound.measured);
-    const double free = std::min(limits.share * gap, gap - limits.least_ranges * limits.widest);
+    const double free = lesser(limits.share * gap, gap - limits.least_ranges * limits.widest);
     if (most * limits.fastest < free) continue;
     if (bound.measured != travelled) measure(pack, bound, travelled, x);
     Lanes step = all(most);
@@ -309,7 +311,7 @@ double measurePairs(PairPack* packs, PairBound* bounds, int begin, int end, doub
     PairBound& bound = bounds[p];
     if (bound.gap - (travelled - bound.measured) >= least) continue;
     if (bound.measured != travelled) measure(packs[p], bound, travelled, x);
-    least = std::min(least, bound.gap);
+    least = lesser(least, bound.gap);
   }
   return least;
 }

@@ -20,7 +20,7 @@ struct alignas(64) PairPack {
   double weights[4][kPack];
   double normal[3][kPack];  ///< direction of the distance
   double distance[kPack];   ///< [m]
-  double pressing[kPack];   ///< area times pressure; below 0 for some pairs of a group [N]
+  double pressing[kPack];   ///< share of the force of its group; below 0 for some [N]
   double stiffness[kPack];  ///< along the normal [N/m]
 };
 
@@ -47,7 +47,7 @@ struct PairBound {
 };
 
 /// Tells whether a pair of the pack may press.
-inline bool acts(const PairBound& bound) { return !(bound.clear > 0.0); }
+static inline bool acts(const PairBound& bound) { return !(bound.clear > 0.0); }
 
 /// Values that all pairs share in an evaluation.
 struct PairContext {

@@ -28,7 +28,7 @@ SelfContact::SelfContact(const Grid& grid, const Options& options, double slip)
   drags_.reserve(grid.particles() / kPack + 1);
   is_paired_.reserve(grid.particles());
   paired_.reserve(grid.particles());
-  places_.reserve(grid.particles());
+  last_positions_.reserve(grid.particles());
   gradient_.reserve(grid.particles());
   memory_.reserve(2 * grid.particles());
 }
@@ -55,7 +55,7 @@ void SelfContact::collect(const ActiveMesh& mesh, const Field& nodes, const Cons
 /// Lists the nodes of all pairs.
 void SelfContact::listPaired(const Field& nodes) {
   paired_.clear();
-  places_.clear();
+  last_positions_.clear();
   is_paired_.assign(nodes.size(), 0);
   forPairs([&](const PairPack& pack, int l) {
     for (const PackIndices& corner : pack.nodes) {
@@ -63,13 +63,14 @@ void SelfContact::listPaired(const Field& nodes) {
       if (is_paired_[n]) continue;
       is_paired_[n] = 1;
       paired_.push_back(n);
-      places_.push_back(nodes[n]);
+      last_positions_.push_back(nodes[n]);
     }
   });
 }
 
 /// Lists the friction of all groups that press at the start of the step: it acts at their nearest pair.
 void SelfContact::listDrags(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals) {
+  constexpr double kLeastPressing = 1e-100;  // [N]; divisions by less overflow
   int lane = kPack;
   for (std::size_t p = 0; p < packs_.size(); ++p) {
     if (!acts(bounds_[p])) continue;
@@ -82,7 +83,7 @@ void SelfContact::listDrags(const ActiveMesh& mesh, const Field& nodes, const Co
       if (group == l || pack.distance[l] < pack.distance[nearest[group]]) nearest[group] = l;
     }
     for (int l = 0; l < kPack; ++l) {
-      if (!(pressing[l] > 0.0)) continue;
+      if (!(pressing[l] > kLeastPressing)) continue;
       if (lane == kPack) {
         drags_.push_back({});
         lane = 0;
@@ -149,17 +150,23 @@ SelfContact::Place SelfContact::placeOf(const DragPack& drag, int lane, const Ac
 
 void SelfContact::serialize(Archive& archive) { memory_.serialize(archive, kFaces); }
 
-void SelfContact::place(const Field& nodes) {
+void SelfContact::noteMotion(const Field& nodes) {
   double squared = 0.0, sum = 0.0;
   for (std::size_t k = 0; k < paired_.size(); ++k) {
     const Vec3 place = nodes[paired_[k]];
-    const double moved = (place - places_[k]).squaredNorm();
+    const double moved = (place - last_positions_[k]).squaredNorm();
     squared = std::max(squared, moved);
     sum += moved;
-    places_[k] = place;
+    last_positions_[k] = place;
   }
   // Two points may move against each other. Positions that are no numbers end all bounds.
   travelled_ += std::isfinite(sum) ? 2.0 * std::sqrt(squared) : std::numeric_limits<double>::infinity();
+  // Small motions must not vanish beside a long way.
+  constexpr double kLongest = 1e6;  // [ranges]
+  if (travelled_ > kLongest * law_.range()) {
+    travelled_ = 0.0;
+    bounds_.assign(packs_.size(), {0.0, 0.0, 0.0});
+  }
 }
 
 ContactEnergy SelfContact::evaluate(int begin, int end, const Field& nodes) {

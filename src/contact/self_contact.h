@@ -67,9 +67,9 @@ class SelfContact {
   int capacity() const { return kPack * static_cast<int>(packs_.capacity() + drags_.capacity()); }
 
   /// Notes where the nodes are for the next evaluation.
-  void place(const Field& nodes);
+  void noteMotion(const Field& nodes);
 
-  /// Evaluates pairs begin..end. @return their energy  @pre place()
+  /// Evaluates pairs begin..end. @return their energy  @pre noteMotion()
   ContactEnergy evaluate(int begin, int end, const Field& nodes);
 
   /// Quadratic form d · H⁺ d of pairs begin..end at the last evaluation.
@@ -154,11 +154,11 @@ class SelfContact {
   std::vector<PairPack> packs_;
   std::vector<PairBound> bounds_;  ///< one for each pack
   std::vector<DragPack> drags_;
-  std::vector<char> is_paired_;  ///< one flag for each node
-  std::vector<int> paired_;      ///< nodes of pairs
-  std::vector<Vec3> places_;     ///< of these nodes at the last place() [m]
-  double travelled_ = 0.0;       ///< see PairContext
-  Field gradient_;               ///< of these nodes, see sumForces() [N]
+  std::vector<char> is_paired_;       ///< one flag for each node
+  std::vector<int> paired_;           ///< nodes of pairs
+  std::vector<Vec3> last_positions_;  ///< of these nodes at the last noteMotion() [m]
+  double travelled_ = 0.0;            ///< see PairContext
+  Field gradient_;                    ///< of these nodes, see sumForces() [N]
 };
 
 }  // namespace haptic_cloth

@@ -163,7 +163,7 @@ double ClothObjective::evaluate(const Vector& x, Vector& gradient) {
   unpack(x, nodes_, proxies_);
   carryHeld(proxies_, true, nodes_);
   placeProbes();
-  contacts_.placeNodes(nodes_);
+  contacts_.noteMotion(nodes_);
   energies_ = team_.sum(awake_.elements().size(), [this](int from, int to) {
     Sums sums = Sums::Zero();
     awake_.elements().forPart(from, to, [&](int begin, int end) { sums += evaluateElements(begin, end); });

@@ -67,6 +67,7 @@ void ClothWorld::takeStep(int length, StepReport& report) {
   } else {
     accept(report);
   }
+  reportPairs(report);
   energy_.update(scene_, solver_.objective(), contacts_, probes_);
   ++steps_;
   ticks_ += length;
@@ -176,7 +177,6 @@ void ClothWorld::accept(StepReport& report) {
   grasps_.noteTouched(probes_, contacts_, cloth_.mesh());
   support_force_ = contacts_.obstacleForce() + solved.pinForce();
   report.max_penetration = contacts_.deepest();
-  reportPairs(report);
 }
 
 void ClothWorld::reportPairs(StepReport& report) {
@@ -224,7 +224,8 @@ StepReport ClothWorld::skipStep(int length) {
   ticks_ += length;
   report.time = time();
   report.active_particles = cloth_.mesh().active();
-  reportPairs(report);
+  report.self_contacts = idle_.selfContacts();
+  report.min_self_gap = idle_.minSelfGap();
   return report;
 }
 

@@ -42,7 +42,7 @@ void ContactReach::estimate() {
     const Vec3 moves = h * cloth_.velocities()[n];
     nodes_[n] = 2.0 * (moves.norm() + h * h * gravity) + 0.1 * spacing;
     motion_.set(n, moves);
-    deviation_[n] = std::min(0.05 * moves.norm() + 2.0 * h * h * gravity, spacing) + 0.04 * spacing;
+    deviation_[n] = std::min(0.05 * moves.norm() + 2.0 * h * h * gravity, spacing) + 0.01 * spacing;
   }
   for (int k = 0; k < probes_.count(); ++k) {
     const ProbeStep& probe = probes_.steps()[k];

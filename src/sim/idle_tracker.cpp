@@ -26,6 +26,8 @@ void IdleTracker::note(const StepReport& report, const Probes& probes, double sl
   idle_ = quiet_ >= SleepTracker::kSteps;  // the mesh has had time to adapt
   probes_ = probes.steps();
   residual_ = report.minimizer.residual;
+  self_contacts_ = report.self_contacts;
+  min_self_gap_ = report.min_self_gap;
 }
 
 void IdleTracker::forget() {

@@ -26,7 +26,9 @@ class IdleTracker {
   /// Makes the next steps be solved, after a change that the inputs do not show.
   void forget();
 
-  double residual() const { return residual_; }  ///< of the last solved step
+  double residual() const { return residual_; }        ///< of the last solved step
+  int selfContacts() const { return self_contacts_; }  ///< see StepReport; of the last solved step
+  double minSelfGap() const { return min_self_gap_; }  ///< see StepReport; of the last solved step [m]
 
   void serialize(Archive& archive);
 
@@ -38,6 +40,8 @@ class IdleTracker {
   bool idle_ = false;              ///< quiet_ is large enough
   std::vector<ProbeStep> probes_;  ///< in the last solved step; empty before it
   double residual_ = 0.0;
+  int self_contacts_ = 0;
+  double min_self_gap_ = StepReport().min_self_gap;
 };
 
 }  // namespace haptic_cloth

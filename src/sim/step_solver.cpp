@@ -67,6 +67,7 @@ MinimizerReport StepSolver::solve(const std::vector<HeldNode>& held) {
     beginSolve(held);
     const MinimizerReport last = joint_ ? minimizeJoint() : minimizeCondensed();
     report = attempt == 0 ? last : sum(report, last);
+    if (last.why == Termination::NotFinite) break;
     const bool covered = reach_.covers(objective_);
     apart = contacts_.staysApart(cloth_.mesh(), cloth_.nodes(), objective_.nodes(),
                                  !reach_.coversPairs(objective_));
@@ -78,7 +79,8 @@ MinimizerReport StepSolver::solve(const std::vector<HeldNode>& held) {
 }
 
 /// Leaves a part of the motion to the solution: on the straight way there no pair of layers can have met,
-/// listed or not, and Φ is not above Φ(x⁰).
+/// listed or not, and Φ is not above Φ(x⁰) with the pins where they are then. It may end after the time
+/// budget.
 void StepSolver::shortenMotion(MinimizerReport& report) {
   constexpr int kTrials = 10;
   const int size = objective_.size();
@@ -94,9 +96,10 @@ void StepSolver::shortenMotion(MinimizerReport& report) {
     for (int n = cloth_.mesh().free; n < cloth_.mesh().active(); ++n)
       pinned_.set(n, cloth_.nodes()[n] + share * (end_[n] - cloth_.nodes()[n]));
     objective_.setPinned(pinned_);
+    const double start = cloth_.pinsMove() ? objective_.evaluate(start_, gradient_) : start_values_.potential;
     x_.head(size) = start_.head(size) + share * motion_.head(size);
     report.value_end = objective_.evaluate(x_, gradient_);
-    if (!(report.value_end <= start_values_.potential)) continue;
+    if (!(report.value_end <= start)) continue;
     if (!contacts_.staysApart(cloth_.mesh(), cloth_.nodes(), objective_.nodes(), true)) continue;
     objective_.measureSleepers();
     report.residual = objective_.residual(gradient_);
@@ -131,7 +134,8 @@ void StepSolver::beginSolve(const std::vector<HeldNode>& held) {
 }
 
 /// Moves the pins to where they end in the step, or as near to it as nothing is crossed; the other
-/// nodes follow in the solve. A pin that something stops does not hold back the others.
+/// nodes follow in the solve. A pin that something stops does not hold back the others, unless only another
+/// pin that moves is in its way.
 void StepSolver::movePins() {
   pins_made_.assign(cloth_.pins(), 0.0);
   pins_go_.assign(cloth_.pins(), 1);

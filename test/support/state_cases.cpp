@@ -224,8 +224,8 @@ StateCase rolledStrip() {
 }
 
 std::vector<StateCase> stateCases() {
-  return {slidingCapsule(), secondOrder(),   jointCost(),     graspedSheet(),
-          movedObstacles(), sleepingSheet(), coarseHammock(), pressedLayers(), rolledStrip()};
+  return {slidingCapsule(), secondOrder(),   jointCost(),     graspedSheet(), movedObstacles(),
+          sleepingSheet(),  coarseHammock(), pressedLayers(), rolledStrip()};
 }
 
 std::uint64_t readings(const Simulation& simulation) {

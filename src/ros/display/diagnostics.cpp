@@ -102,8 +102,9 @@ DiagnosticStatus solverStatus(const SolverStats& stats, bool paused, double now)
   add(status, "residual [|g|]", stats.last.minimizer.residual);
   add(status, "failed steps", stats.failed.count);
   add(status, "failed: parts may have met", stats.failed.out_of_reach);
+  add(status, "steps made in part", stats.failed.made_in_part);
   add(status, "self-contact", std::string(stats.meets_itself ? "on" : "off: layers pass through each other"));
-  add(status, "pairs of layers that press", static_cast<std::uint64_t>(stats.last.self_contacts));
+  add(status, "nodes that press on layers", static_cast<std::uint64_t>(stats.last.self_contacts));
   add(status, "smallest gap of layers [mm]", 1e3 * stats.last.min_self_gap);
   add(status, "kinetic energy [J]", stats.kinetic);
   static const std::string processor = processorName();  // reads a file once

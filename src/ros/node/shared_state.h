@@ -47,10 +47,12 @@ struct ProbeView {
   GraspState grasp = GraspState::Open;
 };
 
-/// Steps that failed since the start of the node. Each restored the last good state.
+/// Steps since the start of the node that failed, each of which restored the last good state, or were made
+/// in part.
 struct FailedSteps {
   std::uint64_t count = 0;
   std::uint64_t out_of_reach = 0;            ///< of these: parts of the cloth may have met unseen
+  std::uint64_t made_in_part = 0;            ///< not failed: only a part of their motion was safe
   Termination why = Termination::Converged;  ///< of the newest
   double when = -std::numeric_limits<double>::infinity();  ///< of the newest, steady clock [s]
 

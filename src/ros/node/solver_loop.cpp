@@ -157,6 +157,7 @@ void SolverLoop::record(const StepReport& report) {
   const double now = steadyNow();
   last_ = report;
   if (report.failed) failed_.note(report.minimizer.why, now);
+  if (!report.failed && report.minimizer.motion_made < 1.0) ++failed_.made_in_part;
   if (window_start_ < 0.0) {
     window_start_ = now;
     window_start_time_ = simulation_.time();

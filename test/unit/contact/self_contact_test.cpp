@@ -64,14 +64,14 @@ struct Folded {
   Field gradient() {
     Field sum;
     sum.clear(mesh.nodes());
-    contact.place(x);
+    contact.noteMotion(x);
     contact.evaluate(0, contact.size(), x);
     contact.sumForces(mesh.nodes());
     contact.addGradient(0, mesh.nodes(), sum);
     return sum;
   }
   double energy(const Field& at) {
-    contact.place(at);
+    contact.noteMotion(at);
     const ContactEnergy energy = contact.evaluate(0, contact.size(), at);
     return energy.contact + energy.friction;
   }
