@@ -171,7 +171,8 @@ TEST_P(Pile, IsAsThickAsItsLayersUnderTheirWeight) {
 
 INSTANTIATE_TEST_SUITE_P(Compression, Pile, testing::Combine(testing::Bool(), testing::Bool()),
                          [](const auto& info) {
-                           const auto [measured, aligned] = info.param;
+                           const bool measured = std::get<0>(info.param);
+                           const bool aligned = std::get<1>(info.param);
                            return std::string(measured ? "measured" : "not_measured") +
                                   (aligned ? "_node_above_node" : "");
                          });
