@@ -41,4 +41,9 @@ double layerDistance(const Fabric& fabric, double pressure);
 /// Distance of cloth from a solid under a pressure [Pa], by bisection of ContactLaw [m].
 double solidDistance(const Fabric& fabric, double pressure);
 
+/// Force of a sphere on layers on a floor, by the height of its lowest point above the floor: ∫ p dA, with
+/// p that of the laws in series: of sphere and cloth, between layers, of cloth and floor. Membrane forces
+/// and slopes, below 0.15, are left out.
+double pressedLayers(const Fabric& fabric, int layers, double radius, double lowest);
+
 }  // namespace haptic_cloth

@@ -188,31 +188,6 @@ Fabric limpFabric(bool measured) {
   return fabric;
 }
 
-/// Force of a sphere on layers on a floor, by the height of its lowest point above the floor: ∫ p dA, with
-/// p that of the laws in series: of sphere and cloth, between layers, of cloth and floor. Membrane forces
-/// and slopes, below 0.15, are left out.
-double pressedLayers(const Fabric& fabric, int layers, double radius, double lowest) {
-  const auto pressureAt = [&](double distance) {
-    double low = 0.0, high = 1e7;
-    for (int k = 0; k < 80; ++k) {
-      const double p = 0.5 * (low + high);
-      (2.0 * solidDistance(fabric, p) + (layers - 1) * layerDistance(fabric, p) > distance ? low : high) = p;
-    }
-    return 0.5 * (low + high);
-  };
-  constexpr int kParts = 200;
-  const double thickness = (layers + 1) * fabric.thickness;
-  if (lowest >= thickness) return 0.0;
-  const double most = std::sqrt(radius * radius - std::pow(radius - (thickness - lowest), 2));
-  double sum = 0.0;
-  for (int k = 0; k < kParts; ++k) {
-    const double r = (k + 0.5) / kParts * most;
-    sum +=
-        2.0 * EIGEN_PI * r * most / kParts * pressureAt(lowest + radius - std::sqrt(radius * radius - r * r));
-  }
-  return sum;
-}
-
 struct Press {
   int layers;
   bool measured;  ///< with data of KES-FB3

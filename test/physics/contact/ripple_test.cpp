@@ -3,9 +3,10 @@
 /// varies smoothly. The deviation from a polynomial of degree four in the position is ripple of the
 /// mesh. It must be below 3 % of the mean, less than half of the 7 % by which a person
 /// distinguishes two forces.
+#include "support/ripple.h"
+
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <cmath>
 
 #include "support/record.h"
@@ -24,18 +25,6 @@ struct Slide {
   double direction;  ///< angle to warp [degrees]
   double limit;      ///< limit of the ripple [-]
 };
-
-/// Largest deviation of y(x) from its polynomial fit, over the mean.
-double ripple(const std::vector<double>& x, const std::vector<double>& y, int degree) {
-  const auto count = static_cast<Eigen::Index>(x.size());
-  Eigen::MatrixXd powers(count, degree + 1);
-  const Eigen::VectorXd values = Eigen::Map<const Eigen::VectorXd>(y.data(), count);
-  for (Eigen::Index k = 0; k < count; ++k) {
-    for (int p = 0; p <= degree; ++p) powers(k, p) = std::pow(x[static_cast<std::size_t>(k)], p);
-  }
-  const Eigen::VectorXd fit = powers * powers.colPivHouseholderQr().solve(values);
-  return (values - fit).cwiseAbs().maxCoeff() / values.mean();
-}
 
 class SlidingProbe : public testing::TestWithParam<Slide> {};
 
