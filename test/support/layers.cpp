@@ -55,6 +55,23 @@ Scene layersScene(const Layers& layers, const Fabric& fabric) {
   return scene;
 }
 
+Scene layersUnderSphere(const Layers& layers, bool measured) {
+  LinearFabric linear;
+  linear.stiffness = 200.0;
+  linear.compression = 1e-3;
+  linear.rigidity = 1e-7;
+  linear.shear_modulus = 5.0;
+  Fabric fabric = makeFabric(linear);
+  if (measured) fabric.compression = slackFabric(linear.areal_density, true).compression;
+  Scene scene = layersScene(layers, fabric);
+  scene.obstacles = {Obstacle()};
+  ProbeOptions& probe = scene.probes[0];
+  probe.radius = 0.1;
+  probe.friction = 0.0;
+  quasiStatic(scene, 30.0, 2e-3, 0.02);  // of the weight of the layers, 5 mN; tests feel more than 0.1 N
+  return scene;
+}
+
 Vec3 placeInLayers(const Layers& layers, const std::vector<double>& heights, int i, int j) {
   std::size_t layer = 0;
   int column = 0, from = i;  // column above the lowest layer

@@ -25,6 +25,10 @@ Fabric slackFabric(double areal_density, bool measured);
 /// Layers alone in the world, without air; the first warp particle of the lowest is at x = 0.
 Scene layersScene(const Layers& layers, const Fabric& fabric);
 
+/// Layers on a floor and a frictionless sphere of 0.1 m that presses them slowly; their folds hardly push
+/// themselves open. @param measured with data of KES-FB3
+Scene layersUnderSphere(const Layers& layers, bool measured);
+
 /// Place of a particle in flat layers [m]. @param heights of the layers [m]
 Vec3 placeInLayers(const Layers& layers, const std::vector<double>& heights, int i, int j);
 

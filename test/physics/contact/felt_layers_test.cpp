@@ -107,20 +107,10 @@ TEST(ProbeOnLayers, FeelsNoMeshThroughTwoLayers) {
 /// to the 7 % by which a person distinguishes two forces.
 TEST(ProbeOnLayers, ClimbsOntoAFold) {
   const Layers layers{{40, 20}, 17, 2e-3};
-  LinearFabric linear;
-  linear.stiffness = 200.0;
-  linear.compression = 1e-3;
-  linear.rigidity = 1e-7;  // hardly pushes the fold open
-  linear.shear_modulus = 5.0;
-  Fabric fabric = makeFabric(linear);
-  fabric.compression = slackFabric(linear.areal_density, true).compression;
-  Scene scene = layersScene(layers, fabric);
-  scene.obstacles = {Obstacle()};
+  Scene scene = layersUnderSphere(layers, true);
+  const Fabric& fabric = scene.cloth.fabric;
   ProbeOptions& probe = scene.probes[0];
-  probe.radius = 0.1;
-  probe.friction = 0.0;
   probe.coupling_stiffness = 1000.0;
-  quasiStatic(scene, 30.0, 2e-3, 0.02);  // of the weight of the layers, 5 mN; the forces are above 0.3 N
   Simulation simulation(scene);
   const double t = fabric.thickness, held = 0.4 * t;  // height of the device's lowest point
   placeCloth(simulation, [&](int i, int j) { return placeInLayers(layers, {t, 2.0 * t}, i, j); });

@@ -176,18 +176,6 @@ std::string nameOfPile(const testing::TestParamInfo<std::tuple<bool, bool>>& inf
 
 INSTANTIATE_TEST_SUITE_P(Compression, Pile, testing::Combine(testing::Bool(), testing::Bool()), nameOfPile);
 
-/// Fabric whose folds hardly push themselves open.
-Fabric limpFabric(bool measured) {
-  LinearFabric linear;
-  linear.stiffness = 200.0;
-  linear.compression = 1e-3;
-  linear.rigidity = 1e-7;
-  linear.shear_modulus = 5.0;
-  Fabric fabric = makeFabric(linear);
-  if (measured) fabric.compression = slackFabric(kDensity, true).compression;
-  return fabric;
-}
-
 struct Press {
   int layers;
   bool measured;  ///< with data of KES-FB3
@@ -201,13 +189,9 @@ TEST_P(PressedLayers, PressAsTheirLawsInSeries) {
   const auto [count, measured] = GetParam();
   constexpr int kSide = 17;
   const Layers layers{std::vector<int>(count, kSide), kSide, 2e-3};
-  Scene scene = layersScene(layers, limpFabric(measured));
-  scene.obstacles = {Obstacle()};
+  Scene scene = layersUnderSphere(layers, measured);
   ProbeOptions& probe = scene.probes[0];
-  probe.radius = 0.1;
-  probe.friction = 0.0;
   probe.coupling_stiffness = 5000.0;
-  quasiStatic(scene, 30.0, 2e-3, 0.02);  // of the weight of the layers, 5 mN; the forces are above 0.1 N
   scene.gravity.setZero();
   const Fabric& fabric = scene.cloth.fabric;
   Simulation simulation(scene);
