@@ -91,10 +91,10 @@ void put(PairPack& pack, int lane, const std::array<int, 4>& nodes, double range
 }
 
 /// An empty pack: its lanes refer to node 0 and have no range.
-PairPack emptyPack(bool lines) {
+PairPack emptyPack(int stack, bool lines) {
   PairPack pack{};
+  pack.stack = stack;
   pack.lines = lines;
-  for (int l = 0; l < kPack; ++l) pack.group[l] = l;
   return pack;
 }
 
@@ -107,6 +107,7 @@ PairFinder::PairFinder(const Grid& grid, double thickness)
   none_.reserve(grid.particles());
   motion_.reserve(grid.particles());
   for (auto* list : {&nodes_, &lines_, &sorted_}) list->reserve(grid.particles());
+  groups_.reserve(grid.particles());
 }
 
 void PairFinder::rebuild(const ActiveMesh& mesh) {
@@ -271,47 +272,47 @@ void PairFinder::sortByNode(int nodes) {
     std::sort(sorted_.begin() + rows_[n], sorted_.begin() + rows_[n + 1], before);
 }
 
-/// Lists groups: the triangles near a node on one of its sides. Those that press at the start of the
-/// step come first: only their packs are evaluated in most steps of the solve.
-void PairFinder::listGroups(std::vector<PairPack>& packs) {
-  int lane = kPack;
-  for (const bool presses : {true, false}) {
-    for (std::size_t first = 0; first < sorted_.size();) {
-      const Candidate& nearest = sorted_[first];
-      std::size_t end = first + 1;
-      while (end < sorted_.size() && sorted_[end].nodes[0] == nearest.nodes[0] &&
-             sorted_[end].side == nearest.side)
-        ++end;
-      if ((nearest.distance < nearest.range) == presses) addGroup(first, end, packs, lane);
-      first = end;
-    }
+/// Finds the groups. Those that press at the start of the step come first: only their packs are evaluated
+/// in most steps of the solve. Groups of one size fill stacks best.
+void PairFinder::findGroups() {
+  groups_.clear();
+  for (int first = 0, count = static_cast<int>(sorted_.size()); first < count;) {
+    const Candidate& nearest = sorted_[first];
+    int end = first + 1;
+    while (end < count && sorted_[end].nodes[0] == nearest.nodes[0] && sorted_[end].side == nearest.side) ++end;
+    groups_.push_back({first, end - first, nearest.distance - nearest.range});
+    first = end;
   }
+  std::sort(groups_.begin(), groups_.end(), [](const Group& a, const Group& b) {
+    const bool presses = a.excess < 0.0;
+    if (presses != (b.excess < 0.0)) return presses;
+    if (presses && a.size != b.size) return a.size > b.size;
+    if (!presses && a.excess != b.excess) return a.excess < b.excess;
+    return a.first < b.first;
+  });
 }
 
-/// Adds a group, which lies within one pack, its nearest pair first. If it has more members, the nearest make
-/// the group, and the others only must not be crossed. @param lane next free lane of the last pack
-void PairFinder::addGroup(std::size_t first, std::size_t end, std::vector<PairPack>& packs, int& lane) const {
-  const auto open = [&] {
-    packs.push_back(emptyPack(false));
-    lane = 0;
-  };
-  const int together = std::min<int>(end - first, kPack);
-  if (lane + together > kPack) open();
-  const int group = lane;
-  for (std::size_t k = first; k < end; ++k) {
-    const bool belongs = static_cast<int>(k - first) < together;
-    if (lane == kPack) open();
-    PairPack& pack = packs.back();
-    put(pack, lane, sorted_[k].nodes, sorted_[k].range,
-        belongs ? 0.5 * surface_.area(sorted_[k].nodes[0]) : 0.0);
-    pack.group[lane] = belongs ? group : lane;
-    ++lane;
+/// Lists each group in one lane of a stack.
+void PairFinder::listGroups(std::vector<PairPack>& packs) {
+  findGroups();
+  for (std::size_t begin = 0; begin < groups_.size(); begin += kPack) {
+    const std::size_t end = std::min(begin + kPack, groups_.size());
+    int stack = 0;
+    for (std::size_t g = begin; g < end; ++g) stack = std::max(stack, groups_[g].size);
+    for (int k = 0; k < stack; ++k) {
+      packs.push_back(emptyPack(k == 0 ? stack : 0, false));
+      for (std::size_t g = begin; g < end; ++g) {
+        if (k >= groups_[g].size) continue;
+        const Candidate& c = sorted_[groups_[g].first + k];
+        put(packs.back(), static_cast<int>(g - begin), c.nodes, c.range, 0.5 * surface_.area(c.nodes[0]));
+      }
+    }
   }
 }
 
 void PairFinder::listLines(std::vector<PairPack>& packs) const {
   for (std::size_t k = 0; k < lines_.size(); ++k) {
-    if (k % kPack == 0) packs.push_back(emptyPack(true));
+    if (k % kPack == 0) packs.push_back(emptyPack(1, true));
     const Candidate& c = lines_[k];
     put(packs.back(), k % kPack, c.nodes, c.range, thickness_ * std::min(grid_.dx, grid_.dy));
   }

@@ -60,6 +60,12 @@ class PairFinder {
     int side;         ///< of the node's surface: 0 below, 1 above
   };
 
+  /// Triangles near a node on one of its sides.
+  struct Group {
+    int first, size;  ///< in sorted_
+    double excess;    ///< of the nearest one's distance over its range at the start of the step [m]
+  };
+
   void search(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, double thickness);
   void addPatches(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int a, int b);
   void addNode(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int node,
@@ -68,8 +74,8 @@ class PairFinder {
                 const TriangleSurface::Line& a, const TriangleSurface::Line& b);
   double rangeOf(const ActiveMesh& mesh, const std::array<int, 4>& nodes, bool lines) const;
   void sortByNode(int nodes);
+  void findGroups();
   void listGroups(std::vector<PairPack>& packs);
-  void addGroup(std::size_t first, std::size_t end, std::vector<PairPack>& packs, int& lane) const;
   void listLines(std::vector<PairPack>& packs) const;
 
   Grid grid_;
@@ -80,6 +86,7 @@ class PairFinder {
   double within_ = 0.0, lines_within_ = 0.0;  ///< distances of the pairs that are searched [m]
   ConstArrays normals_{};                     ///< during find()
   std::vector<Candidate> nodes_, lines_, sorted_;
+  std::vector<Group> groups_;
   double most_ = 0.0;  ///< apart() of the patches in addPatches() [m]
   Field motion_;       ///< scratch of mayMeetUnlisted(), as the next two
   std::vector<double> none_;

@@ -12,7 +12,6 @@ namespace {
 constexpr double kTiny = 1e-300;
 
 HAPTIC_CLOTH_INLINE double lesser(double a, double b) { return b < a ? b : a; }
-HAPTIC_CLOTH_INLINE double greater(double a, double b) { return a < b ? b : a; }
 
 HAPTIC_CLOTH_INLINE Lanes3 load3(const double (*values)[kPack], int l) {
   return {load(values[0] + l), load(values[1] + l), load(values[2] + l)};
@@ -104,49 +103,6 @@ HAPTIC_CLOTH_INLINE void measureOne(PairPack& pack, int l, const AtNodes& x) {
   for (int k = 0; k < 4; ++k) store(pack.weights[k] + l, nearest.weights[k]);
 }
 
-/// How the pairs of a pack share the pressure of their groups.
-struct Shares {
-  double distance[kPack];  ///< of the group over its range [-]
-  double of_pair[kPack];   ///< change of that by the pair's own distance over its range [-]
-  double range[kPack];     ///< of the group: that of its first pair [m]
-};
-
-/// The distance of a group is a smooth minimum of the distances of its pairs, each over its range,
-///
-///     Σ q_i^(1-p) / Σ q_i^-p,    p = 64,
-///
-/// which is exact if all are alike [Lehmer mean]. The minimum itself has a kink where another triangle
-/// becomes the nearest: at all nodes that lie above a valley, a side or a corner.
-HAPTIC_CLOTH_INLINE Shares sharesOf(const PairPack& pack) {
-  constexpr double kPower = 64.0;
-  constexpr int kSquares = 6;  // kPower is 2 to this power
-  double over_range[kPack], nearest[kPack], sum[kPack]{}, moment[kPack]{}, weights[kPack];
-  for (int l = 0; l < kPack; ++l) {
-    over_range[l] = greater(pack.distance[l], kTiny) / (pack.range[l] > 0.0 ? pack.range[l] : 1.0);
-    nearest[l] = over_range[l];
-  }
-  for (int l = 0; l < kPack; ++l) {
-    double& least = nearest[pack.group[l]];
-    least = lesser(least, over_range[l]);
-  }
-  for (int l = 0; l < kPack; ++l) {
-    const int group = pack.group[l];
-    double weight = nearest[group] / over_range[l];
-    for (int k = 0; k < kSquares; ++k) weight *= weight;
-    weights[l] = weight;
-    sum[group] += weights[l];
-    moment[group] += weights[l] * over_range[l];
-  }
-  Shares shares;
-  for (int l = 0; l < kPack; ++l) {
-    const int group = pack.group[l];
-    shares.distance[l] = moment[group] / sum[group];
-    shares.of_pair[l] = weights[l] / sum[group] * (1.0 - kPower * (1.0 - shares.distance[l] / over_range[l]));
-    shares.range[l] = pack.range[group];
-  }
-  return shares;
-}
-
 struct PressureLanes {
   Lanes energy, pressure, stiffness;
 };
@@ -170,30 +126,102 @@ HAPTIC_CLOTH_INLINE PressureLanes press(const CompressionLaw::Constants& law, co
   return sum;
 }
 
-/// Writes forces of one vector of pairs; adds the stored energy of the groups that begin in it.
-HAPTIC_CLOTH_INLINE void pressOne(PairPack& pack, int l, const Shares& shares, const PairContext& context,
-                                  Lanes& energy) {
-  const Lanes own = larger(load(pack.range + l), all(kTiny)), range = load(shares.range + l),
-              area = load(pack.area + l), share = load(shares.of_pair + l);
-  const PressureLanes law = press(context.law, context.law.range * load(shares.distance + l));
-  Lanes begins{};
-  for (int k = 0; k < kLanes; ++k) begins[k] = pack.group[l + k] == l + k ? 1.0 : 0.0;
-  energy += begins * area * (range / context.law.range) * law.energy;
-  const Lanes force = area * (range / own) * share;
-  store(pack.pressing + l, force * law.pressure);
-  store(pack.stiffness + l, larger(force, Lanes{}) * (context.law.range / own) * law.stiffness);
+/// Ranges of one vector of pairs, 1 in unused lanes [m].
+HAPTIC_CLOTH_INLINE Lanes rangesOf(const PairPack& pack, int l) {
+  const Lanes range = load(pack.range + l);
+  return ifPositive(range, range, all(1.0));
 }
 
-/// Measures all pairs of a pack.
-HAPTIC_CLOTH_INLINE void measure(PairPack& pack, PairBound& bound, double travelled, const ConstArrays& x) {
-  Lanes gap = all(1e300), clear = all(1e300);
+/// Distances over ranges in one vector of pairs; huge in unused lanes.
+HAPTIC_CLOTH_INLINE Lanes overRange(const PairPack& pack, int l) {
+  return larger(load(pack.distance + l), all(kTiny)) / rangesOf(pack, l);
+}
+
+/// Smallest distance of the pairs of a pack now, at least [m].
+HAPTIC_CLOTH_INLINE double gapNow(const PairBound& bound, double travelled) {
+  return bound.gap - (travelled - bound.measured);
+}
+
+/// Distance, over the range, beyond which a pair has no share in what nearer ones press: kFar to the power
+/// of -64 is 4e-10.
+constexpr double kFar = 1.4;
+
+/// Tells whether all pairs of a pack are that far apart.
+HAPTIC_CLOTH_INLINE bool isFar(const PairBound& bound, const PairContext& context) {
+  return gapNow(bound, context.travelled) > kFar * context.law.range;
+}
+
+/// Writes the forces of one vector of the packs of a stack that press. @return the stored energy
+///
+/// The distance of a node is a smooth minimum of the distances of its pairs, each over its range,
+///
+///     Σ q_i^(1-p) / Σ q_i^-p,    p = 64,
+///
+/// which is exact if all are alike [Lehmer mean]. The minimum itself has a kink where another triangle
+/// becomes the nearest: at all nodes that lie above a valley, a side or a corner.
+HAPTIC_CLOTH_INLINE Lanes pressStack(PairPack* stack, const PairBound* bounds, int l,
+                                     const PairContext& context) {
+  constexpr double kPower = 64.0;
+  constexpr int kSquares = 6;  // kPower is 2 to this power
+  const int packs = stack->stack;
+  Lanes nearest = all(1e150), sum{}, moment{};
+  for (int k = 0; k < packs; ++k) {
+    if (bounds[k].presses) nearest = smaller(nearest, overRange(stack[k], l));
+  }
+  for (int k = 0; k < packs; ++k) {
+    if (!bounds[k].presses) continue;
+    const Lanes q = overRange(stack[k], l);
+    Lanes weight = nearest / q;
+    for (int square = 0; square < kSquares; ++square) weight *= weight;
+    store(stack[k].pressing + l, weight);
+    sum += weight;
+    moment += weight * q;
+  }
+  const Lanes mean = moment / sum, range = load(stack->range + l), area = load(stack->area + l);
+  const PressureLanes law = press(context.law, context.law.range * mean);
+  for (int k = 0; k < packs; ++k) {
+    if (!bounds[k].presses) continue;
+    const Lanes own = rangesOf(stack[k], l), weight = load(stack[k].pressing + l) / sum;
+    const Lanes share = weight * (1.0 - kPower * (1.0 - mean / overRange(stack[k], l)));
+    const Lanes force = area * (range / own) * share;
+    store(stack[k].pressing + l, force * law.pressure);
+    store(stack[k].stiffness + l, larger(force, Lanes{}) * (context.law.range / own) * law.stiffness);
+  }
+  return area * (range / context.law.range) * law.energy;
+}
+
+HAPTIC_CLOTH_INLINE void clearForces(PairPack& pack) {
+  for (int l = 0; l < kPack; l += kLanes) {
+    store(pack.pressing + l, Lanes{});
+    store(pack.stiffness + l, Lanes{});
+  }
+}
+
+/// Measures all pairs of a pack. @return the smallest excess of a distance over the range [m]
+HAPTIC_CLOTH_INLINE double measure(PairPack& pack, PairBound& bound, double travelled, const ConstArrays& x) {
+  Lanes gap = all(1e300), excess = all(1e300);
   for (int l = 0; l < kPack; l += kLanes) {
     measureOne(pack, l, gatherNodes(pack.nodes, l, x));
     const Lanes distance = load(pack.distance + l);
     gap = smaller(gap, distance);
-    clear = smaller(clear, distance - load(pack.range + l));
+    excess = smaller(excess, distance - load(pack.range + l));
   }
-  bound = {travelled, least(gap), least(clear)};
+  bound.clear -= travelled - bound.measured;
+  bound.measured = travelled;
+  bound.gap = least(gap);
+  return least(excess);
+}
+
+/// Measures the packs of a stack that are not far. @return bound of the excess of its distances [m]
+HAPTIC_CLOTH_INLINE double measureStack(PairPack* stack, PairBound* bounds, const PairContext& context,
+                                        const ConstArrays& x) {
+  double excess = 1e300;
+  for (int k = 0; k < stack->stack; ++k) {
+    const double least = isFar(bounds[k], context) ? gapNow(bounds[k], context.travelled) - context.law.range
+                                                   : measure(stack[k], bounds[k], context.travelled, x);
+    excess = lesser(excess, least);
+  }
+  return excess;
 }
 
 }  // namespace
@@ -201,21 +229,20 @@ HAPTIC_CLOTH_INLINE void measure(PairPack& pack, PairBound& bound, double travel
 double evaluatePairs(PairPack* packs, PairBound* bounds, int begin, int end, const PairContext& context,
                      const ConstArrays& x) {
   Lanes energy{};
-  for (int p = begin; p < end; ++p) {
-    PairPack& pack = packs[p];
-    PairBound& bound = bounds[p];
-    if (context.travelled - bound.measured < bound.clear) continue;
-    const bool acted = acts(bound);
-    measure(pack, bound, context.travelled, x);
-    if (acts(bound)) {
-      const Shares shares = sharesOf(pack);
-      for (int l = 0; l < kPack; l += kLanes) pressOne(pack, l, shares, context, energy);
-    } else if (acted) {
-      for (int l = 0; l < kPack; l += kLanes) {
-        store(pack.pressing + l, Lanes{});
-        store(pack.stiffness + l, Lanes{});
-      }
+  while (begin < end && bounds[begin].stack == 0) ++begin;
+  for (int p = begin; p < end; p += bounds[p].stack) {
+    PairPack* const stack = packs + p;
+    PairBound* const bound = bounds + p;
+    if (context.travelled - bound->measured < bound->clear) continue;
+    const double excess = measureStack(stack, bound, context, x);
+    const bool acting = !(excess > 0.0);
+    for (int k = 0; k < bound->stack; ++k) {
+      const bool presses = acting && !isFar(bound[k], context);
+      if (bound[k].presses && !presses) clearForces(stack[k]);
+      bound[k].presses = presses;
     }
+    bound->clear = excess + (context.travelled - bound->measured);
+    for (int l = 0; acting && l < kPack; l += kLanes) energy += pressStack(stack, bound, l, context);
   }
   return total(energy);
 }
@@ -224,7 +251,7 @@ double pairQuadraticForm(const PairPack* packs, const PairBound* bounds, int beg
                          const ConstArrays& d) {
   Lanes sum{};
   for (int p = begin; p < end; ++p) {
-    if (!acts(bounds[p])) continue;
+    if (!bounds[p].presses) continue;
     const PairPack& pack = packs[p];
     for (int l = 0; l < kPack; l += kLanes) {
       const Lanes along = load(pack.stiffness + l);
@@ -277,7 +304,7 @@ double largestPairStep(PairPack* packs, PairBound* bounds, int begin, int end, c
     PairPack& pack = packs[p];
     PairBound& bound = bounds[p];
     // No pair of the pack is nearer than this, and none may use up more than `free`.
-    const double gap = bound.gap - (travelled - bound.measured);
+    const double gap = gapNow(bound, travelled);
     const double free = lesser(limits.share * gap, gap - limits.least_ranges * limits.widest);
     if (most * limits.fastest < free) continue;
     if (bound.measured != travelled) measure(pack, bound, travelled, x);
@@ -309,7 +336,7 @@ double measurePairs(PairPack* packs, PairBound* bounds, int begin, int end, doub
                     const ConstArrays& x) {
   for (int p = begin; p < end; ++p) {
     PairBound& bound = bounds[p];
-    if (bound.gap - (travelled - bound.measured) >= least) continue;
+    if (gapNow(bound, travelled) >= least) continue;
     if (bound.measured != travelled) measure(packs[p], bound, travelled, x);
     least = lesser(least, bound.gap);
   }

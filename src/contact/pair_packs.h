@@ -9,18 +9,20 @@ namespace haptic_cloth {
 /// Pairs of a node and a triangle, or of two lines. The distance of their nearest points is
 /// |Σ weights · x|, with the sum over four nodes: the node and the corners of the triangle, or the
 /// ends of both lines. Unused lanes have no range.
+///
+/// The triangles near a node on one of its sides share its area and pressure. They stand in one lane of
+/// consecutive packs, a stack, the nearest first.
 struct alignas(64) PairPack {
   PackIndices nodes[4];
   double area[kPack];   ///< [m²]
   double range[kPack];  ///< distance at which contact begins; 0 in unused lanes [m]
-  /// First lane of the group, whose pairs share area and pressure.
-  int group[kPack];
-  bool lines;  ///< pairs of lines
+  int stack;            ///< number of packs of the stack that begins here; 0 within a stack
+  bool lines;           ///< pairs of lines, which share nothing: stacks of one pack
   // Results of the last evaluation:
   double weights[4][kPack];
   double normal[3][kPack];  ///< direction of the distance
   double distance[kPack];   ///< [m]
-  double pressing[kPack];   ///< share of the force of its group; below 0 for some [N]
+  double pressing[kPack];   ///< force, or share of that of a node; below 0 for some [N]
   double stiffness[kPack];  ///< along the normal [N/m]
 };
 
@@ -38,16 +40,18 @@ struct DragPack {
   double stiffness[kPack];  ///< across the normal [N/m]
 };
 
-/// What is known of a pack since it was measured: while the nodes travel, no pair of it can begin to
-/// press before they have used up `clear`, nor meet before `gap`.
+/// What is known of a pack since it was measured, which need not be read while nothing can press.
 struct PairBound {
   double measured;  ///< way travelled when the pack was measured [m]
   double gap;       ///< smallest distance of its pairs then [m]
-  double clear;     ///< smallest excess of a distance over the range [m]
-};
+  double clear;     ///< in the first pack of a stack: no pair of the stack presses before the nodes have
+                    ///< travelled so far since then [m]
+  int stack;        ///< as in the pack
+  bool presses;     ///< whether the pack has forces at the last evaluation
 
-/// Tells whether a pair of the pack may press.
-static inline bool acts(const PairBound& bound) { return !(bound.clear > 0.0); }
+  /// Ends what is known of distances.
+  void forget() { measured = gap = clear = 0.0; }
+};
 
 /// Values that all pairs share in an evaluation.
 struct PairContext {
@@ -66,8 +70,8 @@ struct PairLimits {
 };
 
 // Kernels:
-//   evaluatePairs      measures packs begin..end, unless they cannot press yet, and writes their forces.
-//                      Returns their energy.
+//   evaluatePairs      measures the stacks that begin in begin..end, unless they cannot press yet, and
+//                      writes their forces. Returns their energy.
 //   pairQuadraticForm  quadratic form d · H⁺ d of packs begin..end at the last evaluation [J].
 //   evaluateDrags      writes the friction of packs begin..end. Returns its potential [J].
 //                      @param slip below which friction is smoothed [m]

@@ -44,7 +44,8 @@ void SelfContact::rebuild(const ActiveMesh& mesh) {
 void SelfContact::collect(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals,
                           const PairFinder::Reach& reach) {
   finder_.find(mesh, nodes, normals, reach, packs_);
-  bounds_.assign(packs_.size(), {0.0, 0.0, 0.0});
+  bounds_.clear();
+  for (const PairPack& pack : packs_) bounds_.push_back({0.0, 0.0, 0.0, pack.stack, false});
   drags_.clear();
   listPaired(nodes);
   travelled_ = 0.0;
@@ -68,30 +69,25 @@ void SelfContact::listPaired(const Field& nodes) {
   });
 }
 
-/// Lists the friction of all groups that press at the start of the step: it acts at their nearest pair.
+/// Lists the friction of all nodes and lines that press at the start of the step: it acts at their nearest
+/// pair.
 void SelfContact::listDrags(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals) {
   constexpr double kLeastPressing = 1e-100;  // [N]; divisions by less overflow
   int lane = kPack;
-  for (std::size_t p = 0; p < packs_.size(); ++p) {
-    if (!acts(bounds_[p])) continue;
-    const PairPack& pack = packs_[p];
-    double pressing[kPack]{};
-    int nearest[kPack]{};
-    for (int l = 0; l < kPack; ++l) {
-      const int group = pack.group[l];
-      pressing[group] += pack.pressing[l];
-      if (group == l || pack.distance[l] < pack.distance[nearest[group]]) nearest[group] = l;
+  forStacks([&](int first, int l) {
+    double pressing = 0.0;
+    int nearest = first;
+    for (int p = first; p < first + bounds_[first].stack; ++p) {
+      pressing += packs_[p].pressing[l];
+      if (packs_[p].distance[l] < packs_[nearest].distance[l]) nearest = p;
     }
-    for (int l = 0; l < kPack; ++l) {
-      if (!(pressing[l] > kLeastPressing)) continue;
-      if (lane == kPack) {
-        drags_.push_back({});
-        lane = 0;
-      }
-      const int pair = kPack * static_cast<int>(p) + nearest[l];
-      beginDrag(drags_.back(), lane++, pair, friction_ * pressing[l], mesh, nodes, normals);
+    if (!(pressing > kLeastPressing)) return;
+    if (lane == kPack) {
+      drags_.push_back({});
+      lane = 0;
     }
-  }
+    beginDrag(drags_.back(), lane++, kPack * nearest + l, friction_ * pressing, mesh, nodes, normals);
+  });
   for (DragPack& drag : drags_) {
     for (PackIndices& list : drag.nodes) list.finish();
   }
@@ -165,7 +161,7 @@ void SelfContact::noteMotion(const Field& nodes) {
   constexpr double kLongest = 1e6;  // [ranges]
   if (travelled_ > kLongest * law_.range()) {
     travelled_ = 0.0;
-    bounds_.assign(packs_.size(), {0.0, 0.0, 0.0});
+    for (PairBound& bound : bounds_) bound.forget();
   }
 }
 
@@ -243,16 +239,21 @@ double SelfContact::maxStep(const Field& nodes, const Field& d, double most, dou
 }
 
 void SelfContact::appendAwake(const std::vector<char>& awake, int first, Runs& runs) const {
-  const auto append = [&](const auto& packs) {
-    for (const auto& pack : packs) {
-      const bool wanted = std::any_of(pack.nodes, pack.nodes + 4,
-                                      [&](const PackIndices& n) { return n.anyOf(awake.data()); });
-      if (wanted) runs.add(first, first + kPack);
-      first += kPack;
-    }
+  const auto isAwake = [&awake](const auto& pack) {
+    return std::any_of(pack.nodes, pack.nodes + 4,
+                       [&](const PackIndices& n) { return n.anyOf(awake.data()); });
   };
-  append(packs_);
-  append(drags_);
+  for (auto pack = packs_.begin(); pack != packs_.end();) {
+    const auto next = pack + pack->stack;
+    const int end = first + kPack * pack->stack;
+    if (std::any_of(pack, next, isAwake)) runs.add(first, end);
+    first = end;
+    pack = next;
+  }
+  for (const DragPack& drag : drags_) {
+    if (isAwake(drag)) runs.add(first, first + kPack);
+    first += kPack;
+  }
 }
 
 void SelfContact::markTouched(std::vector<char>& nodes) const {
@@ -265,12 +266,11 @@ void SelfContact::markTouched(std::vector<char>& nodes) const {
 
 int SelfContact::touching() const {
   int count = 0;
-  for (std::size_t p = 0; p < packs_.size(); ++p) {
-    if (!acts(bounds_[p])) continue;
-    bool presses[kPack]{};
-    for (int l = 0; l < kPack; ++l) presses[packs_[p].group[l]] |= packs_[p].pressing[l] > 0.0;
-    count += static_cast<int>(std::count(presses, presses + kPack, true));
-  }
+  forStacks([&](int first, int l) {
+    const auto presses = [l](const PairPack& pack) { return pack.pressing[l] > 0.0; };
+    const auto begin = packs_.begin() + first;
+    count += std::any_of(begin, begin + bounds_[first].stack, presses) ? 1 : 0;
+  });
   return count;
 }
 

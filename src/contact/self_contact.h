@@ -91,7 +91,7 @@ class SelfContact {
   /// more than 0.9 of its distance, nor comes nearer than `least_ranges` times its range.
   double maxStep(const Field& nodes, const Field& d, double most, double least_ranges);
 
-  /// Adds the packs that act on an awake node to `runs`, counted from `first`.
+  /// Adds the stacks that act on an awake node to `runs`, counted from `first`.
   void appendAwake(const std::vector<char>& awake, int first, Runs& runs) const;
 
   /// Sets the flags of the nodes of pairs that carried force at the last evaluation to 1.
@@ -133,10 +133,18 @@ class SelfContact {
   template <class Visit>
   void forPressing(const Visit& visit) const {
     for (std::size_t p = 0; p < packs_.size(); ++p) {
-      if (!acts(bounds_[p])) continue;
+      if (!bounds_[p].presses) continue;
       for (int l = 0; l < kPack; ++l) {
         if (packs_[p].pressing[l] != 0.0) visit(packs_[p], l);
       }
+    }
+  }
+
+  /// Calls visit(pack, lane) for all lanes of all stacks, with the first pack of each.
+  template <class Visit>
+  void forStacks(const Visit& visit) const {
+    for (int p = 0; p < static_cast<int>(packs_.size()); p += bounds_[p].stack) {
+      for (int l = 0; l < kPack; ++l) visit(p, l);
     }
   }
 
