@@ -98,10 +98,12 @@ void placeCloth(Simulation& simulation, const ByParticle& place, const ByParticl
   };
   // Node n is the particle at the same place.
   std::vector<int> particle;
-  const double dx = flat[1].x() - flat[0].x(), dy = flat[columns].y() - flat[0].y();
+  const Vec3 warp = flat[1] - flat[0], weft = flat[columns] - flat[0];
   for (std::size_t n = 0; n < flat.size(); ++n) {
-    const long i = std::lround((readDouble(entry("nodes.x"), n) - flat[0].x()) / dx),
-               j = std::lround((readDouble(entry("nodes.y"), n) - flat[0].y()) / dy);
+    const Vec3 node(readDouble(entry("nodes.x"), n), readDouble(entry("nodes.y"), n),
+                    readDouble(entry("nodes.z"), n));
+    const long i = std::lround((node - flat[0]).dot(warp) / warp.squaredNorm()),
+               j = std::lround((node - flat[0]).dot(weft) / weft.squaredNorm());
     particle.push_back(static_cast<int>(j * columns + i));
   }
   const auto set = [&](const std::string& particles, const std::string& nodes, const ByParticle& value) {
