@@ -279,7 +279,8 @@ void PairFinder::findGroups() {
   for (int first = 0, count = static_cast<int>(sorted_.size()); first < count;) {
     const Candidate& nearest = sorted_[first];
     int end = first + 1;
-    while (end < count && sorted_[end].nodes[0] == nearest.nodes[0] && sorted_[end].side == nearest.side) ++end;
+    while (end < count && sorted_[end].nodes[0] == nearest.nodes[0] && sorted_[end].side == nearest.side)
+      ++end;
     groups_.push_back({first, end - first, nearest.distance - nearest.range});
     first = end;
   }
