@@ -104,7 +104,7 @@ class ProbeSession {
 
   // Solver's thread.
   bool closed_ = false;
-  int cloth_ = 0;             ///< see ProbeSnapshot
+  int cloth_ = 0;                      ///< see ProbeSnapshot
   DeviceSample step_device_;           ///< of the current step
   Vec3 step_velocity_ = Vec3::Zero();  ///< of the device in that step, in simulated time [m/s]
   std::unique_ptr<ProbeTracker> tracker_;

@@ -29,7 +29,7 @@ struct ProbeSnapshot {
   Vec3 torque = Vec3::Zero();     ///< on the probe about its proxy at that solve [N·m]
   bool contact = false;
   bool holds = false;  ///< the probe holds cloth
-  int cloth = 0;  ///< number of restarts of the probe: jumps, resets, loaded states
+  int cloth = 0;       ///< number of restarts of the probe: jumps, resets, loaded states
 };
 
 /// A device pose as received.

@@ -104,8 +104,8 @@ TEST(TautCloth, IsAsStiffWithLaterSteps) {
   constexpr double kTaut = 1.5, kMeasured = 1.7, kEnd = 2.7;  // [s]
   Scene scene = fold();
   scene.cloth.pins = {{0, 0, 0, 48}};
-  scene.probes[0].path = {{0.0, {0.094, 0, 0.085}},  {0.5, {0.094, 0, 0.059}}, {0.7, {0.094, 0, 0.056}},
-                          {1.0, {0.094, 0, 0.056}},  {1.3, {0.090, 0, 0.075}}, {kTaut, {0.097, 0, 0.075}}};
+  scene.probes[0].path = {{0.0, {0.094, 0, 0.085}}, {0.5, {0.094, 0, 0.059}}, {0.7, {0.094, 0, 0.056}},
+                          {1.0, {0.094, 0, 0.056}}, {1.3, {0.090, 0, 0.075}}, {kTaut, {0.097, 0, 0.075}}};
   for (double t = kTaut + 0.005; t < kEnd + 0.01; t += 0.005) {
     const double pull = 0.0063 * std::sin(2.0 * EIGEN_PI * 5.0 * (t - kTaut));
     scene.probes[0].path.push_back({t, {0.097 + pull, 0, 0.075}});
