@@ -30,10 +30,10 @@ Solver late(int ticks) {
   return {"Late" + std::to_string(ticks), [=](int) { return ticks * kTick; }, false};
 }
 
-/// Steps of 1 ms, but each fiftieth is interrupted.
-Solver stalled(int ticks) {
+/// Steps that take a tick, but one of `steps` is interrupted.
+Solver stalled(int ticks, int steps) {
   return {"Stalled" + std::to_string(ticks),
-          [=](int step) { return step % 50 == 49 ? ticks * kTick : kTick; }};
+          [=](int step) { return step % steps == steps - 1 ? ticks * kTick : kTick; }};
 }
 
 Scene fold() {
@@ -85,7 +85,7 @@ class LateSolver : public testing::TestWithParam<Solver> {};
 
 // A corner is taken from a table, lifted and carried. In a tick light cloth may add 5 % of max_force to the
 // force of the newest solve (coupling_model.h). As much again is left for that solve: after a late step the
-// hand in it is up to twice as fast. Without a model of what is held these hands felt 0.4 to 1.0 N.
+// hand in it is up to twice as fast. Without a model of what is held these hands felt 0.5 to 1.1 N.
 TEST_P(LateSolver, LetsLiftedClothStayLight) {
   constexpr double kLifted = 1.05, kEnd = 3.3;  // [s]
   const double exact = largest(felt(fold(), late(1), kEnd), kLifted);
@@ -95,7 +95,8 @@ TEST_P(LateSolver, LetsLiftedClothStayLight) {
   EXPECT_LT(force, tolerance(exact + 2.0 * 0.05 * HapticOptions().max_force));
 }
 
-INSTANTIATE_TEST_SUITE_P(Steps, LateSolver, testing::Values(late(30), late(60), stalled(50), stalled(90)),
+INSTANTIATE_TEST_SUITE_P(Steps, LateSolver,
+                         testing::Values(late(30), late(60), stalled(50, 20), stalled(90, 50)),
                          [](const auto& info) { return info.param.name; });
 
 // Cloth that is pinned at one side and pulled at the other, by 6.3 mm at 5 Hz, a speed of 0.2 m/s. Criterion:
