@@ -42,7 +42,8 @@ class ProbeSession {
 
   /// Hands the newest pose, grasp and coupling to the simulation, just before step(). Without a pose
   /// for HapticOptions::probe_timeout the probe leaves the scene; if the device jumps (isJump()),
-  /// the probe lets go and enters the scene again at the new place.
+  /// the probe lets go and enters the scene again at the new place. A hand that holds cloth moves at
+  /// most twice as fast in simulated time as it did; it catches up in later steps.
   /// @param length of the step, as for Simulation::step()
   void beforeStep(Simulation& simulation, double now, int length = 1);
 
@@ -86,6 +87,7 @@ class ProbeSession {
 
  private:
   void takeDevice(Simulation& simulation, double timeout, double time_step, double now);
+  DeviceSample catchingUp(const DeviceSample& newest, double time_step) const;
   void leave(Simulation& simulation);
   void open(Simulation& simulation);
 
@@ -102,8 +104,9 @@ class ProbeSession {
 
   // Solver's thread.
   bool closed_ = false;
-  int cloth_ = 0;             ///< see ProbeSnapshot
-  DeviceSample step_device_;  ///< of the current step
+  int cloth_ = 0;                      ///< see ProbeSnapshot
+  DeviceSample step_device_;           ///< of the current step
+  Vec3 step_velocity_ = Vec3::Zero();  ///< of the device in that step, in simulated time [m/s]
   std::unique_ptr<ProbeTracker> tracker_;
   std::unique_ptr<StepInterval> step_interval_;
 };

@@ -20,7 +20,7 @@ struct Wrench {
 /// Result of a step for the haptic thread. All times are on one steady clock [s].
 struct ProbeSnapshot {
   double taken = -1.0;            ///< when the snapshot was published; < 0: none yet
-  double device_received = -1.0;  ///< receipt time of the device pose it was solved for
+  double device_received = -1.0;  ///< when the device was where it was solved for
   Vec3 device = Vec3::Zero();     ///< [m]
   Vec3 proxy = Vec3::Zero();      ///< [m]
   Vec3 drift = Vec3::Zero();      ///< of the proxy where the device stands, in wall-clock time [m/s]
@@ -28,7 +28,8 @@ struct ProbeSnapshot {
   Vec3 force = Vec3::Zero();      ///< on the probe at that solve [N]
   Vec3 torque = Vec3::Zero();     ///< on the probe about its proxy at that solve [N·m]
   bool contact = false;
-  int cloth = 0;  ///< number of restarts of the probe: jumps, resets, loaded states
+  bool holds = false;  ///< the probe holds cloth
+  int cloth = 0;       ///< number of restarts of the probe: jumps, resets, loaded states
 };
 
 /// A device pose as received.

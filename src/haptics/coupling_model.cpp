@@ -22,6 +22,10 @@ constexpr double kLeastHold = 0.05;
 /// A force below this share of the largest says little about where it acts [-].
 constexpr double kTellingForce = 0.05;
 
+/// Change of the force since the solve, over the largest force, that a probe with cloth in its grasp always
+/// shows [-].
+constexpr double kFreeChange = 0.05;
+
 struct ProxyNow {
   Vec3 position, velocity;
 };
@@ -40,8 +44,11 @@ ProxyNow proxyFor(const DeviceSample& device, const ProbeSnapshot& snapshot) {
 
 Vec3 couplingForce(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot) {
   const ProxyNow proxy = proxyFor(device, snapshot);
-  return options.coupling_stiffness * (proxy.position - device.position) +
-         options.coupling_damping * (proxy.velocity - device.velocity);
+  const Vec3 force = options.coupling_stiffness * (proxy.position - device.position) +
+                     options.coupling_damping * (proxy.velocity - device.velocity);
+  if (!snapshot.holds) return force;
+  const Vec3 solved = options.coupling_stiffness * (snapshot.proxy - snapshot.device);
+  return solved + limited(force - solved, std::max(solved.norm(), kFreeChange * options.max_force));
 }
 
 Wrench couplingWrench(const HapticOptions& options, const DeviceSample& device,

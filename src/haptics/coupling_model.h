@@ -6,7 +6,9 @@
 namespace haptic_cloth {
 
 /// Force of the coupling [N] for any pose, from one snapshot. The proxy follows the motion of the
-/// device since the snapshot by `follow`, and its own drift fades.
+/// device since the snapshot by `follow`, and its own drift fades. If the probe holds cloth, the force
+/// changes by no more than its size at the solve, or 5 % of max_force if that is more: cloth that hangs
+/// from the hand gives too little force to tell how it answers a longer move.
 Vec3 couplingForce(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot);
 
 /// couplingForce() with its torque about the probe's origin. The change of the force since the

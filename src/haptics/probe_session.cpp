@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/haptic_session.h"
 #include "haptics/probe_tracker.h"
@@ -14,6 +16,13 @@ HapticOptions coupledAs(const Scene& scene, int probe, HapticOptions options) {
   options.coupling_stiffness = scene.probes[probe].coupling_stiffness;
   options.coupling_damping = scene.probes[probe].coupling_damping;
   return options;
+}
+
+/// Place of the proxy where spring and damper of the coupling balance the cloth's force on the probe [m]. A
+/// solve that was cut short leaves a proxy that carries cloth farther behind its device.
+Vec3 balancedProxy(const HapticOptions& options, const ProbeReport& probe, const Vec3& device_velocity) {
+  const Vec3 spring = probe.force - options.coupling_damping * (probe.velocity - device_velocity);
+  return probe.device + spring / options.coupling_stiffness;
 }
 
 }  // namespace
@@ -41,15 +50,18 @@ void ProbeSession::beforeStep(Simulation& simulation, double now, int length) {
 }
 
 void ProbeSession::takeDevice(Simulation& simulation, double timeout, double time_step, double now) {
-  const DeviceSample& device = device_for_solver_.read();
-  const bool fresh = device.received >= 0.0 && now - device.received <= timeout;
-  const double elapsed = device.received - step_device_.received;
-  if (present_ && isJump((device.position - step_device_.position).norm(), elapsed)) leave(simulation);
+  const DeviceSample& newest = device_for_solver_.read();
+  const bool fresh = newest.received >= 0.0 && now - newest.received <= timeout;
+  const double since = newest.received - step_device_.received;
+  if (present_ && isJump((newest.position - step_device_.position).norm(), since)) leave(simulation);
+  const DeviceSample device = catchingUp(newest, time_step);
   if (fresh) {
+    const double elapsed = device.received - step_device_.received;
     // By the moves between steps: without a filter's lag the damper feels no more than what the
     // proxy does not follow, and in slow motion the hand is as fast as it is in simulated time.
     const Vec3 moved = present_ ? Vec3(device.position - step_device_.position) : Vec3(Vec3::Zero());
-    simulation.setDevice(number_, {device.position, moved / time_step, device.orientation, elapsed});
+    step_velocity_ = moved / time_step;
+    simulation.setDevice(number_, {device.position, step_velocity_, device.orientation, elapsed});
     closed_ = grasp_wanted_;
     simulation.setGrasp(number_, closed_);
   } else {
@@ -59,6 +71,22 @@ void ProbeSession::takeDevice(Simulation& simulation, double timeout, double tim
   }
   present_ = fresh;
   step_device_ = device;
+}
+
+/// The newest pose or, if the probe holds cloth, one on the way to it. After a late step the hand has moved
+/// far; in one short step it would tear the cloth along at many times its speed.
+DeviceSample ProbeSession::catchingUp(const DeviceSample& newest, double time_step) const {
+  constexpr double kFastest = 2.0;  // as a pin that was stopped [-]
+  constexpr double kMostLag = 0.1;  // as the solver's: then time is given up [s]
+  const double lag = newest.received - step_device_.received;
+  const double made = std::max(kFastest * time_step, lag - kMostLag);
+  if (grasp_ != GraspState::Holding || made >= lag) return newest;
+  const double share = made / lag;
+  DeviceSample device = step_device_;
+  device.received += made;
+  device.position += share * (newest.position - device.position);
+  device.orientation = device.orientation.slerp(share, newest.orientation);
+  return device;
 }
 
 /// Takes the probe away from where it was. The learned behaviour of the cloth there is worth
@@ -80,7 +108,8 @@ void ProbeSession::open(Simulation& simulation) {
 }
 
 void ProbeSession::afterStep(const Simulation& simulation, double now) {
-  const ProbeReport report = simulation.probe(number_);
+  ProbeReport report = simulation.probe(number_);
+  if (report.grasps) report.proxy = balancedProxy(options_for_solver_.read(), report, step_velocity_);
   ProbeSnapshot snapshot = tracker_->update(report, step_device_, step_interval_->seconds(), now);
   snapshot.cloth = cloth_;
   snapshot_.write(snapshot);

@@ -24,6 +24,7 @@ ProbeSnapshot ProbeTracker::update(const ProbeReport& probe, const DeviceSample&
   snapshot.force = probe.force;
   snapshot.torque = probe.torque;
   snapshot.contact = probe.present && probe.contact;
+  snapshot.holds = probe.grasps;
   if (!snapshot.contact || !known_) {
     follow_.setIdentity();
     drift_.setZero();

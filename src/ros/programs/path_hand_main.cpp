@@ -36,16 +36,22 @@ class ClothClock {
     heard_ = cloth_time;
     when_ = now;
   }
-  /// Estimated time. It never decreases and is at most 0.1 s ahead of the last message.
+  /// Estimated time. It never decreases, is at most 0.1 s ahead of the last message, and runs at most twice
+  /// as fast as real time: a hand does not jump because messages were late.
   double read() {
-    const double ahead = std::min(haptic_cloth::steadyNow() - when_, kAhead);
-    time_ = std::max(time_, heard_ + real_time_factor_ * ahead);
+    const double now = haptic_cloth::steadyNow();
+    const double ahead = std::min(now - when_, kAhead);
+    const double estimate = heard_ + real_time_factor_ * ahead;
+    if (read_ > 0.0) time_ = std::clamp(estimate, time_, time_ + kFastest * (now - read_));
+    read_ = now;
     return time_;
   }
 
  private:
-  static constexpr double kAhead = 0.1;  ///< [s]
+  static constexpr double kAhead = 0.1;    ///< [s]
+  static constexpr double kFastest = 2.0;  ///< [-]
   double heard_ = 0.0, when_ = 0.0, real_time_factor_ = 0.0, time_ = 0.0;
+  double read_ = 0.0;  ///< when read() was called last [s]
 };
 
 /// Separates states of the restarted cloth from states sent before its reset. It uses the cloth's

@@ -175,6 +175,26 @@ TEST_F(HapticSessionTest, LetsGoInAPause) {
   EXPECT_EQ(session_.grasp(), GraspState::Closed);  // with nothing in it
 }
 
+TEST_F(HapticSessionTest, AHandThatHoldsClothCatchesUpAtTwiceItsSpeed) {
+  session_.setGrasp(true);
+  press();
+  ASSERT_EQ(session_.grasp(), GraspState::Holding);
+  // The solver misses 50 ms, in which the hand lifts the cloth by 5 mm.
+  const double start = probe().device.z(), moved = 1e-4;
+  for (int k = 1; k <= 50; ++k) tick(Vec3(0.0, 0.0, start + k * moved));
+  for (int k = 1; k <= 60; ++k) {
+    // Hand and solver go on: after k steps the solver's hand has made the way of 2 k ticks.
+    step();
+    EXPECT_NEAR(probe().device.z() - start, std::min(2 * k, 49 + k) * moved, kRoundOff) << k;
+    tick(Vec3(0.0, 0.0, start + (50 + k) * moved));
+  }
+  // It stays at most 0.1 s behind: of 0.4 s the first 0.3 s are made at once.
+  const double later = probe().device.z(), far = 0.004;
+  for (int k = 1; k < 400; ++k) tick(Vec3(0.0, 0.0, later + far));
+  step();
+  EXPECT_NEAR(probe().device.z() - later, 0.75 * far, kRoundOff);
+}
+
 TEST_F(HapticSessionTest, TakesOtherOptionsWhileItRuns) {
   press();
   HapticOptions other = session_.options();

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -103,6 +104,22 @@ TEST(HapticLoop, TheProxyFollowsTheDeviceAsTheClothLetsIt) {
   const Vec3 force = loop.tick(deviceAt(Vec3(0.002, 0, -0.001), 1.001), snapshot, false, 1.001);
   EXPECT_NEAR(force.x(), 0.0, kRoundOff);
   EXPECT_NEAR(force.z(), 400.0 * (0.004 + 0.75 * 0.001), kRoundOff);
+}
+
+TEST(HapticLoop, ClothInTheHandAddsAtMostItsOwnForce) {
+  // A hand moves on by 20 mm from a solve in which nothing followed: 8 N more by the coupling. Bounds of
+  // coupling_model.h: the force of the solve, or 5 % of max_force.
+  HapticOptions options = bareOptions();
+  options.max_force = 10.0;
+  const Vec3 moved(0.02, 0.0, 0.0);
+  for (const double solved : {0.1, 2.0}) {
+    ProbeSnapshot snapshot = contactAt(Vec3(-solved / 400.0, 0.0, 0.0), 1.0);
+    HapticLoop touching(options), holding(options);
+    EXPECT_NEAR(touching.tick(deviceAt(moved, 1.0), snapshot, false, 1.0).x(), -(solved + 8.0), kRoundOff);
+    snapshot.holds = true;
+    EXPECT_NEAR(holding.tick(deviceAt(moved, 1.0), snapshot, false, 1.0).x(),
+                -(solved + std::max(solved, 0.05 * 10.0)), kRoundOff);
+  }
 }
 
 TEST(HapticLoop, ANewSnapshotIsBlendedIn) {
