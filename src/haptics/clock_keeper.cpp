@@ -9,6 +9,9 @@ namespace {
 constexpr double kLongestLag = 0.1;  ///< [s]
 /// Time in which the lag must fall by a time step, or the rung is too slow [s].
 constexpr double kPatience = 0.03;
+/// Share of wall time that is lost at a rung that is far too slow: the next but one takes at least 1.7 times
+/// less time, but less than three times (quality_ladder.cpp).
+constexpr double kMuch = 0.5;
 /// Load below which a better rung is tried: one costs up to 1.7 times the next (quality_ladder.cpp), and a
 /// sixth is left for what varies.
 constexpr double kRoom = 0.5;
@@ -58,10 +61,11 @@ void ClockKeeper::chooseRung(double lag, double now) {
   behind_ = lag > std::min(longest_[rung_] * h_, 0.5 * kLongestLag);
   roomy_ = rung_ > 0 && !behind_ && load_ * std::pow(longest_[rung_ - 1], kGrowth - 1.0) < kRoom;
   if (behind_ && (!was_behind || now - behind_since_ >= kPatience)) {
-    const bool falls = !was_behind || lag <= behind_lag_ - h_;
+    const double grown = slipped_ + lag - behind_by_, within = now - behind_since_;
     behind_since_ = now;
-    behind_lag_ = lag;
-    if (!falls && rung_ + 1 < static_cast<int>(longest_.size())) fall(now);
+    behind_by_ = slipped_ + lag;
+    const int rungs = !was_behind || grown <= -h_ ? 0 : grown <= kMuch * within ? 1 : 2;
+    for (int k = 0; k < rungs && rung_ + 1 < static_cast<int>(longest_.size()); ++k) fall(now);
   }
   if (roomy_ && !had_room) roomy_since_ = now;
   if (roomy_ && now - roomy_since_ >= waits_[rung_ - 1]) rise(now);
