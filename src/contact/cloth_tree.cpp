@@ -171,8 +171,9 @@ bool ClothTree::isSmooth(const std::array<int, 4>& parts, int count) {
     tangents.add(tangents_[parts[k]]);
     rough = rough || rough_[parts[k]];
   }
+  if (rough) return false;
   const Axes axes = axesOf(tangents);
-  if (rough || !isSmooth(tangents, axes, kSmooth)) return false;
+  if (!isSmooth(tangents, axes, kSmooth)) return false;
   smooth_.push_back({parts, count, axes});
   return true;
 }
@@ -193,8 +194,25 @@ bool ClothTree::isSmoothTogether(int a, int b) {
   return isSmooth(parts, count);
 }
 
-bool ClothTree::staysSmooth(const ActiveMesh& mesh, const Field& nodes) {
-  fitTangents(mesh, nodes, tangents_after_);
+/// Largest change of a tangent [-].
+double ClothTree::largestTurn(const ActiveMesh& mesh, const Field& start, const Field& end) const {
+  double warp = 0.0, weft = 0.0;  // squared [finest spacings²]
+  for (const Patch& patch : mesh.patches) {
+    const auto moved = [&](int corner) {
+      return Vec3(end[patch.nodes[corner]] - start[patch.nodes[corner]]);
+    };
+    const Vec3 d[] = {moved(0), moved(1), moved(2), moved(3)};
+    const double scale = 1.0 / (patch.cell.span() * patch.cell.span());
+    warp = std::max(warp, scale * std::max((d[1] - d[0]).squaredNorm(), (d[3] - d[2]).squaredNorm()));
+    weft = std::max(weft, scale * std::max((d[2] - d[0]).squaredNorm(), (d[3] - d[1]).squaredNorm()));
+  }
+  return std::max(std::sqrt(warp) / grid_.dx, std::sqrt(weft) / grid_.dy);
+}
+
+/// If no tangent changes by more than δ, no λ falls by more than √2 δ, the norm of the change of (t_i · e_j).
+bool ClothTree::staysSmooth(const ActiveMesh& mesh, const Field& start, const Field& end) {
+  if (largestTurn(mesh, start, end) < (kSmooth - kStillSmooth) / std::sqrt(2.0)) return true;
+  fitTangents(mesh, end, tangents_after_);
   bool all = true;
   for (const Smooth& smooth : smooth_) {
     Tangents tangents = tangents_after_[smooth.parts[0]];

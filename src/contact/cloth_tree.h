@@ -52,10 +52,10 @@ class ClothTree {
     return allTouching(top_, cell, margin, visit);
   }
 
-  /// Tells whether the rectangles that forNear() took as smooth are still so at these positions [m],
-  /// and were so on the way there in a straight line. Those that were not count as rough, so not as
-  /// smooth, until forgetRough().
-  bool staysSmooth(const ActiveMesh& mesh, const Field& nodes);
+  /// Tells whether the rectangles that forNear() took as smooth are still so at the end of a straight way,
+  /// and were so on it. Those that were not count as rough, so not as smooth, until forgetRough().
+  /// @param start positions for which fit() was called [m]
+  bool staysSmooth(const ActiveMesh& mesh, const Field& start, const Field& end);
   void forgetRough() { rough_.assign(parts_.size(), 0); }
 
  private:
@@ -97,6 +97,7 @@ class ClothTree {
   template <class Value>
   void unite(std::vector<Value>& values) const;
   void fitTangents(const ActiveMesh& mesh, const Field& nodes, std::vector<Tangents>& tangents) const;
+  double largestTurn(const ActiveMesh& mesh, const Field& start, const Field& end) const;
   bool isSmooth(const std::array<int, 4>& parts, int count);
   /// Tells whether two parts of one level have a common corner.
   bool isBeside(int a, int b) const {

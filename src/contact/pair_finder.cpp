@@ -142,13 +142,13 @@ void PairFinder::search(const ActiveMesh& mesh, const Field& nodes, const Reach&
 
 bool PairFinder::mayMeetUnlisted(const ActiveMesh& mesh, const Field& start, const Field& end, bool deviates,
                                  const std::vector<PairPack>& packs) {
-  if (tree_.staysSmooth(mesh, end) && !deviates) return false;
+  if (tree_.staysSmooth(mesh, start, end) && !deviates) return false;
   motion_.resize(mesh.nodes());
   for (int n = 0; n < mesh.nodes(); ++n) motion_.set(n, end[n] - start[n]);
   none_.assign(mesh.nodes(), 0.0);
   do {  // parts of what was rough may seem smooth at the start
     search(mesh, start, {motion_, none_}, 0.0);
-  } while (!tree_.staysSmooth(mesh, end));
+  } while (!tree_.staysSmooth(mesh, start, end));
   if (nodes_.empty() && lines_.empty()) return false;
   listed_.clear();
   for (const PairPack& pack : packs) {
