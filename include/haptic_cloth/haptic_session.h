@@ -42,8 +42,9 @@ class ProbeSession {
 
   /// Hands the newest pose, grasp and coupling to the simulation, just before step(). Without a pose
   /// for HapticOptions::probe_timeout the probe leaves the scene; if the device jumps (isJump()),
-  /// the probe lets go and enters the scene again at the new place. A hand that holds cloth moves at
-  /// most twice as fast in simulated time as it did; it catches up in later steps.
+  /// the probe lets go and enters the scene again at the new place. After a late step a hand that
+  /// holds cloth moves at most twice as fast as it did and catches up in later steps; what it lags behind by
+  /// more than 0.1 s is made up at once.
   /// @param length of the step, as for Simulation::step()
   void beforeStep(Simulation& simulation, double now, int length = 1);
 
@@ -87,7 +88,7 @@ class ProbeSession {
 
  private:
   void takeDevice(Simulation& simulation, double timeout, double time_step, double now);
-  DeviceSample catchingUp(const DeviceSample& newest, double time_step) const;
+  DeviceSample catchingUp(const DeviceSample& newest) const;
   void leave(Simulation& simulation);
   void open(Simulation& simulation);
 
@@ -105,6 +106,7 @@ class ProbeSession {
   // Solver's thread.
   bool closed_ = false;
   int cloth_ = 0;                      ///< see ProbeSnapshot
+  DeviceSample newest_device_;         ///< received before the current step
   DeviceSample step_device_;           ///< of the current step
   Vec3 step_velocity_ = Vec3::Zero();  ///< of the device in that step, in simulated time [m/s]
   std::unique_ptr<ProbeTracker> tracker_;

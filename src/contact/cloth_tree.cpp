@@ -196,7 +196,7 @@ bool ClothTree::isSmoothTogether(int a, int b) {
 
 /// Largest change of a tangent [-].
 double ClothTree::largestTurn(const ActiveMesh& mesh, const Field& start, const Field& end) const {
-  double warp = 0.0, weft = 0.0;  // squared [finest spacings²]
+  double warp = 0.0, weft = 0.0;  // squared, for a cell of the finest spacing [m²]
   for (const Patch& patch : mesh.patches) {
     const auto moved = [&](int corner) {
       return Vec3(end[patch.nodes[corner]] - start[patch.nodes[corner]]);

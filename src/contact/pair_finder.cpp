@@ -273,7 +273,8 @@ void PairFinder::sortByNode(int nodes) {
 }
 
 /// Finds the groups. Those that press at the start of the step come first: only their packs are evaluated
-/// in most steps of the solve. Groups of one size fill stacks best.
+/// in most steps of the solve, and groups of one size fill their stacks best. The others come by what they
+/// are out of range, because a stack is evaluated as soon as one of its groups may press.
 void PairFinder::findGroups() {
   groups_.clear();
   for (int first = 0, count = static_cast<int>(sorted_.size()); first < count;) {

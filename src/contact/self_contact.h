@@ -140,7 +140,7 @@ class SelfContact {
     }
   }
 
-  /// Calls visit(pack, lane) for all lanes of all stacks, with the first pack of each.
+  /// Calls visit(p, lane) for all lanes of all stacks; p is the index of the first pack.
   template <class Visit>
   void forStacks(const Visit& visit) const {
     for (int p = 0; p < static_cast<int>(packs_.size()); p += bounds_[p].stack) {

@@ -61,7 +61,9 @@ void AdmittanceLoop::tick(const ForceSample& hand, const ProbeSnapshot& snapshot
   if (fresh) device_.received = now;
   DeviceSample here = device_;
   here.received = now;  // the tool is where it is, whatever the hand says
-  reaction_ = cloth_.tick(here, snapshot, paused || !fresh, now);
+  ProbeSnapshot unlimited = snapshot;
+  unlimited.holds = false;  // a tool with cloth in its grasp meets all of the force
+  reaction_ = cloth_.tick(here, unlimited, paused || !fresh, now);
   status_ = fresh || paused ? cloth_.status() : hand_status;
 
   if (status_ == HapticStatus::Free || status_ == HapticStatus::Contact) {

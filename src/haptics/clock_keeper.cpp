@@ -9,8 +9,8 @@ namespace {
 constexpr double kLongestLag = 0.1;  ///< [s]
 /// Time in which the lag must fall by a time step, or the rung is too slow [s].
 constexpr double kPatience = 0.03;
-/// Share of wall time that is lost at a rung that is far too slow: the next but one takes at least 1.7 times
-/// less time, but less than three times (quality_ladder.cpp).
+/// Share of wall time that is lost at a rung that is far too slow: on a drape a rung costs 1.1 to 1.8 times
+/// as much as the next (quality_ladder.cpp), so two rungs hardly ever catch up more than that.
 constexpr double kMuch = 0.5;
 /// Load below which a better rung is tried: one costs up to 1.7 times the next (quality_ladder.cpp), and a
 /// sixth is left for what varies.
@@ -61,12 +61,15 @@ void ClockKeeper::chooseRung(double lag, double now) {
   behind_ = lag > std::min(longest_[rung_] * h_, 0.5 * kLongestLag);
   roomy_ = rung_ > 0 && !behind_ && load_ * std::pow(longest_[rung_ - 1], kGrowth - 1.0) < kRoom;
   if (behind_ && (!was_behind || now - behind_since_ >= kPatience)) {
-    const double grown = slipped_ + lag - behind_by_, within = now - behind_since_;
+    const double grown = slipped_ + lag - behind_by_;
+    const bool far_too_slow = grown > kMuch * (now - behind_since_) && behind_steps_ > 1 && !risen_;
+    const int rungs = !was_behind || grown <= -h_ ? 0 : far_too_slow ? 2 : 1;
     behind_since_ = now;
     behind_by_ = slipped_ + lag;
-    const int rungs = !was_behind || grown <= -h_ ? 0 : grown <= kMuch * within ? 1 : 2;
+    behind_steps_ = 0;
     for (int k = 0; k < rungs && rung_ + 1 < static_cast<int>(longest_.size()); ++k) fall(now);
   }
+  ++behind_steps_;
   if (roomy_ && !had_room) roomy_since_ = now;
   if (roomy_ && now - roomy_since_ >= waits_[rung_ - 1]) rise(now);
 }

@@ -11,9 +11,9 @@ namespace haptic_cloth {
 /// step before. From step to step it changes by at most a factor of two.
 ///
 /// Rung (qualityLadder()): down by one if the longest steps do not catch up within 30 ms, by two if simulated
-/// time went less than half as fast as wall time. Up by one if steps as long as the better rung's would take
-/// less than half of the time at the present rung, for 0.5 s. If the better rung proves too slow, the next
-/// attempt at it waits twice as long, up to 30 s.
+/// time went less than half as fast as wall time in more than one step, unless the rung is being tried. Up by
+/// one if steps as long as the better rung's would take less than half of the time at the present rung, for
+/// 0.5 s. If the better rung proves too slow, the next attempt at it waits twice as long, up to 30 s.
 ///
 /// Lag beyond 0.1 s is given up: simulated time slips.
 class ClockKeeper {
@@ -62,6 +62,7 @@ class ClockKeeper {
   bool behind_ = false;        ///< a step of the longest length would not catch up
   double behind_since_ = 0.0;  ///< start of an interval in which that is so [s]
   double behind_by_ = 0.0;     ///< lag at that time and what had slipped [s]
+  int behind_steps_ = 0;       ///< steps since that time
   bool roomy_ = false;         ///< the load leaves room for a better rung
   double roomy_since_ = 0.0;   ///< [s]
   bool risen_ = false;         ///< the last change was a rise, whose success is not known

@@ -52,9 +52,9 @@ void ProbeSession::beforeStep(Simulation& simulation, double now, int length) {
 void ProbeSession::takeDevice(Simulation& simulation, double timeout, double time_step, double now) {
   const DeviceSample& newest = device_for_solver_.read();
   const bool fresh = newest.received >= 0.0 && now - newest.received <= timeout;
-  const double since = newest.received - step_device_.received;
-  if (present_ && isJump((newest.position - step_device_.position).norm(), since)) leave(simulation);
-  const DeviceSample device = catchingUp(newest, time_step);
+  const double since = newest.received - newest_device_.received;
+  if (present_ && isJump((newest.position - newest_device_.position).norm(), since)) leave(simulation);
+  const DeviceSample device = catchingUp(newest);
   if (fresh) {
     const double elapsed = device.received - step_device_.received;
     // By the moves between steps: without a filter's lag the damper feels no more than what the
@@ -70,16 +70,17 @@ void ProbeSession::takeDevice(Simulation& simulation, double timeout, double tim
     if (present_) simulation.removeDevice(number_);
   }
   present_ = fresh;
+  newest_device_ = newest;
   step_device_ = device;
 }
 
 /// The newest pose or, if the probe holds cloth, one on the way to it. After a late step the hand has moved
 /// far; in one short step it would tear the cloth along at many times its speed.
-DeviceSample ProbeSession::catchingUp(const DeviceSample& newest, double time_step) const {
+DeviceSample ProbeSession::catchingUp(const DeviceSample& newest) const {
   constexpr double kFastest = 2.0;  // as a pin that was stopped [-]
   constexpr double kMostLag = 0.1;  // as the solver's: then time is given up [s]
   const double lag = newest.received - step_device_.received;
-  const double made = std::max(kFastest * time_step, lag - kMostLag);
+  const double made = std::max(kFastest * step_interval_->steadySeconds(), lag - kMostLag);
   if (grasp_ != GraspState::Holding || made >= lag) return newest;
   const double share = made / lag;
   DeviceSample device = step_device_;
@@ -109,7 +110,8 @@ void ProbeSession::open(Simulation& simulation) {
 
 void ProbeSession::afterStep(const Simulation& simulation, double now) {
   ProbeReport report = simulation.probe(number_);
-  if (report.grasps) report.proxy = balancedProxy(options_for_solver_.read(), report, step_velocity_);
+  if (report.grasps && report.contact)
+    report.proxy = balancedProxy(options_for_solver_.read(), report, step_velocity_);
   ProbeSnapshot snapshot = tracker_->update(report, step_device_, step_interval_->seconds(), now);
   snapshot.cloth = cloth_;
   snapshot_.write(snapshot);

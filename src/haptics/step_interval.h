@@ -14,7 +14,12 @@ class StepInterval {
   /// @param time_step simulated time of the step [s]: no step is counted as shorter
   /// @param pause longer times between two starts do not count [s]
   void begin(double now, double time_step, double pause) {
-    if (now - last_start_ <= pause) slowness_ += kSmoothing * ((now - last_start_) / time_step_ - slowness_);
+    if (now - last_start_ <= pause) {
+      const double newest = (now - last_start_) / time_step_;
+      slowness_ += kSmoothing * (newest - slowness_);
+      steady_ = std::max(1.0, std::min(newest, newest_));
+      newest_ = newest;
+    }
     slowness_ = std::max(slowness_, 1.0);
     time_step_ = time_step;
     last_start_ = now;
@@ -25,9 +30,14 @@ class StepInterval {
 
   double seconds() const { return slowness_ * time_step_; }  ///< [s]; 0 before the first step
 
+  /// As seconds(), with the lesser slowness of the last two steps instead of the mean: one late step does not
+  /// count [s].
+  double steadySeconds() const { return steady_ * time_step_; }
+
  private:
   static constexpr double kSmoothing = 0.1;  ///< weight of the newest step [-]
   double slowness_ = 1.0;                    ///< wall-clock over simulated time [-]
+  double newest_ = 1.0, steady_ = 1.0;       ///< the same of the last step, and the lesser of the last two
   double time_step_ = 0.0;                   ///< of the current step [s]
   double last_start_ = -1e30;                ///< steady clock [s]; long ago: none since the start or a pause
 };

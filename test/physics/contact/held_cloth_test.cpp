@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <string>
 #include <vector>
@@ -71,6 +72,7 @@ std::vector<Vec3> felt(const Scene& scene, const Solver& solver, double end) {
     solving = true;
     done = now + duration;
   }
+  EXPECT_EQ(session.grasp(), GraspState::Holding);
   return forces;
 }
 

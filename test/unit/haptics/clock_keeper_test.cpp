@@ -101,15 +101,25 @@ TEST(ClockKeeper, ASlowSolverGivesUpQualityAndKeepsTheClock) {
   }
 }
 
-/// At load 8, steps of 4 ms take 5.3 times their length at rung 0 and 0.89 times at rung 5. Two falls by two
-/// and one by one, each after 30 ms and at most one step of 4 ms, which takes up to 21 ms, lose less than 0.1
-/// s. Five falls by one would lose more.
+/// At load 8, steps of 4 ms take 2.6 times their length at rung 2, 1.3 times at rung 4 and 0.89 times at rung
+/// 5. Two falls by two and one by one, each within 30 ms and a step, lose less than 0.1 s. Five falls by one
+/// would lose more.
 TEST(ClockKeeper, FallsFasterIfFarTooSlow) {
   Loop loop(kLongest, solver(8.0, 0.7));
   loop.run(5.0);
   EXPECT_EQ(loop.rung(), 5);
   EXPECT_EQ(loop.changes(), 3);
   EXPECT_EQ(loop.keeper().slipped(), 0.0);
+}
+
+TEST(ClockKeeper, OneLongStepCostsNoMoreThanOneRung) {
+  // A little behind already, as the first step of 1 ms takes 6 ms; the next takes 60 ms.
+  Loop loop(kLongest, [](int length, int, double now) {
+    return now < 1e-3 ? 6e-3 : now < 0.02 ? 0.06 : 0.5 * kStep * length;
+  });
+  loop.run(0.4);
+  EXPECT_LE(loop.changes(), 1);
+  EXPECT_LE(loop.rung(), 1);
 }
 
 TEST(ClockKeeper, QualityComesBackWhenALoadEnds) {

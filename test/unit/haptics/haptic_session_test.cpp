@@ -195,6 +195,35 @@ TEST_F(HapticSessionTest, AHandThatHoldsClothCatchesUpAtTwiceItsSpeed) {
   EXPECT_NEAR(probe().device.z() - later, 0.75 * far, kRoundOff);
 }
 
+TEST_F(HapticSessionTest, AHandThatHoldsClothInSlowMotionIsNotLate) {
+  session_.setGrasp(true);
+  press();
+  ASSERT_EQ(session_.grasp(), GraspState::Holding);
+  // Each step of 1 ms takes 4 ms. One such step might be a late one; from the second on it is slow motion.
+  double height = probe().device.z();
+  for (int k = 1; k <= 20; ++k) {
+    for (int l = 0; l < 4; ++l) tick(Vec3(0.0, 0.0, height += 1e-4));
+    step();
+    if (k == 1) continue;
+    EXPECT_EQ(probe().device.z(), height) << k;
+  }
+}
+
+TEST_F(HapticSessionTest, AHandThatJumpsWhileItCatchesUpLetsGo) {
+  session_.setGrasp(true);
+  press();
+  ASSERT_EQ(session_.grasp(), GraspState::Holding);
+  const double start = probe().device.z();
+  for (int k = 1; k <= 50; ++k) tick(Vec3(0.0, 0.0, start + k * 1e-4));
+  step();
+  ASSERT_EQ(session_.grasp(), GraspState::Holding);
+  // No hand moves by 0.3 m in the tick since the newest pose; in the 50 ms by which the solver's is late it
+  // might (isJump()).
+  tick(Vec3(0.0, 0.0, start + 0.3));
+  step();
+  EXPECT_EQ(session_.grasp(), GraspState::Open);
+}
+
 TEST_F(HapticSessionTest, TakesOtherOptionsWhileItRuns) {
   press();
   HapticOptions other = session_.options();
