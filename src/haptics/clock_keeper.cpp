@@ -24,8 +24,9 @@ constexpr double kSoon = 2.0;                         ///< a rung that was left 
 
 }  // namespace
 
-void ClockKeeper::setRungs(const std::vector<int>& longest_steps) {
+void ClockKeeper::setRungs(const std::vector<int>& longest_steps, int gentle) {
   longest_ = longest_steps;
+  gentle_ = gentle;
   waits_.assign(longest_.size(), kFirstWait);
   rung_ = std::min(rung_, static_cast<int>(longest_.size()) - 1);
   behind_ = roomy_ = risen_ = false;
@@ -63,7 +64,7 @@ void ClockKeeper::chooseRung(double lag, double now) {
   if (behind_ && (!was_behind || now - behind_since_ >= kPatience)) {
     const double grown = slipped_ + lag - behind_by_;
     const bool far_too_slow = grown > kMuch * (now - behind_since_) && behind_steps_ > 1 && !risen_;
-    const int rungs = !was_behind || grown <= -h_ ? 0 : far_too_slow ? 2 : 1;
+    const int rungs = !was_behind || grown <= -h_ ? 0 : far_too_slow && rung_ + 2 < gentle_ ? 2 : 1;
     behind_since_ = now;
     behind_by_ = slipped_ + lag;
     behind_steps_ = 0;

@@ -10,20 +10,22 @@ namespace haptic_cloth {
 /// Length: a step is as long as simulated time lags behind, up to the limit of the rung in use or half of the
 /// step before. From step to step it changes by at most a factor of two.
 ///
-/// Rung (qualityLadder()): down by one if the longest steps do not catch up within 30 ms, by two if simulated
-/// time went less than half as fast as wall time in more than one step, unless the rung is being tried. Up by
-/// one if steps as long as the better rung's would take less than half of the time at the present rung, for
-/// 0.5 s. If the better rung proves too slow, the next attempt at it waits twice as long, up to 30 s.
+/// Rung (qualityLadder()): down by one if the longest steps do not catch up within 30 ms. By two, to a rung
+/// that costs the force little, if simulated time went less than half as fast as wall time in more than one
+/// step, unless the rung in use is only being tried. Up by one if steps as long as the better rung's would
+/// take less than half of the time at the present rung, for 0.5 s. If the better rung proves too slow, the
+/// next attempt at it waits twice as long, up to 30 s.
 ///
 /// Lag beyond 0.1 s is given up: simulated time slips.
 class ClockKeeper {
  public:
   /// @param time_step unit of the steps' lengths [s]
-  explicit ClockKeeper(double time_step) : h_(time_step) { setRungs({1}); }
+  explicit ClockKeeper(double time_step) : h_(time_step) { setRungs({1}, 1); }
 
   /// Sets the longest step of each rung, in time steps; the first rung is the best. The rung in use stays, or
   /// becomes the last one. Failed attempts are forgotten.
-  void setRungs(const std::vector<int>& longest_steps);
+  /// @param gentle number of the first rungs that cost the force little; only these may be skipped
+  void setRungs(const std::vector<int>& longest_steps, int gentle);
 
   /// Wall time before which the next step must not start [s]. @param now [s]
   double due(double now) const { return due_ < 0.0 ? now : due_; }
@@ -51,6 +53,7 @@ class ClockKeeper {
 
   double h_;
   std::vector<int> longest_;
+  int gentle_ = 1;             ///< number of the first rungs that may be skipped
   std::vector<double> waits_;  ///< time for which there must be room before a rise to each rung [s]
   int rung_ = 0, length_ = 1;
   double due_ = -1.0;  ///< wall time at which simulated time is reached [s]; < 0: unknown

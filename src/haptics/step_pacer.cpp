@@ -19,8 +19,12 @@ class StepPacer::Implementation {
     ladder_ = qualityLadder(solver, adapt, std::max(1, static_cast<int>(longest)));
     if (!options.keep_clock) ladder_.resize(1);
     std::vector<int> longest_steps;
-    for (const Quality& rung : ladder_) longest_steps.push_back(rung.longest_step);
-    clock.setRungs(longest_steps);
+    int gentle = 0;  // rungs with all iterations
+    for (const Quality& rung : ladder_) {
+      longest_steps.push_back(rung.longest_step);
+      if (rung.solver.minimizer.max_iterations == solver.minimizer.max_iterations) ++gentle;
+    }
+    clock.setRungs(longest_steps, gentle);
     air_damping_ = air_damping;
     rung_ = kUnknown;
   }

@@ -23,8 +23,9 @@ using Cost = std::function<double(int length, int rung, double now)>;
 /// A solver that keeps the clock.
 class Loop {
  public:
-  Loop(std::vector<int> longest, Cost cost) : longest_(std::move(longest)), cost_(std::move(cost)) {
-    keeper_.setRungs(longest_);
+  Loop(std::vector<int> longest, Cost cost, int gentle = 9)
+      : longest_(std::move(longest)), cost_(std::move(cost)) {
+    keeper_.setRungs(longest_, gentle);
   }
 
   void run(double seconds) {
@@ -110,6 +111,10 @@ TEST(ClockKeeper, FallsFasterIfFarTooSlow) {
   EXPECT_EQ(loop.rung(), 5);
   EXPECT_EQ(loop.changes(), 3);
   EXPECT_EQ(loop.keeper().slipped(), 0.0);
+  Loop careful(kLongest, solver(8.0, 0.7), 4);  // rungs 4 and 5 cost the force much
+  careful.run(5.0);
+  EXPECT_EQ(careful.rung(), 5);
+  EXPECT_EQ(careful.changes(), 4);
 }
 
 TEST(ClockKeeper, OneLongStepCostsNoMoreThanOneRung) {
