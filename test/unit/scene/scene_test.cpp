@@ -467,12 +467,15 @@ TEST(PathPosition, IsLinearBetweenRowsAndHeldOutside) {
 
 TEST(ShippedScenes, AllLoad) {
   int count = 0;
-  for (const auto& entry : fs::directory_iterator(HAPTIC_CLOTH_SOURCE_DIR "/config/scenes")) {
-    SCOPED_TRACE(entry.path().string());
-    EXPECT_NO_THROW(loadScene(entry.path().string()));
-    ++count;
+  for (const char* folder : {"config", "bench"}) {
+    for (const auto& entry :
+         fs::directory_iterator(HAPTIC_CLOTH_SOURCE_DIR "/" + std::string(folder) + "/scenes")) {
+      SCOPED_TRACE(entry.path().string());
+      EXPECT_NO_THROW(loadScene(entry.path().string()));
+      ++count;
+    }
   }
-  EXPECT_GE(count, 7);
+  EXPECT_GE(count, 7 + 14);
 }
 
 }  // namespace
