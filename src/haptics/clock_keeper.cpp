@@ -6,11 +6,10 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kLongestLag = 0.1;  ///< [s]
 /// Time in which the lag must fall by a time step, or the rung is too slow [s].
 constexpr double kPatience = 0.03;
-/// Share of wall time that is lost at a rung that is far too slow: on a drape a rung costs 1.1 to 1.8 times
-/// as much as the next (quality_ladder.cpp), so two rungs hardly ever catch up more than that.
+/// Share of wall time that is lost at a rung that is far too slow. On a drape one rung makes steps 1.1 to 1.8
+/// times as fast and two make them 1.5 to 2.6 times as fast (quality_ladder.cpp), so one alone would not do.
 constexpr double kMuch = 0.5;
 /// Load below which a better rung is tried: one costs up to 1.7 times the next (quality_ladder.cpp), and a
 /// sixth is left for what varies.

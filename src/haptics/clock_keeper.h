@@ -16,9 +16,11 @@ namespace haptic_cloth {
 /// take less than half of the time at the present rung, for 0.5 s. If the better rung proves too slow, the
 /// next attempt at it waits twice as long, up to 30 s.
 ///
-/// Lag beyond 0.1 s is given up: simulated time slips.
+/// Lag beyond kLongestLag is given up: simulated time slips.
 class ClockKeeper {
  public:
+  static constexpr double kLongestLag = 0.1;  ///< what is more is given up [s]
+
   /// @param time_step unit of the steps' lengths [s]
   explicit ClockKeeper(double time_step) : h_(time_step) { setRungs({1}, 1); }
 

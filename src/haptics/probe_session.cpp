@@ -2,6 +2,7 @@
 
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/haptic_session.h"
+#include "haptics/clock_keeper.h"
 #include "haptics/probe_tracker.h"
 #include "haptics/step_interval.h"
 
@@ -78,9 +79,8 @@ void ProbeSession::takeDevice(Simulation& simulation, double timeout, double tim
 /// far; in one short step it would tear the cloth along at many times its speed.
 DeviceSample ProbeSession::catchingUp(const DeviceSample& newest) const {
   constexpr double kFastest = 2.0;  // as a pin that was stopped [-]
-  constexpr double kMostLag = 0.1;  // as the solver's: then time is given up [s]
   const double lag = newest.received - step_device_.received;
-  const double made = std::max(kFastest * step_interval_->steadySeconds(), lag - kMostLag);
+  const double made = std::max(kFastest * step_interval_->steadySeconds(), lag - ClockKeeper::kLongestLag);
   if (grasp_ != GraspState::Holding || made >= lag) return newest;
   const double share = made / lag;
   DeviceSample device = step_device_;
