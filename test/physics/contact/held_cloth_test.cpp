@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,9 @@ struct Solver {
   std::function<double(int)> duration;  ///< wall-clock time of a step, by its number [s]
   bool keeps_clock = true;              ///< steps as StepPacer plans them; false: as long as they take
 };
+
+/// For messages of gtest.
+void PrintTo(const Solver& solver, std::ostream* out) { *out << solver.name; }
 
 /// Steps that all take so many ticks and are as long, at full quality.
 Solver late(int ticks) {
@@ -95,7 +99,7 @@ class LateSolver : public testing::TestWithParam<Solver> {};
 
 // A corner is taken from a table, lifted and carried. In a tick light cloth may add 5 % of max_force to the
 // force of the newest solve (coupling_model.h). As much again is left for that solve: after a late step the
-// hand in it is up to twice as fast. Without a model of what is held these hands felt 0.5 to 1.1 N.
+// hand in it is up to twice as fast. Without a model of what is held these hands felt 0.5 to 1.2 N.
 TEST_P(LateSolver, LetsLiftedClothStayLight) {
   const double exact = exactly(), force = largest(felt(fold(), GetParam(), kCarried), kLifted);
   std::printf("%s: %.3f N, with a step each tick %.3f N\n", GetParam().name.c_str(), force, exact);
@@ -104,7 +108,7 @@ TEST_P(LateSolver, LetsLiftedClothStayLight) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Steps, LateSolver,
-                         testing::Values(late(30), late(60), stalled(50, 20), stalled(90, 50)),
+                         testing::Values(late(30), late(40), stalled(50, 20), stalled(90, 50)),
                          [](const auto& info) { return info.param.name; });
 
 // Cloth that is pinned at one side and pulled at the other, by 6.3 mm at 5 Hz, a speed of 0.2 m/s. Criterion:
