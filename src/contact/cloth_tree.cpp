@@ -6,8 +6,6 @@
 namespace haptic_cloth {
 namespace {
 
-int sizeAt(int cells, int level) { return (cells + (1 << level) - 1) >> level; }
-
 Eigen::Vector4f toFloats(const Vec3& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0f};
 }
@@ -26,16 +24,14 @@ ClothTree::ClothTree(const Grid& grid)
   index_.resize(size);
   parts_.reserve(size);
   for (auto* list : {&boxes_, &motions_}) list->reserve(size);
+  places_.reserve(grid.particles());
   node_boxes_.reserve(grid.particles());
   node_motions_.reserve(grid.particles());
   tangents_.reserve(size);
   tangents_after_.reserve(size);
   smooth_.reserve(4 * size);
   rough_.reserve(size);
-}
-
-int ClothTree::at(int level, int i, int j) const {
-  return level_offset_[level] + j * sizeAt(grid_.columns - 1, level) + i;
+  squares_.resize(size);
 }
 
 void ClothTree::rebuild(const ActiveMesh& mesh) {
@@ -69,9 +65,8 @@ void ClothTree::rebuild(const ActiveMesh& mesh) {
 
 /// Unites the values of the children: of all parts above the leaves.
 template <class Value>
-void ClothTree::unite(std::vector<Value>& values) const {
-  for (std::size_t p = 0; p < parts_.size(); ++p) {
-    if (parts_[p].patch >= 0) continue;
+void ClothTree::unite(const ActiveMesh& mesh, std::vector<Value>& values) const {
+  for (std::size_t p = mesh.patches.size(); p < parts_.size(); ++p) {
     bool first = true;
     for (const int child : parts_[p].children) {
       if (child < 0) continue;
@@ -96,74 +91,66 @@ void ClothTree::fit(const ActiveMesh& mesh, const Field& nodes, const Field& mot
       motions_[k].add({node_motions_[n[c]], node_motions_[n[c]]});
     }
   }
-  unite(boxes_);
-  unite(motions_);
-  fitTangents(mesh, nodes, tangents_);
+  unite(mesh, boxes_);
+  unite(mesh, motions_);
+  fitTangents(mesh, tangents_);
+  std::fill(squares_.begin(), squares_.end(), Square::Unknown);
 }
 
 void ClothTree::fitNodes(const Field& nodes, const Field& motion, const std::vector<double>& margins) {
-  constexpr double kRounding = 1e-6;  // of a few sums of floats, relative
-  node_boxes_.resize(nodes.size());
+  placeNodes(nodes);
   node_motions_.resize(nodes.size());
-  const Vec3 origin = nodes[0];
+  for (int n = 0; n < nodes.size(); ++n) node_motions_[n] = toFloats(motion[n]);
+  node_boxes_.resize(nodes.size());
   for (int n = 0; n < nodes.size(); ++n) {
-    const Vec3 x = nodes[n] - origin, moves = motion[n];
-    const double size = x.cwiseAbs().maxCoeff() + moves.cwiseAbs().maxCoeff() + margins[n];
-    const Vec3 margin = Vec3::Constant(margins[n] + kRounding * size);
-    node_boxes_[n] = {toFloats(x - margin), toFloats(x + margin)};
-    node_motions_[n] = toFloats(moves);
+    const float size = (places_[n].cwiseAbs() + node_motions_[n].cwiseAbs()).maxCoeff();
+    const Float4 margin =
+        Float4::Constant((1.0f + kRounding) * static_cast<float>(margins[n]) + kRounding * size);
+    node_boxes_[n] = {places_[n] - margin, places_[n] + margin};
   }
 }
 
-/// Tells whether the boxes of two parts come within `margin` of each other somewhere on the way of
-/// their relative motion [m].
-bool ClothTree::mayMeet(int a, int b, float margin) const {
-  const Box &one = boxes_[a], &other = boxes_[b];
-  const Float4 low = (motions_[a].low - motions_[b].high).cwiseMin(Float4::Zero()),
-               high = (motions_[a].high - motions_[b].low).cwiseMax(Float4::Zero());
-  const Float4 gaps = (one.low + low - other.high).cwiseMax(other.low - one.high - high);
-  return gaps.maxCoeff() <= margin;
+void ClothTree::placeNodes(const Field& nodes) {
+  places_.resize(nodes.size());
+  const Vec3 origin = nodes[0];
+  for (int n = 0; n < nodes.size(); ++n) places_[n] = toFloats(nodes[n] - origin);
 }
 
-void ClothTree::fitTangents(const ActiveMesh& mesh, const Field& nodes,
-                            std::vector<Tangents>& tangents) const {
+void ClothTree::fitTangents(const ActiveMesh& mesh, std::vector<Tangents>& tangents) const {
   tangents.resize(parts_.size());
   for (std::size_t k = 0; k < mesh.patches.size(); ++k) {
     const Patch& patch = mesh.patches[k];
-    const auto x = corners(patch, nodes);
-    const double per_warp = 1.0 / (patch.cell.span() * grid_.dx),
-                 per_weft = 1.0 / (patch.cell.span() * grid_.dy);
-    const auto between = [](const Vec3& from, const Vec3& to, double per_length) {
-      const Float4 tangent = toFloats(per_length * (to - from));
-      return Box{tangent, tangent};
+    const float per_warp = static_cast<float>(1.0 / (patch.cell.span() * grid_.dx)),
+                per_weft = static_cast<float>(1.0 / (patch.cell.span() * grid_.dy));
+    const Float4 x[] = {places_[patch.nodes[0]], places_[patch.nodes[1]], places_[patch.nodes[2]],
+                        places_[patch.nodes[3]]};
+    const auto between = [](const Float4& one, const Float4& other) {
+      return Box{one.cwiseMin(other), one.cwiseMax(other)};
     };
-    tangents[k] = {between(x[0], x[1], per_warp), between(x[0], x[2], per_weft)};
-    tangents[k].add({between(x[2], x[3], per_warp), between(x[1], x[3], per_weft)});
+    tangents[k] = {between(per_warp * (x[1] - x[0]), per_warp * (x[3] - x[2])),
+                   between(per_weft * (x[2] - x[0]), per_weft * (x[3] - x[1]))};
   }
-  unite(tangents);
+  unite(mesh, tangents);
 }
 
-/// Orthonormal axes near the mean tangents.
-ClothTree::Axes ClothTree::axesOf(const Tangents& tangents) {
-  const Float4 warp = (tangents.warp.low + tangents.warp.high).normalized(),
-               weft = tangents.weft.low + tangents.weft.high;
-  return {warp, (weft - warp.dot(weft) * warp).normalized()};
+/// Smallest component along an axis.
+inline float ClothTree::leastAlong(const Float4& axis, const Box& range) {
+  return 0.5f * ((range.low + range.high).dot(axis) - (range.high - range.low).dot(axis.cwiseAbs()));
 }
 
 /// Tells whether λ is at least `least` over the ranges of the tangents.
-bool ClothTree::isSmooth(const Tangents& t, const Axes& axes, float least) {
-  const Float4 first = axes.first.cwiseAbs(), second = axes.second.cwiseAbs();
-  const Float4 warp = 0.5f * (t.warp.low + t.warp.high), warp_half = 0.5f * (t.warp.high - t.warp.low),
-               weft = 0.5f * (t.weft.low + t.weft.high), weft_half = 0.5f * (t.weft.high - t.weft.low);
-  const float a = warp.dot(axes.first) - warp_half.dot(first) - least,
-              b = weft.dot(axes.second) - weft_half.dot(second) - least;
+inline bool ClothTree::isSmooth(const Tangents& t, const Axes& axes, float least) {
+  const float a = leastAlong(axes.first, t.warp) - least, b = leastAlong(axes.second, t.weft) - least;
   if (!(a >= 0.0f) || !(b >= 0.0f)) return false;
-  const float mixed =
-      std::abs(warp.dot(axes.second) + weft.dot(axes.first)) + warp_half.dot(second) + weft_half.dot(first);
-  return 4.0f * a * b >= mixed * mixed;
+  const float twice_mixed =
+      std::abs((t.warp.low + t.warp.high).dot(axes.second) + (t.weft.low + t.weft.high).dot(axes.first)) +
+      (t.warp.high - t.warp.low).dot(axes.second.cwiseAbs()) +
+      (t.weft.high - t.weft.low).dot(axes.first.cwiseAbs());
+  return 16.0f * a * b >= twice_mixed * twice_mixed;
 }
 
-/// Tells whether parts that fill a rectangle are smooth together.
+/// Tells whether parts that fill a rectangle are smooth together, by orthonormal axes near their mean
+/// tangents.
 bool ClothTree::isSmooth(const std::array<int, 4>& parts, int count) {
   Tangents tangents = tangents_[parts[0]];
   bool rough = rough_[parts[0]];
@@ -172,7 +159,11 @@ bool ClothTree::isSmooth(const std::array<int, 4>& parts, int count) {
     rough = rough || rough_[parts[k]];
   }
   if (rough) return false;
-  const Axes axes = axesOf(tangents);
+  Axes axes;
+  axes.first = (tangents.warp.low + tangents.warp.high).normalized();
+  if (!(leastAlong(axes.first, tangents.warp) >= kSmooth)) return false;  // as in most cases
+  const Float4 weft = tangents.weft.low + tangents.weft.high;
+  axes.second = (weft - axes.first.dot(weft) * axes.first).normalized();
   if (!isSmooth(tangents, axes, kSmooth)) return false;
   smooth_.push_back({parts, count, axes});
   return true;
@@ -181,17 +172,38 @@ bool ClothTree::isSmooth(const std::array<int, 4>& parts, int count) {
 /// Tells whether two parts beside each other lie in a smooth rectangle of 2 × 1, 1 × 2 or 2 × 2 parts.
 bool ClothTree::isSmoothTogether(int a, int b) {
   const Part &one = parts_[a], &other = parts_[b];
-  std::array<int, 4> parts{};
-  int count = 0;
-  for (int j = std::min(one.j, other.j); j <= std::max(one.j, other.j); ++j) {
-    for (int i = std::min(one.i, other.i); i <= std::max(one.i, other.i); ++i) {
-      // A coarser leaf around this place holds its tangents.
-      int level = one.level, place = index_[at(level, i, j)];
-      for (int k = 1; place < 0; ++k) place = index_[at(level + k, i >> k, j >> k)];
-      parts[count++] = place;
-    }
+  const int i = std::min(one.i, other.i), j = std::min(one.j, other.j);
+  if (one.i != other.i && one.j != other.j) return isSmoothSquare(one.level, i, j);
+  // Beside the border of two parents the square that holds both parts and their neighbours is needed
+  // for its diagonals, too.
+  const int across = one.i != other.i ? i : j;
+  if (across % 2 == 1) {
+    const int first_i = one.i != other.i ? i : i & ~1, first_j = one.i != other.i ? j & ~1 : j;
+    if (isInside(one.level, first_i + 1, first_j + 1) && isSmoothSquare(one.level, first_i, first_j))
+      return true;
   }
-  return isSmooth(parts, count);
+  return isSmooth({a, b}, 2);
+}
+
+bool ClothTree::isInside(int level, int i, int j) const {
+  return i < sizeAt(grid_.columns - 1, level) && j < sizeAt(grid_.rows - 1, level);
+}
+
+/// Tells whether 2 × 2 parts are smooth together: that at (i, j) and its neighbours.
+bool ClothTree::isSmoothSquare(int level, int i, int j) {
+  Square& known = squares_[at(level, i, j)];
+  if (known != Square::Unknown) return known == Square::Smooth;
+  std::array<int, 4> parts{};
+  for (int k = 0; k < 4; ++k) {
+    const int column = i + k % 2, row = j + k / 2;
+    // A coarser leaf around this place holds its tangents.
+    int above = level;
+    while (index_[at(above, column >> (above - level), row >> (above - level))] < 0) ++above;
+    parts[k] = index_[at(above, column >> (above - level), row >> (above - level))];
+  }
+  const bool smooth = isSmooth(parts, 4);
+  known = smooth ? Square::Smooth : Square::Rough;
+  return smooth;
 }
 
 /// Largest change of a tangent [-].
@@ -212,7 +224,8 @@ double ClothTree::largestTurn(const ActiveMesh& mesh, const Field& start, const 
 /// If no tangent changes by more than δ, no λ falls by more than √2 δ, the norm of the change of (t_i · e_j).
 bool ClothTree::staysSmooth(const ActiveMesh& mesh, const Field& start, const Field& end) {
   if (largestTurn(mesh, start, end) < (kSmooth - kStillSmooth) / std::sqrt(2.0)) return true;
-  fitTangents(mesh, end, tangents_after_);
+  placeNodes(end);
+  fitTangents(mesh, tangents_after_);
   bool all = true;
   for (const Smooth& smooth : smooth_) {
     Tangents tangents = tangents_after_[smooth.parts[0]];

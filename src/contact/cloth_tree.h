@@ -35,6 +35,13 @@ class ClothTree {
   void fit(const ActiveMesh& mesh, const Field& nodes, const Field& motion,
            const std::vector<double>& margins);
 
+  /// Bound of the expected motion of two patches relative to each other [m].
+  double largestMotion(int a, int b) const {
+    const Box &one = motions_[a], &other = motions_[b];
+    const Float4 most = (one.high - other.low).cwiseMax(other.high - one.low);
+    return most.norm() + kRounding * (sizeOf(one) + sizeOf(other));
+  }
+
   /// Calls visit(a, b) for all pairs of patches, a = b included, whose boxes overlap somewhere on the
   /// way of the expected motion, unless they lie in one smooth rectangle.
   template <class Visit>
@@ -84,6 +91,8 @@ class ClothTree {
     int patch;                    ///< of a leaf, else -1
     std::array<int, 4> children;  ///< -1: none
   };
+  /// What is known of 2 × 2 parts since the last fit().
+  enum class Square : char { Unknown, Smooth, Rough };
   /// Rectangle that was found smooth: up to 2 × 2 parts.
   struct Smooth {
     std::array<int, 4> parts;
@@ -91,12 +100,25 @@ class ClothTree {
     Axes axes;
   };
 
-  int at(int level, int i, int j) const;
+  static float sizeOf(const Box& box) { return (box.low.cwiseAbs() + box.high.cwiseAbs()).sum(); }
+  static int sizeAt(int cells, int level) { return (cells + (1 << level) - 1) >> level; }
+  int at(int level, int i, int j) const {
+    return level_offset_[level] + j * sizeAt(grid_.columns - 1, level) + i;
+  }
+  /// Tells whether the boxes of two parts come within `margin` of each other somewhere on the way of
+  /// their relative motion [m].
+  bool mayMeet(int a, int b, float margin = 0.0f) const {
+    const Box &one = boxes_[a], &other = boxes_[b];
+    const Float4 low = (motions_[a].low - motions_[b].high).cwiseMin(Float4::Zero()),
+                 high = (motions_[a].high - motions_[b].low).cwiseMax(Float4::Zero());
+    const Float4 gaps = (one.low + low - other.high).cwiseMax(other.low - one.high - high);
+    return gaps.maxCoeff() <= margin;
+  }
   void fitNodes(const Field& nodes, const Field& motion, const std::vector<double>& margins);
-  bool mayMeet(int a, int b, float margin = 0.0f) const;
   template <class Value>
-  void unite(std::vector<Value>& values) const;
-  void fitTangents(const ActiveMesh& mesh, const Field& nodes, std::vector<Tangents>& tangents) const;
+  void unite(const ActiveMesh& mesh, std::vector<Value>& values) const;
+  void placeNodes(const Field& nodes);
+  void fitTangents(const ActiveMesh& mesh, std::vector<Tangents>& tangents) const;
   double largestTurn(const ActiveMesh& mesh, const Field& start, const Field& end) const;
   bool isSmooth(const std::array<int, 4>& parts, int count);
   /// Tells whether two parts of one level have a common corner.
@@ -105,7 +127,9 @@ class ClothTree {
     return one.level == other.level && std::abs(one.i - other.i) <= 1 && std::abs(one.j - other.j) <= 1;
   }
   bool isSmoothTogether(int a, int b);
-  static Axes axesOf(const Tangents& tangents);
+  bool isSmoothSquare(int level, int i, int j);
+  bool isInside(int level, int i, int j) const;
+  static float leastAlong(const Float4& axis, const Box& range);
   static bool isSmooth(const Tangents& tangents, const Axes& axes, float least);
 
   bool touchesCell(const Part& part, const Cell& cell) const {
@@ -136,19 +160,25 @@ class ClothTree {
 
   template <class Visit>
   void visitSelf(int a, const Visit& visit) {
-    const Part& part = parts_[a];
     if (isSmooth({a}, 1)) return;
+    const Part& part = parts_[a];
     if (part.patch >= 0) return visit(part.patch, part.patch);
+    std::array<bool, 4> smooth{};  // children that are smooth together with another
     for (int k = 0; k < 4; ++k) {
-      if (part.children[k] < 0) continue;
-      visitSelf(part.children[k], visit);
       for (int l = k + 1; l < 4; ++l) {
-        if (part.children[l] < 0) continue;
+        const int one = part.children[k], other = part.children[l];
+        if (one < 0 || other < 0) continue;
         // The rectangle around children at a diagonal is this part, which is not smooth.
         const bool diagonal = k + l == 3;
-        diagonal ? divide(part.children[k], part.children[l], visit)
-                 : visitPair(part.children[k], part.children[l], visit);
+        if (!diagonal && isSmoothTogether(one, other)) {
+          smooth[k] = smooth[l] = true;
+        } else {
+          divide(one, other, visit);
+        }
       }
+    }
+    for (int k = 0; k < 4; ++k) {
+      if (part.children[k] >= 0 && !smooth[k]) visitSelf(part.children[k], visit);
     }
   }
 
@@ -170,6 +200,7 @@ class ClothTree {
   // Smallest λ of a rectangle that counts as smooth, and with which it still is at the end of a step.
   // The first is that with which pairs of points keep their range (PairFinder).
   static constexpr float kSmooth = 0.5f, kStillSmooth = 0.1f;
+  static constexpr float kRounding = 1e-6f;  ///< of a few sums of floats, relative
 
   Grid grid_;
   double nearest_;  ///< smallest distance in the flat cloth of parts that do not touch there [m]
@@ -179,11 +210,13 @@ class ClothTree {
   std::vector<int> level_offset_;     ///< first index of each level in index_
   std::vector<int> index_;            ///< part at each place of each level; -1: within a coarser leaf
   std::vector<Box> boxes_, motions_;  ///< of the parts: of positions with margins, of motions [m]
-  std::vector<Box> node_boxes_;       ///< positions with margins, relative to the first node [m]
+  std::vector<Float4> places_;        ///< positions of the nodes, relative to the first [m]
+  std::vector<Box> node_boxes_;       ///< places with margins [m]
   std::vector<Float4> node_motions_;  ///< [m]
   std::vector<Tangents> tangents_, tangents_after_;
-  std::vector<Smooth> smooth_;  ///< found by the last forNear()
-  std::vector<char> rough_;     ///< one flag for each part
+  std::vector<Square> squares_;  ///< 2 × 2 parts from each place of each level on
+  std::vector<Smooth> smooth_;   ///< found by the last forNear()
+  std::vector<char> rough_;      ///< one flag for each part
 };
 
 }  // namespace haptic_cloth

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "mesh/list_by_node.h"
 
@@ -72,27 +73,34 @@ double distanceOfLines(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& 
   return (r + s * u - t * v).norm();
 }
 
+template <class Nodes>
+double largestDeviation(const PairFinder::Reach& reach, const Nodes& nodes) {
+  double largest = 0.0;
+  for (const int n : nodes) largest = std::max(largest, reach.deviation[n]);
+  return largest;
+}
+
 /// Largest motion of two groups of nodes relative to each other [m].
 template <class Nodes, class Others>
 double apart(const PairFinder::Reach& reach, const Nodes& ones, const Others& others) {
-  double moved = 0.0, one_deviates = 0.0, other_deviates = 0.0;
+  double moved = 0.0;
   for (const int a : ones) {
-    one_deviates = std::max(one_deviates, reach.deviation[a]);
     for (const int b : others) moved = std::max(moved, (reach.motion[a] - reach.motion[b]).squaredNorm());
   }
-  for (const int b : others) other_deviates = std::max(other_deviates, reach.deviation[b]);
-  return std::sqrt(moved) + one_deviates + other_deviates;
+  return std::sqrt(moved) + largestDeviation(reach, ones) + largestDeviation(reach, others);
 }
 
 void put(PairPack& pack, int lane, const std::array<int, 4>& nodes, double range, double area) {
   for (int c = 0; c < 4; ++c) pack.nodes[c].set(lane, nodes[c]);
   pack.range[lane] = range;
+  pack.per_range[lane] = 1.0 / range;
   pack.area[lane] = area;
 }
 
 /// An empty pack: its lanes refer to node 0 and have no range.
 PairPack emptyPack(int stack, bool lines) {
   PairPack pack{};
+  std::fill(std::begin(pack.per_range), std::end(pack.per_range), 1.0);
   pack.stack = stack;
   pack.lines = lines;
   return pack;
@@ -186,27 +194,8 @@ bool PairFinder::hasRoom(const ActiveMesh& mesh, const Field& nodes, const Cell&
   });
 }
 
-/// Adds the pairs of two patches, which may be the same.
-void PairFinder::addPatches(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int a, int b) {
-  most_ = apart(reach, mesh.patches[a].nodes, mesh.patches[b].nodes);
-  for (int swap = 0; swap < (a == b ? 1 : 2); ++swap) {
-    const int of = swap ? b : a, on = swap ? a : b;
-    const TriangleSurface::Range own = surface_.nodesOf(of);
-    for (int k = own.begin; k < own.end; ++k) {
-      for (const int half : {0, 1})
-        addNode(mesh, nodes, reach, surface_.node(k), surface_.triangle(on, half));
-    }
-  }
-  const TriangleSurface::Range first = surface_.linesOf(a), second = surface_.linesOf(b);
-  for (int k = first.begin; k < first.end; ++k) {
-    for (int l = a == b ? k + 1 : second.begin; l < second.end; ++l) {
-      addLines(mesh, nodes, reach, surface_.line(k), surface_.line(l));
-    }
-  }
-}
-
-void PairFinder::addNode(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int node,
-                         const TriangleSurface::Triangle& t) {
+inline void PairFinder::addNode(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int node,
+                                const TriangleSurface::Triangle& t) {
   if (node == t[0] || node == t[1] || node == t[2]) return;
   const Vec3 p = nodes[node], a = nodes[t[0]], b = nodes[t[1]], c = nodes[t[2]];
   const double near = within_ + most_;
@@ -224,8 +213,8 @@ void PairFinder::addNode(const ActiveMesh& mesh, const Field& nodes, const Reach
     nodes_.push_back({list, range, distance, above > 0.0 ? 1 : 0});
 }
 
-void PairFinder::addLines(const ActiveMesh& mesh, const Field& nodes, const Reach& reach,
-                          const TriangleSurface::Line& one, const TriangleSurface::Line& other) {
+inline void PairFinder::addLines(const ActiveMesh& mesh, const Field& nodes, const Reach& reach,
+                                 const TriangleSurface::Line& one, const TriangleSurface::Line& other) {
   if (one.a == other.a || one.a == other.b || one.b == other.a || one.b == other.b) return;
   const Vec3 a = nodes[one.a], b = nodes[one.b], c = nodes[other.a], d = nodes[other.b];
   const double near = lines_within_ + most_;
@@ -240,6 +229,26 @@ void PairFinder::addLines(const ActiveMesh& mesh, const Field& nodes, const Reac
   const std::array<int, 4> list{one.a, one.b, other.a, other.b};
   const double range = kLineRange * rangeOf(mesh, list, true);
   if (distance > kTogether * range && range > 0.0) lines_.push_back({list, range, distance, 0});
+}
+
+/// Adds the pairs of two patches, which may be the same.
+void PairFinder::addPatches(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int a, int b) {
+  most_ = tree_.largestMotion(a, b) + largestDeviation(reach, mesh.patches[a].nodes) +
+          largestDeviation(reach, mesh.patches[b].nodes);
+  for (int swap = 0; swap < (a == b ? 1 : 2); ++swap) {
+    const int of = swap ? b : a, on = swap ? a : b;
+    const TriangleSurface::Range own = surface_.nodesOf(of);
+    for (int k = own.begin; k < own.end; ++k) {
+      for (const int half : {0, 1})
+        addNode(mesh, nodes, reach, surface_.node(k), surface_.triangle(on, half));
+    }
+  }
+  const TriangleSurface::Range first = surface_.linesOf(a), second = surface_.linesOf(b);
+  for (int k = first.begin; k < first.end; ++k) {
+    for (int l = a == b ? k + 1 : second.begin; l < second.end; ++l) {
+      addLines(mesh, nodes, reach, surface_.line(k), surface_.line(l));
+    }
+  }
 }
 
 /// Distance at which a pair begins to press: the thickness, or less if it is that near in the flat

@@ -126,15 +126,9 @@ HAPTIC_CLOTH_INLINE PressureLanes press(const CompressionLaw::Constants& law, co
   return sum;
 }
 
-/// Ranges of one vector of pairs, 1 in unused lanes [m].
-HAPTIC_CLOTH_INLINE Lanes rangesOf(const PairPack& pack, int l) {
-  const Lanes range = load(pack.range + l);
-  return ifPositive(range, range, all(1.0));
-}
-
 /// Distances over ranges in one vector of pairs; huge in unused lanes.
 HAPTIC_CLOTH_INLINE Lanes overRange(const PairPack& pack, int l) {
-  return larger(load(pack.distance + l), all(kTiny)) / rangesOf(pack, l);
+  return larger(load(pack.distance + l), all(kTiny)) * load(pack.per_range + l);
 }
 
 /// Smallest distance of the pairs of a pack now, at least [m].
@@ -170,22 +164,25 @@ HAPTIC_CLOTH_INLINE Lanes pressStack(PairPack* stack, const PairBound* bounds, i
   }
   for (int k = 0; k < packs; ++k) {
     if (!bounds[k].presses) continue;
-    const Lanes q = overRange(stack[k], l);
-    Lanes weight = nearest / q;
+    const Lanes q = overRange(stack[k], l), inverse = 1.0 / q;
+    Lanes weight = nearest * inverse;
     for (int square = 0; square < kSquares; ++square) weight *= weight;
     store(stack[k].pressing + l, weight);
+    store(stack[k].stiffness + l, inverse);
     sum += weight;
     moment += weight * q;
   }
-  const Lanes mean = moment / sum, range = load(stack->range + l), area = load(stack->area + l);
+  const Lanes whole = 1.0 / sum, mean = moment * whole;
+  const Lanes range = load(stack->range + l), area = load(stack->area + l);
   const PressureLanes law = press(context.law, context.law.range * mean);
+  const Lanes shared = area * range * whole;
   for (int k = 0; k < packs; ++k) {
     if (!bounds[k].presses) continue;
-    const Lanes own = rangesOf(stack[k], l), weight = load(stack[k].pressing + l) / sum;
-    const Lanes share = weight * (1.0 - kPower * (1.0 - mean / overRange(stack[k], l)));
-    const Lanes force = area * (range / own) * share;
+    const Lanes per_range = load(stack[k].per_range + l), inverse = load(stack[k].stiffness + l);
+    const Lanes force =
+        shared * per_range * load(stack[k].pressing + l) * (1.0 - kPower * (1.0 - mean * inverse));
     store(stack[k].pressing + l, force * law.pressure);
-    store(stack[k].stiffness + l, larger(force, Lanes{}) * (context.law.range / own) * law.stiffness);
+    store(stack[k].stiffness + l, larger(force, Lanes{}) * (context.law.range * per_range) * law.stiffness);
   }
   return area * (range / context.law.range) * law.energy;
 }

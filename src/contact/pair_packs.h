@@ -14,10 +14,11 @@ namespace haptic_cloth {
 /// consecutive packs, a stack, the nearest first.
 struct alignas(64) PairPack {
   PackIndices nodes[4];
-  double area[kPack];   ///< [m²]
-  double range[kPack];  ///< distance at which contact begins; 0 in unused lanes [m]
-  int stack;            ///< number of packs of the stack that begins here; 0 within a stack
-  bool lines;           ///< pairs of lines, which share nothing: stacks of one pack
+  double area[kPack];       ///< [m²]
+  double range[kPack];      ///< distance at which contact begins; 0 in unused lanes [m]
+  double per_range[kPack];  ///< 1 / range; 1 in unused lanes [1/m]
+  int stack;                ///< number of packs of the stack that begins here; 0 within a stack
+  bool lines;               ///< pairs of lines, which share nothing: stacks of one pack
   // Results of the last evaluation:
   double weights[4][kPack];
   double normal[3][kPack];  ///< direction of the distance

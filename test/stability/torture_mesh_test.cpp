@@ -85,6 +85,23 @@ Vec3 meanVelocity(const ClothWorld& world) {
   return momentum / world.cloth().mass();
 }
 
+/// Radius of gyration of the cloth over that of the flat sheet [-].
+double relativeSize(const ClothWorld& world) {
+  const ActiveMesh& mesh = world.cloth().mesh();
+  const Grid& grid = world.cloth().grid();
+  Vec3 centre = Vec3::Zero();
+  for (int n = 0; n < mesh.active(); ++n)
+    centre += mesh.mass[n] / world.cloth().mass() * world.cloth().nodes()[n];
+  double now = 0.0, flat = 0.0;
+  for (int n = 0; n < mesh.active(); ++n) {
+    const double u = (grid.column(mesh.particle[n]) - 0.5 * (grid.columns - 1)) * grid.dx,
+                 v = (grid.row(mesh.particle[n]) - 0.5 * (grid.rows - 1)) * grid.dy;
+    now += mesh.mass[n] * (world.cloth().nodes()[n] - centre).squaredNorm();
+    flat += mesh.mass[n] * (u * u + v * v);
+  }
+  return std::sqrt(now / flat);
+}
+
 /// Expects the mass centre to fall like a free particle under backward Euler, v ← (v + g h)/(1 + c
 /// h), because inner forces have no resultant. A step that ends at its tolerance may leave a net
 /// force of tolerance · |g| · mass, as |Σ r| ≤ rms_m(r/m) · mass [Cauchy and Schwarz]; a step that
@@ -152,10 +169,9 @@ TEST(Torture, ShrunkClothFallsFreelyWhileItUnfolds) {
       if (step >= sheet.set_up) expectFreeFall(world, velocity, step, report.velocity_scale);
       velocity = meanVelocity(world);
     }
-    // It began at a strain of -1. The other case may take longer.
-    if (kind == "shrunk_1e3") {
-      EXPECT_LT(world.cloth().internal().maxStrain(world.cloth().nodes()), 0.5) << "it did not unfold";
-    }
+    // It began at a thousandth of its size or less, and stays crumpled: 0.2 to 0.7 in 32 runs whose starts
+    // differed by rounding. The largest strain of a crumpled sheet, 0.01 to 0.6 in these, says less.
+    EXPECT_GT(relativeSize(world), 0.1) << "it did not unfold";
   }
 }
 
