@@ -94,7 +94,7 @@ void ClothTree::fit(const ActiveMesh& mesh, const Field& nodes, const Field& mot
   unite(mesh, boxes_);
   unite(mesh, motions_);
   fitTangents(mesh, tangents_);
-  std::fill(squares_.begin(), squares_.end(), Square::Unknown);
+  forgetSmooth();
 }
 
 void ClothTree::fitNodes(const Field& nodes, const Field& motion, const std::vector<double>& margins) {
@@ -161,7 +161,7 @@ bool ClothTree::isSmooth(const std::array<int, 4>& parts, int count) {
   if (rough) return false;
   Axes axes;
   axes.first = (tangents.warp.low + tangents.warp.high).normalized();
-  if (!(leastAlong(axes.first, tangents.warp) >= kSmooth)) return false;  // as in most cases
+  if (!(leastAlong(axes.first, tangents.warp) >= kSmooth)) return false;
   const Float4 weft = tangents.weft.low + tangents.weft.high;
   axes.second = (weft - axes.first.dot(weft) * axes.first).normalized();
   if (!isSmooth(tangents, axes, kSmooth)) return false;
@@ -169,8 +169,9 @@ bool ClothTree::isSmooth(const std::array<int, 4>& parts, int count) {
   return true;
 }
 
-/// Tells whether two parts beside each other lie in a smooth rectangle of 2 × 1, 1 × 2 or 2 × 2 parts.
+/// Tells whether two parts beside each other, or one part, lie in a smooth rectangle of up to 2 × 2 parts.
 bool ClothTree::isSmoothTogether(int a, int b) {
+  if (a == b) return isSmooth({a}, 1);
   const Part &one = parts_[a], &other = parts_[b];
   const int i = std::min(one.i, other.i), j = std::min(one.j, other.j);
   if (one.i != other.i && one.j != other.j) return isSmoothSquare(one.level, i, j);
@@ -197,9 +198,9 @@ bool ClothTree::isSmoothSquare(int level, int i, int j) {
   for (int k = 0; k < 4; ++k) {
     const int column = i + k % 2, row = j + k / 2;
     // A coarser leaf around this place holds its tangents.
-    int above = level;
-    while (index_[at(above, column >> (above - level), row >> (above - level))] < 0) ++above;
-    parts[k] = index_[at(above, column >> (above - level), row >> (above - level))];
+    int place = index_[at(level, column, row)];
+    for (int above = 1; place < 0; ++above) place = index_[at(level + above, column >> above, row >> above)];
+    parts[k] = place;
   }
   const bool smooth = isSmooth(parts, 4);
   known = smooth ? Square::Smooth : Square::Rough;

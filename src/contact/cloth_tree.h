@@ -1,6 +1,7 @@
 /// Tree of boxes and tangents over the leaves of the mesh: which parts of the cloth may meet.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <vector>
@@ -20,8 +21,9 @@ namespace haptic_cloth {
 /// points of the rectangle touch [after Noshiro and Warschawski's condition for univalence]. This
 /// takes the place of normal cones, whose test of outlines is usually left out.
 ///
-/// Everything is kept in vectors of four floats, whose last entry is zero. Boxes are wider by more than
-/// the rounding; λ is far above it.
+/// Everything is kept in vectors of four floats, of which the last says nothing. Boxes are wider by more than
+/// the rounding. Tangents are not: their rounding is 1e-7 times the cells between a part and the first node,
+/// which is far below λ.
 class ClothTree {
  public:
   explicit ClothTree(const Grid& grid);
@@ -46,7 +48,7 @@ class ClothTree {
   /// way of the expected motion, unless they lie in one smooth rectangle.
   template <class Visit>
   void forNear(const Visit& visit) {
-    smooth_.clear();
+    forgetSmooth();
     visitSelf(top_, visit);
   }
 
@@ -91,7 +93,7 @@ class ClothTree {
     int patch;                    ///< of a leaf, else -1
     std::array<int, 4> children;  ///< -1: none
   };
-  /// What is known of 2 × 2 parts since the last fit().
+  /// What is known of 2 × 2 parts, see forgetSmooth().
   enum class Square : char { Unknown, Smooth, Rough };
   /// Rectangle that was found smooth: up to 2 × 2 parts.
   struct Smooth {
@@ -120,6 +122,10 @@ class ClothTree {
   void placeNodes(const Field& nodes);
   void fitTangents(const ActiveMesh& mesh, std::vector<Tangents>& tangents) const;
   double largestTurn(const ActiveMesh& mesh, const Field& start, const Field& end) const;
+  void forgetSmooth() {
+    smooth_.clear();
+    std::fill(squares_.begin(), squares_.end(), Square::Unknown);
+  }
   bool isSmooth(const std::array<int, 4>& parts, int count);
   /// Tells whether two parts of one level have a common corner.
   bool isBeside(int a, int b) const {
@@ -210,7 +216,7 @@ class ClothTree {
   std::vector<int> level_offset_;     ///< first index of each level in index_
   std::vector<int> index_;            ///< part at each place of each level; -1: within a coarser leaf
   std::vector<Box> boxes_, motions_;  ///< of the parts: of positions with margins, of motions [m]
-  std::vector<Float4> places_;        ///< positions of the nodes, relative to the first [m]
+  std::vector<Float4> places_;        ///< positions last given of the nodes, relative to the first [m]
   std::vector<Box> node_boxes_;       ///< places with margins [m]
   std::vector<Float4> node_motions_;  ///< [m]
   std::vector<Tangents> tangents_, tangents_after_;

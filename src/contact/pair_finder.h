@@ -87,7 +87,7 @@ class PairFinder {
   ConstArrays normals_{};                     ///< during find()
   std::vector<Candidate> nodes_, lines_, sorted_;
   std::vector<Group> groups_;
-  double most_ = 0.0;  ///< largest motion of the patches in addPatches() relative to each other [m]
+  double most_ = 0.0;  ///< bound of the motion of the patches in addPatches() relative to each other [m]
   Field motion_;       ///< scratch of mayMeetUnlisted(), as the next two
   std::vector<double> none_;
   std::vector<std::array<int, 4>> listed_;

@@ -168,11 +168,13 @@ HAPTIC_CLOTH_INLINE Lanes pressStack(PairPack* stack, const PairBound* bounds, i
     Lanes weight = nearest * inverse;
     for (int square = 0; square < kSquares; ++square) weight *= weight;
     store(stack[k].pressing + l, weight);
-    store(stack[k].stiffness + l, inverse);
+    store(stack[k].stiffness + l, inverse);  // until the last loop
     sum += weight;
     moment += weight * q;
   }
-  const Lanes whole = 1.0 / sum, mean = moment * whole;
+  const Lanes whole = 1.0 / sum, exact = moment * whole;
+  // Rounding does not press at the range.
+  const Lanes mean = ifLess(all(1.0 - 1e-14), exact, larger(exact, all(1.0)), exact);
   const Lanes range = load(stack->range + l), area = load(stack->area + l);
   const PressureLanes law = press(context.law, context.law.range * mean);
   const Lanes shared = area * range * whole;
