@@ -116,6 +116,16 @@ void ClothTree::placeNodes(const Field& nodes) {
   for (int n = 0; n < nodes.size(); ++n) places_[n] = toFloats(nodes[n] - origin);
 }
 
+/// Tells whether the boxes of two parts come within `margin` of each other somewhere on the way of
+/// their relative motion [m].
+bool ClothTree::mayMeet(int a, int b, float margin) const {
+  const Box &one = boxes_[a], &other = boxes_[b];
+  const Float4 low = (motions_[a].low - motions_[b].high).cwiseMin(Float4::Zero()),
+               high = (motions_[a].high - motions_[b].low).cwiseMax(Float4::Zero());
+  const Float4 gaps = (one.low + low - other.high).cwiseMax(other.low - one.high - high);
+  return gaps.maxCoeff() <= margin;
+}
+
 void ClothTree::fitTangents(const ActiveMesh& mesh, std::vector<Tangents>& tangents) const {
   tangents.resize(parts_.size());
   for (std::size_t k = 0; k < mesh.patches.size(); ++k) {

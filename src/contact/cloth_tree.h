@@ -21,9 +21,9 @@ namespace haptic_cloth {
 /// points of the rectangle touch [after Noshiro and Warschawski's condition for univalence]. This
 /// takes the place of normal cones, whose test of outlines is usually left out.
 ///
-/// Everything is kept in vectors of four floats, of which the last says nothing. Boxes are wider by more than
-/// the rounding. Tangents are not: their rounding is 1e-7 times the cells between a part and the first node,
-/// which is far below λ.
+/// Everything is kept in vectors of four floats, whose last entry is zero, but for the margins of boxes.
+/// Boxes are wider by more than the rounding. Tangents are not: their rounding is 1e-7 times the cells
+/// between a part and the first node, which is far below λ.
 class ClothTree {
  public:
   explicit ClothTree(const Grid& grid);
@@ -107,16 +107,8 @@ class ClothTree {
   int at(int level, int i, int j) const {
     return level_offset_[level] + j * sizeAt(grid_.columns - 1, level) + i;
   }
-  /// Tells whether the boxes of two parts come within `margin` of each other somewhere on the way of
-  /// their relative motion [m].
-  bool mayMeet(int a, int b, float margin = 0.0f) const {
-    const Box &one = boxes_[a], &other = boxes_[b];
-    const Float4 low = (motions_[a].low - motions_[b].high).cwiseMin(Float4::Zero()),
-                 high = (motions_[a].high - motions_[b].low).cwiseMax(Float4::Zero());
-    const Float4 gaps = (one.low + low - other.high).cwiseMax(other.low - one.high - high);
-    return gaps.maxCoeff() <= margin;
-  }
   void fitNodes(const Field& nodes, const Field& motion, const std::vector<double>& margins);
+  bool mayMeet(int a, int b, float margin = 0.0f) const;
   template <class Value>
   void unite(const ActiveMesh& mesh, std::vector<Value>& values) const;
   void placeNodes(const Field& nodes);

@@ -194,43 +194,6 @@ bool PairFinder::hasRoom(const ActiveMesh& mesh, const Field& nodes, const Cell&
   });
 }
 
-inline void PairFinder::addNode(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int node,
-                                const TriangleSurface::Triangle& t) {
-  if (node == t[0] || node == t[1] || node == t[2]) return;
-  const Vec3 p = nodes[node], a = nodes[t[0]], b = nodes[t[1]], c = nodes[t[2]];
-  const double near = within_ + most_;
-  for (int k = 0; k < 3; ++k) {
-    if (p[k] - near > std::max({a[k], b[k], c[k]}) || p[k] + near < std::min({a[k], b[k], c[k]})) return;
-  }
-  const Vec3 between = p - nearestOnTriangle(p, a, b, c);
-  const double distance = between.norm();
-  if (distance > within_ + apart(reach, std::array<int, 1>{node}, t)) return;
-  const std::array<int, 4> list{node, t[0], t[1], t[2]};
-  const double range = rangeOf(mesh, list, false);
-  const double above =
-      between.x() * normals_.x[node] + between.y() * normals_.y[node] + between.z() * normals_.z[node];
-  if (distance > kTogether * range && range > 0.0)
-    nodes_.push_back({list, range, distance, above > 0.0 ? 1 : 0});
-}
-
-inline void PairFinder::addLines(const ActiveMesh& mesh, const Field& nodes, const Reach& reach,
-                                 const TriangleSurface::Line& one, const TriangleSurface::Line& other) {
-  if (one.a == other.a || one.a == other.b || one.b == other.a || one.b == other.b) return;
-  const Vec3 a = nodes[one.a], b = nodes[one.b], c = nodes[other.a], d = nodes[other.b];
-  const double near = lines_within_ + most_;
-  for (int k = 0; k < 3; ++k) {
-    if (std::min(a[k], b[k]) - near > std::max(c[k], d[k]) ||
-        std::max(a[k], b[k]) + near < std::min(c[k], d[k]))
-      return;
-  }
-  const double distance = distanceOfLines(a, b, c, d);
-  const double most = apart(reach, std::array<int, 2>{one.a, one.b}, std::array<int, 2>{other.a, other.b});
-  if (distance > lines_within_ + most) return;
-  const std::array<int, 4> list{one.a, one.b, other.a, other.b};
-  const double range = kLineRange * rangeOf(mesh, list, true);
-  if (distance > kTogether * range && range > 0.0) lines_.push_back({list, range, distance, 0});
-}
-
 /// Adds the pairs of two patches, which may be the same.
 void PairFinder::addPatches(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int a, int b) {
   most_ = tree_.largestMotion(a, b) + largestDeviation(reach, mesh.patches[a].nodes) +
@@ -249,6 +212,43 @@ void PairFinder::addPatches(const ActiveMesh& mesh, const Field& nodes, const Re
       addLines(mesh, nodes, reach, surface_.line(k), surface_.line(l));
     }
   }
+}
+
+void PairFinder::addNode(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int node,
+                         const TriangleSurface::Triangle& t) {
+  if (node == t[0] || node == t[1] || node == t[2]) return;
+  const Vec3 p = nodes[node], a = nodes[t[0]], b = nodes[t[1]], c = nodes[t[2]];
+  const double near = within_ + most_;
+  for (int k = 0; k < 3; ++k) {
+    if (p[k] - near > std::max({a[k], b[k], c[k]}) || p[k] + near < std::min({a[k], b[k], c[k]})) return;
+  }
+  const Vec3 between = p - nearestOnTriangle(p, a, b, c);
+  const double distance = between.norm();
+  if (distance > within_ + apart(reach, std::array<int, 1>{node}, t)) return;
+  const std::array<int, 4> list{node, t[0], t[1], t[2]};
+  const double range = rangeOf(mesh, list, false);
+  const double above =
+      between.x() * normals_.x[node] + between.y() * normals_.y[node] + between.z() * normals_.z[node];
+  if (distance > kTogether * range && range > 0.0)
+    nodes_.push_back({list, range, distance, above > 0.0 ? 1 : 0});
+}
+
+void PairFinder::addLines(const ActiveMesh& mesh, const Field& nodes, const Reach& reach,
+                          const TriangleSurface::Line& one, const TriangleSurface::Line& other) {
+  if (one.a == other.a || one.a == other.b || one.b == other.a || one.b == other.b) return;
+  const Vec3 a = nodes[one.a], b = nodes[one.b], c = nodes[other.a], d = nodes[other.b];
+  const double near = lines_within_ + most_;
+  for (int k = 0; k < 3; ++k) {
+    if (std::min(a[k], b[k]) - near > std::max(c[k], d[k]) ||
+        std::max(a[k], b[k]) + near < std::min(c[k], d[k]))
+      return;
+  }
+  const double distance = distanceOfLines(a, b, c, d);
+  const double most = apart(reach, std::array<int, 2>{one.a, one.b}, std::array<int, 2>{other.a, other.b});
+  if (distance > lines_within_ + most) return;
+  const std::array<int, 4> list{one.a, one.b, other.a, other.b};
+  const double range = kLineRange * rangeOf(mesh, list, true);
+  if (distance > kTogether * range && range > 0.0) lines_.push_back({list, range, distance, 0});
 }
 
 /// Distance at which a pair begins to press: the thickness, or less if it is that near in the flat
