@@ -183,15 +183,14 @@ bool ClothTree::isSmooth(const std::array<int, 4>& parts, int count) {
 bool ClothTree::isSmoothTogether(int a, int b) {
   if (a == b) return isSmooth({a}, 1);
   const Part &one = parts_[a], &other = parts_[b];
-  const int i = std::min(one.i, other.i), j = std::min(one.j, other.j);
-  if (one.i != other.i && one.j != other.j) return isSmoothSquare(one.level, i, j);
-  // Beside the border of two parents the square that holds both parts and their neighbours is needed
-  // for its diagonals, too.
-  const int across = one.i != other.i ? i : j;
-  if (across % 2 == 1) {
-    const int first_i = one.i != other.i ? i : i & ~1, first_j = one.i != other.i ? j & ~1 : j;
-    if (isInside(one.level, first_i + 1, first_j + 1) && isSmoothSquare(one.level, first_i, first_j))
-      return true;
+  const bool in_row = one.j == other.j, in_column = one.i == other.i;
+  int i = std::min(one.i, other.i), j = std::min(one.j, other.j);
+  if (!in_row && !in_column) return isSmoothSquare(one.level, i, j);
+  // Across the border of two parents their square is needed for its diagonals, too.
+  if ((in_row ? i : j) % 2 == 1) {
+    int& along = in_row ? j : i;  // the border
+    along -= along % 2;
+    if (isInside(one.level, i + 1, j + 1) && isSmoothSquare(one.level, i, j)) return true;
   }
   return isSmooth({a, b}, 2);
 }
