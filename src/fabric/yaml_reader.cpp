@@ -112,6 +112,8 @@ int YamlValue::integer() const {
 
 std::string YamlValue::text() const {
   if (!node_.IsScalar() || node_.Scalar().empty()) fail("must be text");
+  // A file's name would end there for the system, but not for us.
+  if (node_.Scalar().find('\0') != std::string::npos) fail("must be text without a NUL character");
   return node_.Scalar();
 }
 

@@ -200,13 +200,15 @@ TEST(Scene, QuaternionsAlmostUnitAreNormalised) {
 }
 
 TEST(Scene, WrongDocumentsAreNamed) {
-  expectMessages({{"", "scene: is empty, must be a YAML mapping"},
-                  {"# only a comment\n", "scene: is empty, must be a YAML mapping"},
-                  {"text", "scene: text: must be a YAML mapping"},
-                  {"{}", "scene: cloth: is required, with cloth.fabric in it"},
-                  {"cloth: {}", "scene: cloth.fabric: is required"},
-                  {"cloth: {fabric: [a]}", "scene: cloth.fabric = [a]: must be text"},
-                  {"cloth: {fabric: linear}\n---\na: b", "scene: must hold one YAML document, not several"}});
+  expectMessages(
+      {{"", "scene: is empty, must be a YAML mapping"},
+       {"# only a comment\n", "scene: is empty, must be a YAML mapping"},
+       {"text", "scene: text: must be a YAML mapping"},
+       {"{}", "scene: cloth: is required, with cloth.fabric in it"},
+       {"cloth: {}", "scene: cloth.fabric: is required"},
+       {"cloth: {fabric: [a]}", "scene: cloth.fabric = [a]: must be text"},
+       {"cloth: {fabric: \"a\\0b\"}", "scene: cloth.fabric = \"a b\": must be text without a NUL character"},
+       {"cloth: {fabric: linear}\n---\na: b", "scene: must hold one YAML document, not several"}});
   EXPECT_EQ(message("cloth: [").find("scene: malformed YAML: "), 0U);
   EXPECT_EQ(message("cloth: {fabric: no_such}")
                 .find("scene: cloth.fabric = no_such: must be a fabric's name or the path of a .yaml file; "
