@@ -126,6 +126,12 @@ bool ClothTree::mayMeet(int a, int b, float margin) const {
   return gaps.maxCoeff() <= margin;
 }
 
+inline ClothTree::Range ClothTree::Range::of(const Float4& one, const Float4& other) {
+  const auto between = [](const Float4& a, const Float4& b) { return Box{a.cwiseMin(b), a.cwiseMax(b)}; };
+  const Float4 p(one[1], one[2], one[0], 0.0f), q(other[1], other[2], other[0], 0.0f);
+  return {between(one, other), between(one + p, other + q), between(one - p, other - q)};
+}
+
 void ClothTree::fitTangents(const ActiveMesh& mesh, std::vector<Tangents>& tangents) const {
   tangents.resize(parts_.size());
   for (std::size_t k = 0; k < mesh.patches.size(); ++k) {
@@ -134,29 +140,46 @@ void ClothTree::fitTangents(const ActiveMesh& mesh, std::vector<Tangents>& tange
                 per_weft = static_cast<float>(1.0 / (patch.cell.span() * grid_.dy));
     const Float4 x[] = {places_[patch.nodes[0]], places_[patch.nodes[1]], places_[patch.nodes[2]],
                         places_[patch.nodes[3]]};
-    const auto between = [](const Float4& one, const Float4& other) {
-      return Box{one.cwiseMin(other), one.cwiseMax(other)};
-    };
-    tangents[k] = {between(per_warp * (x[1] - x[0]), per_warp * (x[3] - x[2])),
-                   between(per_weft * (x[2] - x[0]), per_weft * (x[3] - x[1]))};
+    tangents[k] = {Range::of(per_warp * (x[1] - x[0]), per_warp * (x[3] - x[2])),
+                   Range::of(per_weft * (x[2] - x[0]), per_weft * (x[3] - x[1]))};
   }
   unite(mesh, tangents);
 }
 
-/// Smallest component along an axis.
-inline float ClothTree::leastAlong(const Float4& axis, const Box& range) {
-  return 0.5f * ((range.low + range.high).dot(axis) - (range.high - range.low).dot(axis.cwiseAbs()));
+/// Bounds of the components along an axis, as a sum of three of the directions with weights >= 0.
+inline ClothTree::Range::Ends ClothTree::Range::along(const Float4& axis) const {
+  const Float4 size = axis.cwiseAbs();
+  Ends ends{0.0f, 0.0f};
+  const auto add = [&ends](float weight, const Box& box, int k, bool turned) {
+    ends.low += weight * (turned ? -box.high[k] : box.low[k]);
+    ends.high += weight * (turned ? -box.low[k] : box.high[k]);
+  };
+  // The diagonal between component k and the next, in the sense of the axis.
+  const auto addDiagonal = [&](float weight, int k) {
+    const float next = axis[(k + 1) % 3];
+    add(weight, (axis[k] < 0.0f) == (next < 0.0f) ? sums : differences, k, axis[k] < 0.0f);
+  };
+  const float half = 0.5f * (size[0] + size[1] + size[2]);
+  int most = 0;
+  size.head<3>().maxCoeff(&most);
+  const int next = (most + 1) % 3, last = (most + 2) % 3;
+  if (size[most] >= half) {
+    add(2.0f * (size[most] - half), axes, most, axis[most] < 0.0f);
+    addDiagonal(size[next], most);
+    addDiagonal(size[last], last);
+  } else {
+    for (int k = 0; k < 3; ++k) addDiagonal(half - size[(k + 2) % 3], k);
+  }
+  return ends;
 }
 
 /// Tells whether λ is at least `least` over the ranges of the tangents.
 inline bool ClothTree::isSmooth(const Tangents& t, const Axes& axes, float least) {
-  const float a = leastAlong(axes.first, t.warp) - least, b = leastAlong(axes.second, t.weft) - least;
+  const float a = t.warp.along(axes.first).low - least, b = t.weft.along(axes.second).low - least;
   if (!(a >= 0.0f) || !(b >= 0.0f)) return false;
-  const float twice_mixed =
-      std::abs((t.warp.low + t.warp.high).dot(axes.second) + (t.weft.low + t.weft.high).dot(axes.first)) +
-      (t.warp.high - t.warp.low).dot(axes.second.cwiseAbs()) +
-      (t.weft.high - t.weft.low).dot(axes.first.cwiseAbs());
-  return 16.0f * a * b >= twice_mixed * twice_mixed;
+  const Range::Ends one = t.warp.along(axes.second), other = t.weft.along(axes.first);
+  const float mixed = std::max(std::abs(one.low + other.low), std::abs(one.high + other.high));
+  return 4.0f * a * b >= mixed * mixed;
 }
 
 /// Tells whether parts that fill a rectangle are smooth together, by orthonormal axes near their mean
@@ -170,9 +193,9 @@ bool ClothTree::isSmooth(const std::array<int, 4>& parts, int count) {
   }
   if (rough) return false;
   Axes axes;
-  axes.first = (tangents.warp.low + tangents.warp.high).normalized();
-  if (!(leastAlong(axes.first, tangents.warp) >= kSmooth)) return false;
-  const Float4 weft = tangents.weft.low + tangents.weft.high;
+  axes.first = tangents.warp.middle().normalized();
+  if (!(tangents.warp.along(axes.first).low >= kSmooth)) return false;
+  const Float4 weft = tangents.weft.middle();
   axes.second = (weft - axes.first.dot(weft) * axes.first).normalized();
   if (!isSmooth(tangents, axes, kSmooth)) return false;
   smooth_.push_back({parts, count, axes});

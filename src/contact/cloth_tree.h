@@ -77,9 +77,27 @@ class ClothTree {
       high = high.cwiseMax(other.high);
     }
   };
+  /// Range of vectors, bounded in nine directions: a bend between two axes fills their box, but not the
+  /// diagonal between them.
+  struct Range {
+    Box axes;         ///< of x, y, z
+    Box sums;         ///< of x + y, y + z, z + x
+    Box differences;  ///< of x - y, y - z, z - x
+    static Range of(const Float4& one, const Float4& other);
+    void add(const Range& other) {
+      axes.add(other.axes);
+      sums.add(other.sums);
+      differences.add(other.differences);
+    }
+    Float4 middle() const { return 0.5f * (axes.low + axes.high); }
+    struct Ends {
+      float low, high;
+    };
+    Ends along(const Float4& axis) const;
+  };
   /// Ranges of the two tangents [-].
   struct Tangents {
-    Box warp, weft;
+    Range warp, weft;
     void add(const Tangents& other) {
       warp.add(other.warp);
       weft.add(other.weft);
@@ -127,7 +145,6 @@ class ClothTree {
   bool isSmoothTogether(int a, int b);
   bool isSmoothSquare(int level, int i, int j);
   bool isInside(int level, int i, int j) const;
-  static float leastAlong(const Float4& axis, const Box& range);
   static bool isSmooth(const Tangents& tangents, const Axes& axes, float least);
 
   bool touchesCell(const Part& part, const Cell& cell) const {
