@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "contact/friction_lanes.h"
 #include "contact/pair_packs.h"
 #include "contact/sample_packs.h"
 #include "simd/kernels.h"
@@ -12,16 +13,6 @@ namespace {
 constexpr double kTiny = 1e-300;
 
 HAPTIC_CLOTH_INLINE double lesser(double a, double b) { return b < a ? b : a; }
-
-HAPTIC_CLOTH_INLINE Lanes3 load3(const double (*values)[kPack], int l) {
-  return {load(values[0] + l), load(values[1] + l), load(values[2] + l)};
-}
-
-HAPTIC_CLOTH_INLINE void store3(double (*values)[kPack], int l, const Lanes3& v) {
-  store(values[0] + l, v.x);
-  store(values[1] + l, v.y);
-  store(values[2] + l, v.z);
-}
 
 HAPTIC_CLOTH_INLINE Lanes clamp01(const Lanes& t) { return smaller(larger(t, Lanes{}), all(1.0)); }
 
@@ -265,7 +256,6 @@ double pairQuadraticForm(const PairPack* packs, const PairBound* bounds, int beg
 
 double evaluateDrags(DragPack* packs, int begin, int end, double slip, const ConstArrays& x) {
   Lanes loss{};
-  const Lanes slow = all(slip);
   for (int p = begin; p < end; ++p) {
     DragPack& pack = packs[p];
     for (int l = 0; l < kPack; l += kLanes) {
@@ -273,9 +263,9 @@ double evaluateDrags(DragPack* packs, int begin, int end, double slip, const Con
       const Lanes3 normal = load3(pack.normal, l);
       const Lanes3 moved = weighted(pack.weights, l, gatherNodes(pack.nodes, l, x)) - load3(pack.start, l);
       const Lanes3 slipped = moved - dot(normal, moved) * normal;
-      const Lanes y = squareRoot(dot(slipped, slipped)), t = y / slip;
-      loss += limit * ifLess(y, slow, slow * t * t * (1.0 - t / 3.0), y - slow / 3.0);
-      const Lanes tangent = limit * ifLess(y, slow, (2.0 - t) / slow, 1.0 / larger(y, slow));
+      const SlipLanes smooth = smoothSlip(slipped, slip);
+      const Lanes tangent = limit * smooth.ratio;
+      loss += limit * smooth.potential;
       store3(pack.drag, l, tangent * slipped);
       store(pack.stiffness + l, tangent);
     }

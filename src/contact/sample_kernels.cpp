@@ -1,4 +1,5 @@
 #include "contact/contact_law.h"
+#include "contact/friction_lanes.h"
 #include "contact/sample_packs.h"
 #include "shape/distance_lanes.h"
 #include "simd/kernels.h"
@@ -6,10 +7,6 @@
 namespace haptic_cloth {
 namespace HAPTIC_CLOTH_PATH {
 namespace {
-
-HAPTIC_CLOTH_INLINE Lanes3 load3(const double (*values)[kPack], int l) {
-  return {load(values[0] + l), load(values[1] + l), load(values[2] + l)};
-}
 
 HAPTIC_CLOTH_INLINE Lanes3 at(const SamplePack& pack, int l, const ConstArrays& values) {
   if (pack.at_nodes) return gather(values, pack.nodes[0], l);
@@ -59,17 +56,13 @@ HAPTIC_CLOTH_INLINE void evaluateOne(SamplePack& pack, int l, const SampleContex
   const PressureLanes law = press(context.range, d.value + load(pack.gap_offset + l));
   const Lanes pressing = area * law.pressure;
   energy += area * law.energy;
-  // Friction, smoothed below `slip`: potential f₀ and ratio f₀'/y [Li et al. 2020].
   const Lanes3 start_normal = load3(pack.start_normal, l);
   const Lanes3 slip = moved - dot(start_normal, moved) * start_normal;
-  const Lanes y = squareRoot(dot(slip, slip)), limit = load(pack.friction + l), t = y / context.slip;
-  const Lanes slow = all(context.slip);
-  loss += limit * ifLess(y, slow, slow * t * t * (1.0 - t / 3.0), y - slow / 3.0);
-  const Lanes tangent = limit * ifLess(y, slow, (2.0 - t) / slow, 1.0 / y);
+  const SlipLanes smooth = smoothSlip(slip, context.slip);
+  const Lanes limit = load(pack.friction + l), tangent = limit * smooth.ratio;
+  loss += limit * smooth.potential;
   store(slots, slot, tangent * slip - pressing * d.normal);
-  store(pack.normal[0] + l, d.normal.x);
-  store(pack.normal[1] + l, d.normal.y);
-  store(pack.normal[2] + l, d.normal.z);
+  store3(pack.normal, l, d.normal);
   store(pack.gap + l, ifPositive(area, d.value, all(context.range)));
   store(pack.normal_stiffness + l, area * law.stiffness);
   store(pack.tangent_stiffness + l, tangent);

@@ -164,6 +164,16 @@ static HAPTIC_CLOTH_INLINE void store(const MutableArrays& arrays, int first, co
   store(arrays.z + first, v.z);
 }
 
+/// Vectors of lanes l and following of a pack, coordinate by coordinate.
+static HAPTIC_CLOTH_INLINE Lanes3 load3(const double (*values)[kPack], int l) {
+  return {load(values[0] + l), load(values[1] + l), load(values[2] + l)};
+}
+static HAPTIC_CLOTH_INLINE void store3(double (*values)[kPack], int l, const Lanes3& v) {
+  store(values[0] + l, v.x);
+  store(values[1] + l, v.y);
+  store(values[2] + l, v.z);
+}
+
 /// Tells whether kLanes indices from `lane` on are consecutive.
 static HAPTIC_CLOTH_INLINE bool inRow(const PackIndices& at, int lane) {
   constexpr unsigned kRow = (1u << (kLanes - 1)) - 1;
