@@ -8,7 +8,7 @@ import runs
 SHOWN = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
 FABRIC = "winter_suiting"  # that of the scene
 PARTS = ("gradient", "energy", "total")
-TIMES = 100                # regions, loops or barriers in one run of openmp/...
+TIMES = 100                # evaluations, regions, loops or barriers in one run, kTimes in kernel_times/main.cpp
 LIMIT_PERCENT = 3.0        # target for the imbalance
 
 
@@ -26,7 +26,7 @@ def table2(best, counts):
         for threads in counts:
             found = {part: best["threads/%d/%s/%s" % (threads, strategy, part)] for part in PARTS}
             row = {"strategy": strategy, "threads": threads, "particles": found["total"]["particles"]}
-            row.update({part + "_us": 1e-3 * found[part]["time"] for part in PARTS})
+            row.update({part + "_us": 1e-3 * found[part]["time"] / (1 if part == "total" else TIMES) for part in PARTS})
             one = one or row
             row.update({part + "_speedup": one[part + "_us"] / row[part + "_us"] for part in PARTS})
             rows.append(row)

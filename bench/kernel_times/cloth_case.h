@@ -56,6 +56,16 @@ class ClothCase {
     double seconds = 0.0, cpu_seconds = 0.0;
   };
 
+  /// Runs work() so often in one parallel region, as a step does. @return its last result
+  template <class Work>
+  double inRegion(int times, const Work& work) {
+    double last = 0.0;
+    world_->team_.run(mesh().active(), [&] {
+      for (int k = 0; k < times; ++k) last = work();
+    });
+    return last;
+  }
+
   /// Runs whole iterations on the cloth, starting at point().
   Iterations iterate(int iterations);
 

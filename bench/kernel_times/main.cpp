@@ -36,6 +36,9 @@ constexpr int kIterations = 60;
 
 constexpr int kRounds = 1000;  ///< multiply-adds in a run
 
+/// Evaluations, regions, loops or barriers in a run; TIMES in bench/thread_parts.py.
+constexpr int kTimes = 100;
+
 struct Options {
   std::vector<std::string> strategies{"finest", "amrc"}, fabrics{"linear", "winter_suiting"};
   std::vector<int> threads;
@@ -165,26 +168,21 @@ void addPasses(const std::string& name, ClothCase& cloth) {
                 [&cloth](int count) { return cloth.iterate(count); });
 }
 
-/// Adds the parts of Table 2 of [M04] for a number of threads.
+/// Adds the parts of Table 2 of [M04] for a number of threads. A run of the first two has kTimes evaluations.
 void addThreads(int threads, const std::string& strategy, ClothCase& cloth) {
   const std::string name = "threads/" + std::to_string(threads) + "/" + strategy + "/";
   const auto on_threads = [&cloth, threads] {
     if (cloth.threads() != threads) cloth.setThreads(threads);
   };
-  addSimple(
-      name + "gradient", -1.0, -1.0,
-      [&cloth, on_threads] {
-        on_threads();
-        return cloth.objective().evaluate(cloth.point(), cloth.scratch());
-      },
-      cloth.particles());
-  addSimple(
-      name + "energy", -1.0, -1.0,
-      [&cloth, on_threads] {
-        on_threads();
-        return cloth.objective().along(cloth.direction(), -1.0).quadratic_form;
-      },
-      cloth.particles());
+  const auto add = [&](const char* what, const auto& work) {
+    const auto run = [&cloth, on_threads, work] {
+      on_threads();
+      return cloth.inRegion(kTimes, work);
+    };
+    addSimple(name + what, -1.0, -1.0, run, cloth.particles());
+  };
+  add("gradient", [&cloth] { return cloth.objective().evaluate(cloth.point(), cloth.scratch()); });
+  add("energy", [&cloth] { return cloth.objective().along(cloth.direction(), -1.0).quadratic_form; });
   addIterations(name + "total", cloth, -1.0, -1.0, [&cloth, on_threads](int count) {
     on_threads();
     return cloth.iterate(count);
@@ -192,7 +190,6 @@ void addThreads(int threads, const std::string& strategy, ClothCase& cloth) {
 }
 
 void addOpenMp(int threads) {
-  constexpr int kTimes = 100;
   const std::string name = "openmp/" + std::to_string(threads) + "/";
   const auto add = [&](const char* what, void (*work)(int, int)) {
     addSimple(name + what, -1.0, -1.0, [work, threads] {
