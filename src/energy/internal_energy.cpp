@@ -44,12 +44,10 @@ void InternalEnergy::forRuns(Self& self, int begin, int end, const Visit& visit)
     last = std::min(end, last);
     if (first < last) visit(energy, PackRun{(first - kind) / kPack, (last - kind) / kPack, direction, first});
   };
-  const NodeGather& gather = self.gather_;
-  const int weft_edges = gather.edges().warpEnd(), triples = gather.firstTriple(),
-            weft_triples = triples + gather.triples().warpEnd(), patches = gather.firstPatch();
-  cut(self.stretch_, 0, 0, weft_edges, kWarp);
+  const auto [warp_edges, weft_edges, triples, weft_triples, patches] = self.starts();
+  cut(self.stretch_, warp_edges, warp_edges, weft_edges, kWarp);
   cut(self.bend_, triples, triples, weft_triples, kWarp);
-  cut(self.stretch_, 0, weft_edges, triples, kWeft);
+  cut(self.stretch_, warp_edges, weft_edges, triples, kWeft);
   cut(self.bend_, triples, weft_triples, patches, kWeft);
   cut(self.shear_, patches, patches, self.size(), kWarp);
 }

@@ -1,6 +1,7 @@
 /// Internal energy of the cloth: stretch, bending, shear and twist of all elements.
 #pragma once
 
+#include <array>
 #include <utility>
 #include <vector>
 
@@ -68,6 +69,12 @@ class InternalEnergy {
   /// Number of padded places: length of the range that evaluate() and quadraticForm() divide in
   /// multiples of kPack.
   int size() const { return gather_.firstPatch() + gather_.patches().size(); }
+
+  /// Where the places of each kind and direction begin. Each of these arrays is sorted along the mesh.
+  std::array<int, 5> starts() const {
+    return {0, gather_.edges().warpEnd(), gather_.firstTriple(),
+            gather_.firstTriple() + gather_.triples().warpEnd(), gather_.firstPatch()};
+  }
 
   enum class Kind { Edge, Triple, Patch };
 

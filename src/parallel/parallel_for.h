@@ -16,6 +16,8 @@
 #include <omp.h>
 #endif
 
+#include "parallel/block_order.h"
+
 namespace haptic_cloth {
 
 /// Sums that are formed in one pass over a list.
@@ -56,7 +58,7 @@ class Backoff {
 /// taken off its core delays only the block that it was working on.
 class Team {
  public:
-  static constexpr int kBlock = 256;
+  static constexpr int kBlock = BlockOrder::kBlock;
 
   // Approximate times of one item on one core [s], to decide whether a loop is worth sharing.
   static constexpr double kElement = 5e-9, kNode = 8e-9, kEntry = 4e-10;
@@ -76,7 +78,7 @@ class Team {
   int threads() const { return threads_; }
 
   /// Reserves memory for sums over up to `count` items.
-  void reserve(int count) { partial_.reserve((count + kBlock - 1) / kBlock); }
+  void reserve(int count) { partial_.reserve(BlockOrder::blocks(count)); }
 
   /// Calls body(), whose loops run on several threads.
   /// @param particles number of particles in the work; few use fewer threads
@@ -118,28 +120,34 @@ class Team {
     body();
   }
 
-  /// Calls work(begin, end) for consecutive parts of [0, count). @param item time for one item [s]
+  /// Calls work(begin, end) for consecutive parts of [0, count).
+  /// @param item time for one item [s]
+  /// @param order in which threads take the blocks
   template <class Work>
-  void forRange(int count, const Work& work, double item = kElement) {
-    const int blocks = (count + kBlock - 1) / kBlock;
+  void forRange(int count, const Work& work, double item = kElement, const BlockOrder& order = {}) {
+    const int blocks = BlockOrder::blocks(count);
     if (!isShared(blocks, count * item)) {
       if (count > 0) work(0, count);
       return;
     }
-    shareBlocks(blocks, [&](int block) { work(block * kBlock, std::min(count, (block + 1) * kBlock)); });
+    shareBlocks(blocks, [&](int position) {
+      const int begin = order[position] * kBlock;
+      work(begin, std::min(count, begin + kBlock));
+    });
   }
 
   /// Forms several sums at once: work(begin, end) returns those of its part of [0, count).
   /// @param item time for one item [s]
+  /// @param order in which threads take the blocks; it does not change the bits
   template <class Work>
-  Sums sum(int count, const Work& work, double item = kElement) {
-    const int blocks = (count + kBlock - 1) / kBlock;
+  Sums sum(int count, const Work& work, double item = kElement, const BlockOrder& order = {}) {
+    const int blocks = BlockOrder::blocks(count);
     if (static_cast<int>(partial_.size()) < blocks) partial_.resize(blocks);
     const auto of_block = [&](int block) {
       partial_[block] = work(block * kBlock, std::min(count, (block + 1) * kBlock));
     };
     if (isShared(blocks, count * item)) {
-      shareBlocks(blocks, of_block);
+      shareBlocks(blocks, [&](int position) { of_block(order[position]); });
     } else {
       for (int block = 0; block < blocks; ++block) of_block(block);
     }

@@ -1,6 +1,7 @@
 #include "sim/awake_set.h"
 
 #include <algorithm>
+#include <array>
 
 namespace haptic_cloth {
 
@@ -9,6 +10,7 @@ AwakeSet::AwakeSet(const ActiveMesh& mesh, const InternalEnergy& internal, const
   for (auto* list : {&awake_, &seen_, &reached_}) list->reserve(mesh.grid.particles());
   elements_.reserve(mesh.grid.particles());
   nodes_.reserve(mesh.grid.particles() / kPack + 1);
+  element_order_.reserve(NodeGather::capacity(mesh) + contacts.capacity());
 }
 
 void AwakeSet::begin() {
@@ -57,6 +59,10 @@ void AwakeSet::wakeAll() {
 void AwakeSet::coverAll() {
   elements_.clear();
   elements_.add(0, internal_.size() + contacts_.size());
+  const auto [warp_edges, weft_edges, warp_triples, weft_triples, patches] = internal_.starts();
+  element_order_.set(
+      std::array{warp_edges, weft_edges, warp_triples, weft_triples, patches, internal_.size()},
+      elements_.size());
   nodes_.clear();
   nodes_.add(0, padded(mesh_.nodes()));
 }
@@ -99,6 +105,7 @@ void AwakeSet::spread() {
 /// Lists the elements that act on an awake node, and the packs that hold one.
 void AwakeSet::listCovered() {
   elements_.clear();
+  element_order_.clear();
   internal_.appendAwake(awake_, elements_);
   contacts_.appendAwake(awake_, internal_.size(), elements_);
   nodes_.clear();

@@ -6,6 +6,7 @@
 #include "contact/contact_set.h"
 #include "energy/internal_energy.h"
 #include "mesh/active_mesh.h"
+#include "parallel/block_order.h"
 #include "parallel/runs.h"
 #include "sim/sleep_tracker.h"
 #include "solver/objective.h"
@@ -47,8 +48,9 @@ class AwakeSet {
   /// Sets the entries of sleeping nodes to zero, in a vector of the free nodes' unknowns.
   void clearSleepers(Vector& x) const;
 
-  const Runs& elements() const { return elements_; }  ///< covered by evaluations
-  const Runs& nodes() const { return nodes_; }        ///< covered by evaluations, in whole packs
+  const Runs& elements() const { return elements_; }                 ///< covered by evaluations
+  const BlockOrder& elementOrder() const { return element_order_; }  ///< along the cloth, if all are covered
+  const Runs& nodes() const { return nodes_; }  ///< covered by evaluations, in whole packs
 
  private:
   void spread();
@@ -62,6 +64,7 @@ class AwakeSet {
   bool all_ = true;
   double sleepers_square_ = 0.0;
   Runs elements_, nodes_;
+  BlockOrder element_order_;
 };
 
 }  // namespace haptic_cloth

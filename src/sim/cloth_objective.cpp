@@ -1,6 +1,7 @@
 #include "sim/cloth_objective.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "simd/kernels.h"
@@ -40,6 +41,7 @@ ClothObjective::ClothObjective(const Scene& scene, const ActiveMesh& mesh, const
   }
   for (auto* list : {&mass_, &moving_mass_}) list->reserve(padded(mesh.grid.particles()));
   for (Vector* v : {&inverse_diagonal_, &residual_weight_}) v->resize(capacity());
+  unknown_order_.reserve(capacity());
   proxy_unknowns_.reserve(probes_.size());
   if (preconditioner_ == Preconditioner::Multilevel)
     multilevel_.emplace(mesh_, static_cast<int>(probes_.size()), team_);
@@ -89,6 +91,7 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
   }
   forPresent(
       [&](int k) { residual_weight_.segment<3>(proxyAt(probes_[k])).setConstant(weight(proxy_mass(k))); });
+  unknown_order_.set(std::array{0, mesh_.free, 2 * mesh_.free}, size());
   awake_.begin();
 }
 
@@ -164,11 +167,15 @@ double ClothObjective::evaluate(const Vector& x, Vector& gradient) {
   carryHeld(proxies_, true, nodes_);
   placeProbes();
   contacts_.noteMotion(nodes_);
-  energies_ = team_.sum(awake_.elements().size(), [this](int from, int to) {
-    Sums sums = Sums::Zero();
-    awake_.elements().forPart(from, to, [&](int begin, int end) { sums += evaluateElements(begin, end); });
-    return sums;
-  });
+  energies_ = team_.sum(
+      awake_.elements().size(),
+      [this](int from, int to) {
+        Sums sums = Sums::Zero();
+        awake_.elements().forPart(from, to,
+                                  [&](int begin, int end) { sums += evaluateElements(begin, end); });
+        return sums;
+      },
+      Team::kElement, awake_.elementOrder());
   contacts_.sumPairForces(mesh_.nodes());
   const Sums motion = team_.sum(
       awake_.nodes().size(),
@@ -281,7 +288,7 @@ double ClothObjective::maxStep(const Vector& d, double most) {
 
 ClothObjective::QuadraticForm ClothObjective::formAlongMotion(bool whole_motion, bool deforms) {
   const int internal = internal_.size();
-  const Sums elements = team_.sum(awake_.elements().size(), [&](int from, int to) {
+  const auto of_part = [&](int from, int to) {
     Sums sums = Sums::Zero();
     awake_.elements().forPart(from, to, [&](int begin, int end) {
       if (deforms)
@@ -291,7 +298,8 @@ ClothObjective::QuadraticForm ClothObjective::formAlongMotion(bool whole_motion,
                                   motion_, proxy_motions_, whole_motion);
     });
     return sums;
-  });
+  };
+  const Sums elements = team_.sum(awake_.elements().size(), of_part, Team::kElement, awake_.elementOrder());
   const Sums moving = team_.sum(
       awake_.nodes().size(),
       [&](int from, int to) {
@@ -357,7 +365,7 @@ double ClothObjective::residual(const Vector& gradient) const {
                       .dot(residual_weight_.segment(begin, end - begin));
         return sums;
       },
-      Team::kEntry);
+      Team::kEntry, unknown_order_);
   return std::sqrt(square[0] + awake_.sleepersSquare());
 }
 

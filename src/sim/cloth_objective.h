@@ -68,6 +68,7 @@ class ClothObjective : public Objective {
   const Field& gradient() const { return gradient_; }
 
   int size() const override { return 3 * (mesh_.free + present_); }
+  const BlockOrder& order() const override { return unknown_order_; }
   double evaluate(const Vector& x, Vector& gradient) override;
   Along along(const Vector& d, double slope) override;
 
@@ -224,6 +225,7 @@ class ClothObjective : public Objective {
   Proxies proxies_, proxy_motions_, hold_forces_, hold_torques_;
   Sums energies_ = Sums::Zero();
   Vector inverse_diagonal_, residual_weight_;
+  BlockOrder unknown_order_;  ///< along the cloth: the unknowns are all x, all y, all z, and the proxies
   std::optional<MultilevelPreconditioner> multilevel_;
   std::vector<ProxyUnknown> proxy_unknowns_;
 };

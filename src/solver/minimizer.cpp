@@ -105,7 +105,7 @@ void Minimizer::direction(Objective& objective, Team& team, bool restart, Minimi
         if (!restart) sums[1] = z.dot(previous_.segment(begin, end - begin));
         return sums;
       },
-      Team::kEntry);
+      Team::kEntry, objective.order());
   const double beta = restart ? 0.0 : std::max(0.0, (dots[0] - dots[1]) / descent_);
   descent_ = dots[0];
   const Sums slope = team.sum(
@@ -122,7 +122,7 @@ void Minimizer::direction(Objective& objective, Team& team, bool restart, Minimi
         sums[0] = d.dot(gradient_.segment(begin, end - begin));
         return sums;
       },
-      Team::kEntry);
+      Team::kEntry, objective.order());
   slope_ = slope[0];
   if (!(slope_ < 0.0)) {
     direction_.head(size_) = -preconditioned_.head(size_);
@@ -146,7 +146,7 @@ bool Minimizer::lineSearch(Objective& objective, Team& team, Vector& x, double& 
       trial_.segment(begin, end - begin) =
           x.segment(begin, end - begin) + step * direction_.segment(begin, end - begin);
     };
-    team.forRange(size_, go, Team::kEntry);
+    team.forRange(size_, go, Team::kEntry, objective.order());
     const double trial_value = objective.evaluate(trial_, trial_gradient_);
     ++report.evaluations;
     const double change = trial_value - value;

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 
+#include "parallel/block_order.h"
+
 namespace haptic_cloth {
 
 using Vector = Eigen::VectorXd;
@@ -15,6 +17,12 @@ class Objective {
   virtual ~Objective() = default;
 
   virtual int size() const = 0;
+
+  /// Order in which threads take blocks of vectors of size() entries: as they are numbered.
+  virtual const BlockOrder& order() const {
+    static const BlockOrder none;
+    return none;
+  }
 
   /// Evaluates Φ(x) [J] and writes its gradient.
   virtual double evaluate(const Vector& x, Vector& gradient) = 0;
