@@ -22,6 +22,7 @@ PEERS = {"explicit": ("<", "#c2185b"), "XPBD": (">", "#00838f"), "Bullet soft": 
 ERRORS = (("rms_mm", "shape error at the end, rms [mm]", "reference_rms_mm"),
           ("force_percent", "probe force error, rms [%]", "reference_force_percent"))
 LEGEND = 1.3  # [inch]
+WORST = 100.0  # points with an error more than so many times this package's largest are left out
 SHIPPED_STRATEGY = "amrc"
 
 
@@ -81,6 +82,8 @@ def draw(path, rows, size):
     for error, label, uncertainty in ERRORS:
         for scene in dict.fromkeys(row["scene"] for row in rows):
             own = [row for row in rows if row["scene"] == scene and row[error] is not None]
+            worst = WORST * max((row[error] for row in own if row["program"] not in PEERS), default=0.0)
+            own = [row for row in own if row["program"] not in PEERS or row[error] <= worst]
             if own:
                 panels.append((own, error, label, uncertainty))
     columns = min(3, len(panels))
@@ -92,7 +95,8 @@ def draw(path, rows, size):
     for axes, panel in zip(all_axes.flat, panels):
         draw_panel(axes, *panel)
     figure.legend(handles=legend_entries(), loc="lower center", ncol=max(2, 2 * columns), frameon=False, fontsize=9)
-    title = "Error against speed%s: left and below is better" % ("" if size == "full" else " (%s)" % size)
+    title = "Error against speed%s: left and below is better (errors above %g times this package's largest left out)" % (
+        "" if size == "full" else ", %s" % size, WORST)
     figure.suptitle(title, fontsize=12)
     figure.tight_layout(rect=(0, LEGEND / height, 1, 1 - 0.3 / height))
     figure.savefig(path, dpi=110)
