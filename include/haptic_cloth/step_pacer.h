@@ -14,7 +14,7 @@ struct PaceOptions {
   double max_time_step = 0.004;  ///< longest step of a late solver [s]; at least one time step is made
 };
 
-/// What the solver gives up to keep the clock.
+/// Quality that the solver gives up to keep the clock.
 struct QualityReport {
   int rung = 0;              ///< 0: the quality that the scene asks for
   std::string given_up;      ///< in words; empty: nothing

@@ -111,7 +111,7 @@ class ClothTree {
     int patch;                    ///< of a leaf, else -1
     std::array<int, 4> children;  ///< -1: none
   };
-  /// What is known of 2 × 2 parts, see forgetSmooth().
+  /// Smoothness of 2 × 2 parts, as far as it is known; see forgetSmooth().
   enum class Square : char { Unknown, Smooth, Rough };
   /// Rectangle that was found smooth: up to 2 × 2 parts.
   struct Smooth {

@@ -307,7 +307,7 @@ double largestPairStep(PairPack* packs, PairBound* bounds, int begin, int end, c
       }
       const Lanes left =
           larger((1.0 - limits.share) * load(pack.distance + l), limits.least_ranges * load(pack.range + l));
-      // Of the first part the nearest node along the normal counts, of the second the farthest.
+      // The nearest node along the normal counts of the first part, the farthest of the second.
       const int firsts = pack.lines ? 2 : 1;
       for (int a = 0; a < firsts; ++a) {
         for (int b = firsts; b < 4; ++b) {

@@ -41,7 +41,7 @@ struct DragPack {
   double stiffness[kPack];  ///< across the normal [N/m]
 };
 
-/// What is known of a pack since it was measured. While nothing can press, the pack itself is not read.
+/// Bounds that hold for a pack since it was measured. While nothing can press, the pack itself is not read.
 struct PairBound {
   double measured;  ///< way travelled when the pack was measured [m]
   double gap;       ///< smallest distance of its pairs then [m]

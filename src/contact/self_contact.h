@@ -118,7 +118,7 @@ class SelfContact {
   }
 
   int touching() const;  ///< number of nodes and lines that press, by side
-  /// Of all pairs at `nodes`, the last evaluated point; infinite without pairs [m].
+  /// Smallest distance of all pairs at `nodes`, the last evaluated point; infinite without pairs [m].
   double smallestDistance(const Field& nodes);
 
  private:

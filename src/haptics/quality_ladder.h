@@ -1,4 +1,4 @@
-/// What a late solver gives up, in order.
+/// Ladder of the qualities that a late solver gives up, in order.
 #pragma once
 
 #include <string>

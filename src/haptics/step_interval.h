@@ -30,8 +30,8 @@ class StepInterval {
 
   double seconds() const { return slowness_ * time_step_; }  ///< [s]; 0 before the first step
 
-  /// As seconds(), with the lesser slowness of the last two steps instead of the mean: one late step does not
-  /// count [s].
+  /// The same as seconds(), with the lesser slowness of the last two steps instead of the mean: one late
+  /// step does not count [s].
   double steadySeconds() const { return steady_ * time_step_; }
 
  private:

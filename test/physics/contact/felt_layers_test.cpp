@@ -252,7 +252,8 @@ double slipOfFold(double share) {
   return height() - end;
 }
 
-/// As of a single sheet in fingers_test.cpp: held cloth hangs for ever, so it moves by less than 1 µm/s.
+/// Criterion: that of a single sheet in fingers_test.cpp; held cloth hangs for ever, so it moves by less
+/// than 1 µm/s.
 TEST(PinchedFold, HoldsUpToTwiceTheFriction) {
   const double held = slipOfFold(0.95);
   record({"fold pinched by two probes", "creep at 0.95 of 2 mu N [µm/s]", "finest", 0.95, 1e6 * held / 0.5,

@@ -289,8 +289,8 @@ TEST(LayersInFlight, KeepMomentumWhenTheyHitEachOther) {
           (momentum - first).norm() / first.norm(), 0.0, 1.0});
   record({"two layers that collide", "change of spin / spin [-]", "finest", 0.0,
           (spin - spin_first).norm() / spin_first.norm(), 0.0, 1.0});
-  // What the residuals and the energy guard of all steps add up to. Backward Euler also changes the spin,
-  // by h times motion across the force times the impulse.
+  // Bound: what the residuals and the energy guard of all steps add up to. Backward Euler also changes the
+  // spin, by h times motion across the force times the impulse.
   EXPECT_LT((momentum - first).norm(), tolerance(unbalanced));
   EXPECT_LT((spin - spin_first).norm(),
             tolerance(unbalanced * scene.cloth.size[kWarp] + h * aside.norm() * first.norm()));

@@ -27,7 +27,7 @@ constexpr double kCrease = 0.5 * (kCornerBefore + kCornerAfter);  // m
 /// Longest wait for a time of the cloth: a round takes 12.5 s at full speed.
 constexpr double kRound = 100.0;  // s
 
-/// What the node says about the cloth, while it is listened to.
+/// Collects the node's messages about the cloth.
 class ClothListener {
  public:
   explicit ClothListener(ros::NodeHandle& node)

@@ -1,4 +1,4 @@
-/// What search and display know of a shape. Criterion: its signed distance; the bound is rounding.
+/// Properties of shapes that search and display use. Criterion: its signed distance; the bound is rounding.
 #include "shape/shapes.h"
 
 #include <gtest/gtest.h>

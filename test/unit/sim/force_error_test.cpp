@@ -30,7 +30,7 @@ TEST_F(ForceErrorTest, IsZeroWithoutContact) {
   EXPECT_GT(estimate(kNothing, Vec3(0, 0, 1), kNothing), 0.0) << "contact ended in this step";
 }
 
-/// What is left of 1 N after 1e-9 N of force is the unbalanced force itself, in any direction.
+/// Criterion: of 1 N that 1e-9 N should balance, all is left, in any direction.
 TEST_F(ForceErrorTest, IsTheForceThatIsNotBalanced) {
   const Vec3 weak(0, 0, 1e-9);
   EXPECT_NEAR(estimate(Vec3(0, 0, 1), weak, weak), 1.0, 1e-12);

@@ -163,7 +163,7 @@ TEST_F(State, WhatARunIsToldFromOutsideMayDiffer) {
   EXPECT_EQ(other.saveState(), saved_);
 }
 
-/// What may pass through itself is taken.
+/// The same state is accepted where the cloth may pass through itself.
 TEST_F(State, ClothThatPassesThroughItselfIsRefusedByThePlace) {
   std::vector<StateEntry> entries = stateEntries(saved_);
   foldThrough(entries, run_.scene.cloth.size[0], 0.01);
