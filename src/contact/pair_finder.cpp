@@ -41,36 +41,38 @@ double distance(const Point& p, const Point& a, const Point& b, const Point& c) 
   return std::min({distance(p, a, b), distance(p, b, c), distance(p, c, a)});
 }
 
-Vec3 nearestOnTriangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+/// From the nearest point of a triangle to p.
+Vec3 fromTriangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a, ap = p - a;
   const double uu = ab.squaredNorm(), uv = ab.dot(ac), vv = ac.squaredNorm(), up = ap.dot(ab),
                vp = ap.dot(ac);
   const double determinant = uu * vv - uv * uv;
   if (determinant > 0.0) {
     const double v = (vv * up - uv * vp) / determinant, u = (uu * vp - uv * up) / determinant;
-    if (u >= 0.0 && v >= 0.0 && u + v <= 1.0) return a + v * ab + u * ac;
+    if (u >= 0.0 && v >= 0.0 && u + v <= 1.0) return ap - v * ab - u * ac;
   }
-  const auto onSide = [&p](const Vec3& from, const Vec3& to) {
+  const auto fromSide = [&p](const Vec3& from, const Vec3& to) {
     const Vec3 side = to - from;
     const double square = side.squaredNorm();
-    return Vec3(from + (square > 0.0 ? std::clamp((p - from).dot(side) / square, 0.0, 1.0) : 0.0) * side);
+    return Vec3(p - from - (square > 0.0 ? std::clamp((p - from).dot(side) / square, 0.0, 1.0) : 0.0) * side);
   };
-  Vec3 best = onSide(a, b);
-  for (const Vec3& other : {onSide(b, c), onSide(c, a)}) {
-    if ((p - other).squaredNorm() < (p - best).squaredNorm()) best = other;
+  Vec3 best = fromSide(a, b);
+  for (const Vec3& other : {fromSide(b, c), fromSide(c, a)}) {
+    if (other.squaredNorm() < best.squaredNorm()) best = other;
   }
   return best;
 }
 
-double distanceOfLines(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+/// Between the nearest points of two lines, from c-d to a-b.
+Vec3 betweenLines(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const Vec3 u = b - a, v = d - c, r = a - c;
   const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), ur = u.dot(r), vr = v.dot(r);
-  if (!(uu > 0.0) || !(vv > 0.0)) return 0.0;
+  if (!(uu > 0.0) || !(vv > 0.0)) return Vec3::Zero();
   const double determinant = uu * vv - uv * uv;
   double s = determinant > 1e-14 * uu * vv ? std::clamp((uv * vr - ur * vv) / determinant, 0.0, 1.0) : 0.0;
   const double t = std::clamp((uv * s + vr) / vv, 0.0, 1.0);
   s = std::clamp((uv * t - ur) / uu, 0.0, 1.0);
-  return (r + s * u - t * v).norm();
+  return r + s * u - t * v;
 }
 
 template <class Nodes>
@@ -88,6 +90,25 @@ double apart(const PairFinder::Reach& reach, const Nodes& ones, const Others& ot
     for (const int b : others) moved = std::max(moved, (reach.motion[a] - reach.motion[b]).squaredNorm());
   }
   return std::sqrt(moved) + largestDeviation(reach, ones) + largestDeviation(reach, others);
+}
+
+/// Tells whether two parts that are farther apart than `within` stay so on their expected way: if the
+/// direction between their nearest points separates them at its end, it does so all along it.
+/// @param between from the nearest point of the others to that of the first nodes [m]
+template <class Nodes, class Others>
+bool staysApart(const PairFinder::Reach& reach, const Field& nodes, const Nodes& ones, const Others& others,
+                const Vec3& between, double within) {
+  constexpr double kShareLeft = 0.1;  // of their distance, as in SelfContact::maxStep()
+  const double distance = between.norm(),
+               least = within + largestDeviation(reach, ones) + largestDeviation(reach, others);
+  if (!(distance > least)) return false;
+  const double enough = distance * std::max(least, kShareLeft * distance);
+  for (const int a : ones) {
+    for (const int b : others) {
+      if (!(between.dot(nodes[a] + reach.motion[a] - nodes[b] - reach.motion[b]) > enough)) return false;
+    }
+  }
+  return true;
 }
 
 void put(PairPack& pack, int lane, const std::array<int, 4>& nodes, double range, double area) {
@@ -222,9 +243,10 @@ void PairFinder::addNode(const ActiveMesh& mesh, const Field& nodes, const Reach
   for (int k = 0; k < 3; ++k) {
     if (p[k] - near > std::max({a[k], b[k], c[k]}) || p[k] + near < std::min({a[k], b[k], c[k]})) return;
   }
-  const Vec3 between = p - nearestOnTriangle(p, a, b, c);
+  const Vec3 between = fromTriangle(p, a, b, c);
   const double distance = between.norm();
-  if (distance > within_ + apart(reach, std::array<int, 1>{node}, t)) return;
+  const std::array<int, 1> one{node};
+  if (distance > within_ + apart(reach, one, t) || staysApart(reach, nodes, one, t, between, within_)) return;
   const std::array<int, 4> list{node, t[0], t[1], t[2]};
   const double range = rangeOf(mesh, list, false);
   const double above =
@@ -243,9 +265,12 @@ void PairFinder::addLines(const ActiveMesh& mesh, const Field& nodes, const Reac
         std::max(a[k], b[k]) + near < std::min(c[k], d[k]))
       return;
   }
-  const double distance = distanceOfLines(a, b, c, d);
-  const double most = apart(reach, std::array<int, 2>{one.a, one.b}, std::array<int, 2>{other.a, other.b});
-  if (distance > lines_within_ + most) return;
+  const Vec3 between = betweenLines(a, b, c, d);
+  const double distance = between.norm();
+  const std::array<int, 2> ends{one.a, one.b}, others{other.a, other.b};
+  if (distance > lines_within_ + apart(reach, ends, others) ||
+      staysApart(reach, nodes, ends, others, between, lines_within_))
+    return;
   const std::array<int, 4> list{one.a, one.b, other.a, other.b};
   const double range = kLineRange * rangeOf(mesh, list, true);
   if (distance > kTogether * range && range > 0.0) lines_.push_back({list, range, distance, 0});

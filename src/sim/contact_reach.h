@@ -26,7 +26,8 @@ class ContactReach {
   /// reach to twice the displacements.
   bool covers(const ClothObjective& solved);
 
-  /// The same for pairs(): how far nodes deviate from the motion that their velocity gives them.
+  /// Checks that all nodes moved as pairs() expects. From now on it expects the motion of this solve, and
+  /// twice the deviation of those that did not.
   bool coversPairs(const ClothObjective& solved);
 
   const std::vector<double>& nodes() const { return nodes_; }  ///< [m]

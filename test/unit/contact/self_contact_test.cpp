@@ -152,6 +152,77 @@ TEST(SelfContact, FindsAllPairsOfNodesAndTriangles) {
   }
 }
 
+/// Distance of a point from a triangle by plain search, at most 5 % of a side too large [m].
+double searchedDistance(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+  constexpr int kParts = 12;
+  double least = 1e300;
+  for (int i = 0; i <= kParts; ++i) {
+    for (int j = 0; i + j <= kParts; ++j)
+      least = std::min(least, (p - a - (i * (b - a) + j * (c - a)) / kParts).norm());
+  }
+  return least;
+}
+
+/// One layer of a hairpin flies towards the other and along it. Every pair that comes near is found, also
+/// where nodes deviate from the expected motion by as much as they may. What only flies past is not listed.
+TEST(SelfContact, FindsAllPairsThatComeNearOnTheWay) {
+  constexpr double kDeviation = 2e-4;  // [m]
+  for (const unsigned seed : {1u, 2u, 3u, 4u}) {
+    const double along = seed % 2 == 0 ? 6e-3 : 0.0;  // [m]
+    const Grid grid = gridOf(25, 5, 1);
+    Folded cloth(grid, mixedLeaves(grid, seed), 0.0);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise(0.0, 1.0);
+    const auto noiseOf = [&](double size) {
+      return Vec3(size * Vec3(noise(random), noise(random), noise(random)));
+    };
+    cloth.place([](const Vec3& at) { return hairpin(at, 0.04, 4.0 * kThickness); });
+    shake(cloth, random, 1e-4);
+    Field end = cloth.x;
+    for (int n = 0; n < cloth.mesh.nodes(); ++n) {
+      const bool upper = cloth.x[n].z() > 2.0 * kThickness;
+      cloth.still.set(n, (upper ? Vec3(along, 0.0, -2.8e-3) : Vec3(0.0, 0.0, 0.0)) + noiseOf(1e-4));
+      end.add(n, cloth.still[n] + kDeviation * Vec3(0.0, 0.0, upper ? -1.0 : 1.0));
+    }
+    cloth.reach.assign(cloth.mesh.nodes(), kDeviation);
+    cloth.collect();
+    std::set<std::array<int, 4>> found;
+    cloth.contact.forPairs([&](const PairPack& pack, int l) {
+      if (!pack.lines)
+        found.insert(
+            {pack.nodes[0].index[l], pack.nodes[1].index[l], pack.nodes[2].index[l], pack.nodes[3].index[l]});
+    });
+    int near = 0, past = 0;
+    for (std::size_t p = 0; p < cloth.mesh.patches.size(); ++p) {
+      for (const int half : {0, 1}) {
+        const auto& t = cloth.surface.triangle(static_cast<int>(p), half);
+        for (int n = 0; n < cloth.mesh.nodes(); ++n) {
+          const Vec3 middle = (cloth.flat(t[0]) + cloth.flat(t[1]) + cloth.flat(t[2])) / 3.0;
+          if ((cloth.flat(n) - middle).norm() < 4.0 * kSpacing) continue;  // their range is that of the law
+          double least = 1e300, apart = 0.0;
+          for (int k = 0; k <= 20; ++k) {
+            const auto at = [&](int node) {
+              return Vec3(cloth.x[node] + 0.05 * k * (end[node] - cloth.x[node]));
+            };
+            least = std::min(least, searchedDistance(at(n), at(t[0]), at(t[1]), at(t[2])));
+            if (k == 0) apart = least;
+          }
+          const std::array<int, 4> pair{n, t[0], t[1], t[2]};
+          const bool listed = found.count(pair) > 0;
+          if (least < kThickness) {
+            ++near;
+            EXPECT_TRUE(listed) << "seed " << seed << " node " << n;
+          } else if (!listed && apart < (cloth.still[n] - cloth.still[t[0]]).norm()) {
+            ++past;
+          }
+        }
+      }
+    }
+    EXPECT_GT(near, 30);
+    if (along > 0.0) EXPECT_GT(past, 50);
+  }
+}
+
 TEST(SelfContact, FlatAndGentlyCurvedClothHasNoPairs) {
   Folded cloth(gridOf(33, 33, 3));
   cloth.collect();
