@@ -2,7 +2,8 @@
 /// calls. Criteria: as in pose_faults_test; subscribers that hang do not affect the others; memory
 /// and open files of the node do not grow. Once warm, the memory grows by less than 100 B per call,
 /// because one lost record per call would be no less. HAPTIC_CLOTH_SERVICE_CALLS=100000 is the long
-/// form (default 2000).
+/// form (default 2000). Every call is answered; at most a hundredth of those with a connection of their
+/// own need a second try.
 #include <std_srvs/Empty.h>
 #include <std_srvs/SetBool.h>
 
@@ -85,14 +86,24 @@ class Caller {
     std_srvs::SetBool request;
     std_srvs::Empty empty;
     request.request.data = k % 2 == 0;
-    // A separate connection.
-    if (k % 10 == 0) return ros::service::call("/probe/set_grasp", request);
+    if (k % 10 == 0) return callAlone(request);
     if (k % 10 == 1 && resets) return reset_.call(empty);
     return k % 10 == 2 || k % 10 == 3 ? pause_.call(request) : grasp_.call(request);
   }
 
+  int repeated() const { return repeated_; }  ///< calls with a connection of their own that were made twice
+
  private:
+  /// Calls over a separate connection. roscpp's client may see that the node closes it before it reads the
+  /// answer, and then says that the call failed [ros_comm issue 1976]; such a call is made once more.
+  bool callAlone(std_srvs::SetBool& request) {
+    if (ros::service::call("/probe/set_grasp", request)) return true;
+    ++repeated_;
+    return ros::service::call("/probe/set_grasp", request);
+  }
+
   ros::ServiceClient pause_, grasp_, reset_;
+  int repeated_ = 0;
 };
 
 /// Lifts or lowers a hand when it has stayed at its target for kStay calls. A reset removes the
@@ -138,7 +149,7 @@ TEST_F(ListenerFaultTest, ThousandsOfServiceCalls) {
   const double before = residentMemory(pid), start = steadyNow();
   const std::uint32_t first_tick = reaction_.last().number;
   Presses presses(*hand_, reaction_);
-  int answered = 0, made = 0;
+  int answered = 0, made = 0, repeated = 0;
   // After each tenth of the requested calls, and up to the last call [MB].
   std::vector<double> memory;
   {
@@ -150,10 +161,12 @@ TEST_F(ListenerFaultTest, ThousandsOfServiceCalls) {
       answered += caller.call(k, presses.resets());
       if (10 * (k + 1) / calls == static_cast<int>(memory.size()) + 1) memory.push_back(residentMemory(pid));
     }
+    repeated = caller.repeated();
   }
   const double took = steadyNow() - start, ticks = reaction_.last().number - first_tick;
   RecordProperty("calls_per_second", std::to_string(made / took));
   RecordProperty("ticks_per_second", std::to_string(ticks / took));
+  RecordProperty("calls_repeated", repeated);
   RecordProperty("presses", presses.pressed());
   RecordProperty("presses_felt", presses.felt());
   RecordProperty("late_p99_us", diagnostics_.value("haptic thread", "late p99 [us]"));
@@ -163,6 +176,7 @@ TEST_F(ListenerFaultTest, ThousandsOfServiceCalls) {
     RecordProperty("memory_MB_at_" + std::to_string((k + 1) * calls / 10), std::to_string(memory[k]));
   }
   EXPECT_EQ(answered, made);
+  EXPECT_LE(1000 * repeated, made) << "more than a hundredth of the separate calls";
   EXPECT_GE(presses.pressed(), kPresses);
   EXPECT_GE(2 * presses.felt(), presses.pressed()) << "the hand does not feel the cloth";
   ASSERT_GE(memory.size(), 10U);
