@@ -2,8 +2,8 @@
 # Shows a hand on a cloth: installs, builds, starts rviz if there is a screen, reports each second.
 # Usage: scripts/demo.sh [--seconds N] [launch arguments]
 #   scene:=fold  a fingertip folds a corner over and presses the fold; also two_fingers, or a file
-#   --seconds N  ends after N seconds with a verdict; exit status 0 only if force, markers and state
-#                were published at their rates and were finite
+#   --seconds N  comes first; ends after N seconds with a verdict; exit status 0 only if force, markers
+#                and state were published at their rates and were finite
 set -euo pipefail
 case "${1:-}" in -h | --help) sed -n 2,6p "$0"; exit 0 ;; esac
 here="$(cd "$(dirname "$0")" && pwd)"
