@@ -6,18 +6,28 @@
 #include <geometry_msgs/TwistStamped.h>
 #include <geometry_msgs/Vector3Stamped.h>
 #include <geometry_msgs/WrenchStamped.h>
+#include <sensor_msgs/Joy.h>
+#include <std_msgs/Bool.h>
+#include <std_msgs/Int8MultiArray.h>
 
 #include <algorithm>
+#include <boost/array.hpp>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <tuple>
 
 namespace haptic_cloth {
 namespace {
 
 namespace traits = ros::message_traits;
 using Bytes = std::vector<unsigned char>;
+
+// TouchState of a geomagic driver, in two versions: a PoseStamped with buttons, and a
+// TransformStamped with velocity and buttons.
+constexpr char kTouchState[] = "882b066d515316daecadf177b58cf445";
+constexpr char kMovingTouchState[] = "30e5c9275c60943d770c087f33b76fac";
 
 Vec3 positionIn(const geometry_msgs::Point& point) { return {point.x, point.y, point.z}; }
 Vec3 positionIn(const geometry_msgs::Vector3& vector) { return {vector.x, vector.y, vector.z}; }
@@ -30,18 +40,28 @@ Vec3 positionIn(const geometry_msgs::PoseStamped& message) { return positionIn(m
 Vec3 positionIn(const geometry_msgs::TwistStamped& message) { return positionIn(message.twist); }
 Vec3 positionIn(const geometry_msgs::TransformStamped& message) { return positionIn(message.transform); }
 
-template <class Message>
-std::optional<DriverPosition> read(const topic_tools::ShapeShifter& message) {
+/// Parts that follow each other at the start of a message.
+/// @return empty if the message is too short
+template <class... Parts>
+std::optional<std::tuple<Parts...>> startOf(const topic_tools::ShapeShifter& message) {
   Bytes bytes(message.size());
   ros::serialization::OStream copy(bytes.data(), message.size());
   message.write(copy);
   ros::serialization::IStream stream(bytes.data(), message.size());
-  Message typed;
+  std::tuple<Parts...> parts;
   try {
-    ros::serialization::deserialize(stream, typed);
+    std::apply([&](auto&... part) { (ros::serialization::deserialize(stream, part), ...); }, parts);
   } catch (const ros::serialization::StreamOverrunException&) {
     return std::nullopt;
   }
+  return parts;
+}
+
+template <class Message>
+std::optional<DriverPosition> read(const topic_tools::ShapeShifter& message) {
+  const auto start = startOf<Message>(message);
+  if (!start) return std::nullopt;
+  const auto& typed = std::get<Message>(*start);
   DriverPosition found;
   found.position = positionIn(typed);
   if constexpr (traits::HasHeader<Message>::value) found.header = {typed.header.stamp, typed.header.frame_id};
@@ -51,6 +71,33 @@ std::optional<DriverPosition> read(const topic_tools::ShapeShifter& message) {
 template <class Message>
 std::pair<const std::string, PositionReader> position() {
   return {traits::md5sum<Message>(), read<Message>};
+}
+
+/// Buttons as numbers, 1 if held. The CRTK drivers' 2 and 3 tell of clicks that are over.
+template <class Numbers>
+std::vector<bool> held(const Numbers& numbers) {
+  std::vector<bool> buttons;
+  for (const auto number : numbers) buttons.push_back(number == 1);
+  return buttons;
+}
+
+std::vector<bool> buttonsIn(const sensor_msgs::Joy& message) { return held(message.buttons); }
+std::vector<bool> buttonsIn(const std_msgs::Int8MultiArray& message) { return held(message.data); }
+std::vector<bool> buttonsIn(const std_msgs::Bool& message) { return {message.data != 0}; }
+std::vector<bool> buttonsIn(const std::vector<std::uint8_t>& bools) { return held(bools); }
+std::vector<bool> buttonsIn(const boost::array<std::int32_t, 2>& numbers) { return held(numbers); }
+
+/// Buttons in the last of the parts.
+template <class... Parts>
+std::optional<std::vector<bool>> readButtons(const topic_tools::ShapeShifter& message) {
+  const auto start = startOf<Parts...>(message);
+  if (!start) return std::nullopt;
+  return buttonsIn(std::get<sizeof...(Parts) - 1>(*start));
+}
+
+template <class Message>
+std::pair<const std::string, ButtonReader> buttons() {
+  return {traits::md5sum<Message>(), readButtons<Message>};
 }
 
 template <class Vector>
@@ -132,12 +179,24 @@ PositionReader findPositionReader(const std::string& md5sum) {
       position<geometry_msgs::PoseStamped>(),
       position<geometry_msgs::TwistStamped>(),
       position<geometry_msgs::TransformStamped>(),
-      // TouchState of a geomagic driver, in two versions: a PoseStamped with buttons, and a
-      // TransformStamped with velocity and buttons. What follows the position is not read.
-      {"882b066d515316daecadf177b58cf445", read<geometry_msgs::PoseStamped>},
-      {"30e5c9275c60943d770c087f33b76fac", read<geometry_msgs::TransformStamped>},
+      {kTouchState, read<geometry_msgs::PoseStamped>},
+      {kMovingTouchState, read<geometry_msgs::TransformStamped>},
       // falconPos of ros_falcon: a Point whose members are X, Y and Z.
       {"8219583d7802cc50be3e9ab911877ba5", read<geometry_msgs::Point>}};
+  const auto entry = kTypes.find(md5sum);
+  return entry == kTypes.end() ? nullptr : entry->second;
+}
+
+ButtonReader findButtonReader(const std::string& md5sum) {
+  using Bools = std::vector<std::uint8_t>;
+  static const std::map<std::string, ButtonReader> kTypes = {
+      buttons<sensor_msgs::Joy>(),
+      buttons<std_msgs::Int8MultiArray>(),
+      buttons<std_msgs::Bool>(),
+      {kTouchState, readButtons<geometry_msgs::PoseStamped, Bools>},
+      {kMovingTouchState, readButtons<geometry_msgs::TransformStamped, geometry_msgs::Twist, Bools>},
+      // OmniButtonEvent, DeviceButtonEvent and PhantomButtonEvent: int32 grey_button, int32 white_button.
+      {"fb77877e6b639935c3360838062f05f0", readButtons<boost::array<std::int32_t, 2>>}};
   const auto entry = kTypes.find(md5sum);
   return entry == kTypes.end() ? nullptr : entry->second;
 }

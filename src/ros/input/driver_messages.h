@@ -1,4 +1,4 @@
-/// Message types in which drivers send positions and take forces.
+/// Message types in which drivers send positions and buttons and take forces.
 #pragma once
 
 #include <ros/time.h>
@@ -29,6 +29,13 @@ using PositionReader = std::optional<DriverPosition> (*)(const topic_tools::Shap
 /// Reader for a type that holds a position; nullptr for any other type.
 /// @param md5sum of the type: it names the layout, whatever package a fork has moved it to
 PositionReader findPositionReader(const std::string& md5sum);
+
+/// @return whether each button is held; empty if the bytes are not such a message
+using ButtonReader = std::optional<std::vector<bool>> (*)(const topic_tools::ShapeShifter& message);
+
+/// Reader for a type that holds buttons; nullptr for any other type.
+/// @param md5sum as for findPositionReader()
+ButtonReader findButtonReader(const std::string& md5sum);
 
 /// Message type that takes a force.
 struct ForceType {

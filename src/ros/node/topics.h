@@ -40,9 +40,11 @@ constexpr int kStateQueue = 1;
 constexpr char kDiagnostics[] = "/diagnostics";
 constexpr int kDiagnosticsQueue = 10;
 
-// Topics between adapter and driver, of the types in driver_messages.h.
+// Topics between adapter or button and driver, of the types in driver_messages.h.
 constexpr char kDevicePose[] = "device/pose";
 constexpr char kDeviceForce[] = "device/force";
+constexpr char kDeviceButton[] = "device/button";
+constexpr int kDeviceButtonQueue = 10;
 
 // Private services.
 constexpr char kReset[] = "reset";

@@ -73,6 +73,11 @@ std::vector<OptionGroup> groupsOf(MonitorOptions& monitor) {
              "lowest good rate of markers and state"}}}};
 }
 
+std::vector<OptionGroup> groupsOf(GraspButtonOptions& button) {
+  return {
+      {"", "", {{"number", field(button.number), atLeast(0), "", "which of the driver's buttons, from 0"}}}};
+}
+
 std::vector<OptionGroup> groupsOf(LatencyProbeOptions& probe) {
   return {{"",
            "",
@@ -90,6 +95,7 @@ std::vector<std::pair<std::string, std::string>> programTables() {
           {"path_hand", tableOf(PathHandOptions())},
           {"monitor", tableOf(MonitorOptions())},
           {"device_adapter", tableOf(AdapterOptions())},
+          {"grasp_button", tableOf(GraspButtonOptions())},
           {"latency_probe", tableOf(LatencyProbeOptions())}};
 }
 

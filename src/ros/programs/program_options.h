@@ -50,6 +50,10 @@ struct MonitorOptions {
   double display_rate = 20.0;
 };
 
+struct GraspButtonOptions {
+  int number = 0;
+};
+
 struct LatencyProbeOptions {
   std::string node = "/haptic_cloth", out;
   bool nodelet = false;
@@ -60,6 +64,7 @@ std::vector<OptionGroup> groupsOf(HandOptions& hand);
 std::vector<OptionGroup> groupsOf(MouseHandOptions& hand);
 std::vector<OptionGroup> groupsOf(PathHandOptions& hand);
 std::vector<OptionGroup> groupsOf(MonitorOptions& monitor);
+std::vector<OptionGroup> groupsOf(GraspButtonOptions& button);
 std::vector<OptionGroup> groupsOf(LatencyProbeOptions& probe);
 
 /// Tables of the reference, with the names of the programs.

@@ -7,7 +7,10 @@
 #include <geometry_msgs/Wrench.h>
 #include <gtest/gtest.h>
 #include <ros/ros.h>
+#include <sensor_msgs/Joy.h>
 #include <signal.h>
+#include <std_msgs/Bool.h>
+#include <std_msgs/Int8MultiArray.h>
 #include <std_srvs/SetBool.h>
 #include <topic_tools/shape_shifter.h>
 
@@ -285,6 +288,97 @@ TEST_F(AdapterTest, BadParametersAreNamed) {
   expectRefused({"_force/typ:=x"}, "force/typ");
   expectRefused({"_force/type:=nowhere/Unknown"}, "nowhere/Unknown");
   expectRefused({"device/pose:=probe/pose"}, "must be another topic");
+}
+
+/// A button by itself; the test sends its input and takes its grasp instead of the node.
+class GraspButtonTest : public testing::Test {
+ protected:
+  GraspButtonTest() : spinner_(2) {
+    spinner_.start();
+    grasp_ = node_.subscribe<std_msgs::Bool>(
+        "alone/grasp", 10, [this](const std_msgs::Bool::ConstPtr& message) { closed_ = message->data; });
+    joy_ = node_.advertise<sensor_msgs::Joy>("alone/joy", 1);
+  }
+  void TearDown() override {
+    process_.reset();
+    ros::param::del("/alone");
+  }
+
+  void start(const std::string& number) {
+    process_ = std::make_unique<Process>(
+        std::vector<std::string>{programDirectory() + "/grasp_button", "__name:=alone", "_number:=" + number,
+                                 "probe/grasp:=alone/grasp", "device/button:=alone/joy"});
+    ASSERT_TRUE(waitFor([this] { return joy_.getNumSubscribers() > 0 && grasp_.getNumPublishers() > 0; }))
+        << process_->output();
+  }
+  void send(const std::vector<int>& buttons) {
+    sensor_msgs::Joy message;
+    message.buttons = buttons;
+    joy_.publish(message);
+  }
+
+  ros::NodeHandle node_;
+  ros::AsyncSpinner spinner_;
+  std::unique_ptr<Process> process_;
+  ros::Publisher joy_;
+  std::atomic<bool> closed_{false};
+  ros::Subscriber grasp_;  ///< last member: its callback uses all members above
+};
+
+TEST_F(GraspButtonTest, TheGraspIsClosedWhileTheButtonIsHeld) {
+  start("1");
+  send({1, 0});
+  send({1, 1});
+  ASSERT_TRUE(waitFor([this] { return closed_.load(); })) << process_->output();
+  send({1, 0});
+  EXPECT_TRUE(waitFor([this] { return !closed_; }));
+}
+
+TEST_F(GraspButtonTest, ADriverThatEndsLetsGo) {
+  start("0");
+  send({1});
+  ASSERT_TRUE(waitFor([this] { return closed_.load(); })) << process_->output();
+  joy_.shutdown();
+  EXPECT_TRUE(waitFor([this] { return !closed_; }));
+}
+
+TEST_F(GraspButtonTest, LetsGoAtItsEnd) {
+  start("0");
+  send({1});
+  ASSERT_TRUE(waitFor([this] { return closed_.load(); })) << process_->output();
+  process_->signal(SIGTERM);
+  EXPECT_EQ(process_->wait(), 0) << process_->output();
+  EXPECT_TRUE(waitFor([this] { return !closed_; }));
+}
+
+TEST_F(GraspButtonTest, AButtonThatIsNotThereIsNamed) {
+  start("2");
+  send({1, 1});
+  EXPECT_TRUE(waitFor([this] {
+    return process_->output().find("no button ~number = 2: sensor_msgs/Joy has 2") != std::string::npos;
+  })) << process_->output();
+  EXPECT_FALSE(closed_);
+  process_ = std::make_unique<Process>(
+      std::vector<std::string>{programDirectory() + "/grasp_button", "__name:=alone", "_number:=-1"});
+  EXPECT_EQ(process_->wait(), 2);
+  EXPECT_NE(process_->output().find("number = -1"), std::string::npos) << process_->output();
+}
+
+/// The driver's button through grasp_button and node: the pressed probe holds cloth, then lets go.
+TEST_F(DeviceTest, HoldingTheButtonGrasps) {
+  ros::Publisher button = node_.advertise<std_msgs::Int8MultiArray>("driver/button_state", 1);
+  ASSERT_TRUE(waitFor([&] { return button.getNumSubscribers() > 0; }));
+  const auto send = [&](signed char held) {
+    std_msgs::Int8MultiArray message;
+    message.data = {held, 0};
+    button.publish(message);
+  };
+  press();
+  send(1);
+  EXPECT_TRUE(waitFor([this] { return diagnostics_.value("probe", "grasp") == "holds cloth"; }));
+  send(0);
+  EXPECT_TRUE(waitFor([this] { return diagnostics_.value("probe", "grasp") == "open"; }));
+  driver_.moveTo(kAbove);
 }
 
 /// This test must be last, because the doubt remains. Millimetres taken as metres are a thousand

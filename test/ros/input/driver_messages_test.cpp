@@ -1,4 +1,4 @@
-/// Messages of drivers: positions that are found, forces as bytes. Criteria: roscpp's own
+/// Messages of drivers: positions and buttons that are found, forces as bytes. Criteria: roscpp's own
 /// serialisation; definitions of the drivers' types, written out by hand.
 #include "ros/input/driver_messages.h"
 
@@ -9,6 +9,9 @@
 #include <geometry_msgs/Vector3Stamped.h>
 #include <geometry_msgs/WrenchStamped.h>
 #include <gtest/gtest.h>
+#include <sensor_msgs/Joy.h>
+#include <std_msgs/Bool.h>
+#include <std_msgs/Int8MultiArray.h>
 #include <std_msgs/String.h>
 
 #include <cstring>
@@ -115,7 +118,56 @@ TEST(DriverMessages, FalconsPositionHasCapitals) {
   EXPECT_EQ(found->position, expected);
 }
 
+using Buttons = std::vector<bool>;
+
+std::optional<Buttons> findButtons(const std::string& md5sum, const Bytes& bytes) {
+  const ButtonReader reader = findButtonReader(md5sum);
+  return reader ? reader(received(md5sum, bytes)) : std::nullopt;
+}
+
+template <class Message>
+std::optional<Buttons> buttonsIn(const Message& message) {
+  return findButtons(traits::md5sum<Message>(), serialized(message));
+}
+
+/// The numbers of a CRTK driver: 0 released, 1 pressed, 2 and 3 clicked, all three after a release.
+TEST(DriverMessages, HoldButtons) {
+  sensor_msgs::Joy joy;
+  joy.header.frame_id = "a name";
+  joy.axes = {1.0F, -1.0F};
+  joy.buttons = {0, 1, 2, 3};
+  EXPECT_EQ(buttonsIn(joy), (Buttons{false, true, false, false}));
+  std_msgs::Int8MultiArray array;
+  array.layout.dim.resize(1);
+  array.data = {1, 0};
+  EXPECT_EQ(buttonsIn(array), (Buttons{true, false}));
+  std_msgs::Bool one;
+  one.data = 1;
+  EXPECT_EQ(buttonsIn(one), Buttons{true});
+}
+
+/// Bytes written by hand from the definitions; the sums are those that `rosmsg md5` gives.
+TEST(DriverMessages, HoldButtonsOfDriversOwnTypes) {
+  // OmniButtonEvent: int32 grey_button, int32 white_button.
+  EXPECT_EQ(findButtons("fb77877e6b639935c3360838062f05f0", {0, 0, 0, 0, 1, 0, 0, 0}),
+            (Buttons{false, true}));
+  const Bytes held{2, 0, 0, 0, 1, 0};  // bool[] of two
+  geometry_msgs::PoseStamped pose;
+  pose.header.frame_id = "touch";
+  Bytes bytes = serialized(pose);
+  bytes.insert(bytes.end(), held.begin(), held.end());
+  EXPECT_EQ(findButtons("882b066d515316daecadf177b58cf445", bytes), (Buttons{true, false}));
+  geometry_msgs::TransformStamped moving;
+  moving.child_frame_id = "stylus";
+  bytes = serialized(moving);
+  bytes.resize(bytes.size() + 6 * sizeof(double));  // twist
+  bytes.insert(bytes.end(), held.begin(), held.end());
+  EXPECT_EQ(findButtons("30e5c9275c60943d770c087f33b76fac", bytes), (Buttons{true, false}));
+}
+
 TEST(DriverMessages, OthersAreNotRead) {
+  EXPECT_EQ(findButtonReader(traits::md5sum<geometry_msgs::Point>()), nullptr);
+  EXPECT_FALSE(findButtons("fb77877e6b639935c3360838062f05f0", Bytes(7))) << "a byte is missing";
   EXPECT_EQ(findPositionReader(traits::md5sum<std_msgs::String>()), nullptr);
   EXPECT_FALSE(find(traits::md5sum<geometry_msgs::Point>(), Bytes(23))) << "a byte is missing";
   EXPECT_EQ(findForceType("nowhere/Unknown"), nullptr);
