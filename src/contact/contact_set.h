@@ -159,7 +159,7 @@ class ContactSet {
 
   /// Quadratic form d · H⁺ d of samples begin..end at the last evaluation.
   /// @param d_proxies directions of all probes
-  /// @param whole_motion friction of probes as over the whole of d instead of its beginning:
+  /// @param whole_motion friction of probes as over the whole of d, even if its beginning is stiffer:
   /// sliding cloth does not stick
   double quadraticForm(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
                        bool whole_motion) const;

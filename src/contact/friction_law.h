@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "haptic_cloth/types.h"
+#include "mesh/block.h"
 
 namespace haptic_cloth {
 
@@ -21,6 +22,12 @@ inline SmoothSlip smoothSlip(double y, double epsilon) {
   const double t = y / epsilon;
   return {epsilon * t * t * (1.0 - t / 3.0), (2.0 - t) / epsilon,
           y > 0.0 ? -1.0 / (epsilon * epsilon * y) : 0.0};
+}
+
+/// Second derivative of the friction potential by the position [N/m]. @param limit of the force [N]
+inline Block frictionBlock(const Vec3& slip, const Vec3& normal, double limit, double epsilon) {
+  const SmoothSlip smooth = smoothSlip(slip.norm(), epsilon);
+  return limit * (smooth.ratio * (isotropic(1.0) - square(normal)) + smooth.slope * square(slip));
 }
 
 /// Slip over ε under a friction force over its limit μN: the inverse of f0', in the direction of the

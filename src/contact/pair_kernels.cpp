@@ -268,19 +268,23 @@ double evaluateDrags(DragPack* packs, int begin, int end, double slip, const Con
       loss += limit * smooth.potential;
       store3(pack.drag, l, tangent * slipped);
       store(pack.stiffness + l, tangent);
+      store3(pack.slip, l, slipped);
     }
   }
   return total(loss);
 }
 
-double dragQuadraticForm(const DragPack* packs, int begin, int end, const ConstArrays& d) {
+double dragQuadraticForm(const DragPack* packs, int begin, int end, double slip, const ConstArrays& d) {
   Lanes sum{};
   for (int p = begin; p < end; ++p) {
     const DragPack& pack = packs[p];
     for (int l = 0; l < kPack; l += kLanes) {
       const Lanes3 moved = weighted(pack.weights, l, gatherNodes(pack.nodes, l, d));
       const Lanes along = dot(load3(pack.normal, l), moved);
-      sum += load(pack.stiffness + l) * larger(dot(moved, moved) - along * along, Lanes{});
+      const Lanes square = larger(dot(moved, moved) - along * along, Lanes{});
+      const FrictionForm friction = frictionForm(load3(pack.slip, l), moved, square, load(pack.limit + l),
+                                                 load(pack.stiffness + l), slip);
+      sum += larger(friction.begins, friction.whole);
     }
   }
   return total(sum);

@@ -38,7 +38,8 @@ struct DragPack {
   int pair[kPack];          ///< kPack times its pack, plus its lane
   // Results of the last evaluation:
   double drag[3][kPack];    ///< energy gradient by Σ weights · x [N]
-  double stiffness[kPack];  ///< across the normal [N/m]
+  double stiffness[kPack];  ///< force over slip [N/m]
+  double slip[3][kPack];    ///< across the normal [m]
 };
 
 /// Bounds that hold for a pack since it was measured. While nothing can press, the pack itself is not read.

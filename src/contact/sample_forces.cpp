@@ -18,7 +18,7 @@ void SampleForces::rebuild() {
   packs_.assign(samples_.size() / kPack, SamplePack{});
   for (int k = 0; k < samples_.size(); ++k) {
     const ContactSample& sample = samples_[k];
-    const Vec3 start = slipOrigin(sample), start_slip = slip_ * sample.elastic_slip;
+    const Vec3 start = slipOrigin(sample);
     SamplePack& pack = packs_[k / kPack];
     const int l = k % kPack;
     pack.at_nodes = (l == 0 || pack.at_nodes) && sample.weights[0] == 1.0;
@@ -29,7 +29,6 @@ void SampleForces::rebuild() {
     for (int c = 0; c < 3; ++c) {
       pack.start[c][l] = start[c];
       pack.start_normal[c][l] = sample.start_normal[c];
-      pack.start_slip[c][l] = start_slip[c];
     }
     pack.area[l] = sample.area;
     pack.gap_offset[l] = sample.gap_offset;
@@ -74,7 +73,7 @@ double SampleForces::quadraticForm(int begin, int end, const Field& d, const std
   double sum = 0.0;
   forGroups(begin, end, [&](int solid, int first, int last) {
     const Vec3 moved = solids_.motion(solid, d_proxies);
-    sum += kernels().sampleQuadraticForm(packs_.data(), first, last, d.arrays(), moved.data(),
+    sum += kernels().sampleQuadraticForm(packs_.data(), first, last, d.arrays(), moved.data(), slip_,
                                          whole_motion && solids_.isProbe(solid));
   });
   return sum;
@@ -132,17 +131,15 @@ Vec3 SampleForces::friction(int sample, const Field& nodes) const {
   return pack(sample).tangent_stiffness[sample % kPack] * slip(samples_[sample], samples_[sample].of(nodes));
 }
 
-Vec3 SampleForces::normal(int sample) const {
-  const SamplePack& pack = this->pack(sample);
-  const int l = sample % kPack;
-  return {pack.normal[0][l], pack.normal[1][l], pack.normal[2][l]};
-}
+Vec3 SampleForces::normal(int sample) const { return laneOf(pack(sample).normal, sample % kPack); }
 
 Block SampleForces::block(int sample) const {
-  const double across = pack(sample).normal_stiffness[sample % kPack],
-               along = pack(sample).tangent_stiffness[sample % kPack];
-  if (across == 0.0 && along == 0.0) return Block::Zero();
-  return across * square(normal(sample)) + along * (isotropic(1.0) - square(samples_[sample].start_normal));
+  const SamplePack& pack = this->pack(sample);
+  const int l = sample % kPack;
+  Block block = pack.normal_stiffness[l] * square(normal(sample));
+  if (pack.tangent_stiffness[l] > 0.0)
+    block += frictionBlock(laneOf(pack.slip, l), samples_[sample].start_normal, pack.friction[l], slip_);
+  return block;
 }
 
 }  // namespace haptic_cloth

@@ -67,15 +67,7 @@ HAPTIC_CLOTH_INLINE void evaluateOne(SamplePack& pack, int l, const SampleContex
   store(pack.normal_stiffness + l, area * law.stiffness);
   store(pack.tangent_stiffness + l, tangent);
   store(pack.pressing + l, pressing);
-}
-
-/// Change of the friction force along a motion that ends in sliding, times that motion.
-/// @param square square of the motion in the tangent plane
-HAPTIC_CLOTH_INLINE Lanes sliding(const SamplePack& pack, int l, const Lanes3& moved, const Lanes& square) {
-  const Lanes3 slip = load3(pack.start_slip, l);
-  const Lanes towards = dot(slip, moved), end = dot(slip, slip) + 2.0 * towards + square;
-  const Lanes force = load(pack.friction + l) * (towards + square) / squareRoot(larger(end, all(1e-300)));
-  return larger(force - load(pack.tangent_stiffness + l) * towards, Lanes{});
+  store3(pack.slip, l, slip);
 }
 
 }  // namespace
@@ -102,7 +94,7 @@ ContactEnergy evaluateSamples(SamplePack* packs, int begin, int end, const Sampl
 }
 
 double sampleQuadraticForm(const SamplePack* packs, int begin, int end, const ConstArrays& d,
-                           const double* d_origin, bool whole_motion) {
+                           const double* d_origin, double slip, bool whole_motion) {
   Lanes sum{};
   for (int p = begin; p < end; ++p) {
     const SamplePack& pack = packs[p];
@@ -112,9 +104,10 @@ double sampleQuadraticForm(const SamplePack* packs, int begin, int end, const Co
       const Lanes3 moved = against(pack, l, d, d_origin);
       const Lanes normal = dot(load3(pack.normal, l), moved), start = dot(load3(pack.start_normal, l), moved);
       const Lanes square = larger(dot(moved, moved) - start * start, Lanes{});
-      const Lanes stuck = along * square;
-      sum +=
-          across * normal * normal + (whole_motion ? smaller(stuck, sliding(pack, l, moved, square)) : stuck);
+      const FrictionForm friction =
+          frictionForm(load3(pack.slip, l), moved, square, load(pack.friction + l), along, slip);
+      sum += across * normal * normal +
+             (whole_motion ? friction.whole : larger(friction.begins, friction.whole));
     }
   }
   return total(sum);

@@ -14,15 +14,15 @@ struct alignas(64) SamplePack {
   double gap_offset[kPack];  ///< see ContactSample [m]
   double friction[kPack];    ///< limit of the friction force [N]
   double clearance[kPack];   ///< distance that the sample can move before it may touch [m]
-  /// Where slip counts from, normal there, and elastic slip at the start of the step.
-  double start[3][kPack], start_normal[3][kPack], start_slip[3][kPack];
+  double start[3][kPack], start_normal[3][kPack];  ///< where slip counts from, and normal there
   // Results of the last evaluation:
   double normal[3][kPack];
   /// At least the range if nothing touches [m].
   double gap[kPack];
   double normal_stiffness[kPack], tangent_stiffness[kPack];  ///< [N/m]
   double pressing[kPack];                                    ///< area times pressure [N]
-  PackIndices nodes[4];  ///< corners of the samples' cells; only the first if `at_nodes`
+  double slip[3][kPack];  ///< in the tangent plane, with the elastic slip of the start [m]
+  PackIndices nodes[4];   ///< corners of the samples' cells; only the first if `at_nodes`
   bool at_nodes;
 };
 
@@ -44,9 +44,10 @@ struct ContactEnergy {
 //   evaluateSamples      energy of packs begin..end; the gradients by the samples' positions go to
 //                        slots first, ..., kPack for each pack.
 //   sampleQuadraticForm  quadratic form d · H⁺ d of packs begin..end at the last evaluation [J].
-//                        `d_origin` is the motion of the solid. With `whole_motion`, at the start of
-//                        a step, friction counts as over the whole of d: its force changes from that
-//                        of the elastic slip to at most its limit, however stiff it is.
+//                        `d_origin` is the motion of the solid, `slip` that of SampleContext. With
+//                        `whole_motion`, friction counts as over the whole of d: its force changes to
+//                        at most its limit, however stiff it is. Without, it counts at least as at the
+//                        beginning of d.
 //   largestStep          largest factor of d at which no sample uses up more than `share` of its
 //                        gap.
 //   solidDistances       signed distances [m] and normals of points 0 .. count - 1; arrays are

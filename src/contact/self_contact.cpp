@@ -8,14 +8,6 @@
 #include "simd/kernels.h"
 
 namespace haptic_cloth {
-namespace {
-
-Vec3 laneOf(const double (&values)[3][kPack], int lane) {
-  return {values[0][lane], values[1][lane], values[2][lane]};
-}
-
-}  // namespace
-
 SelfContact::SelfContact(const Grid& grid, const Options& options, double slip)
     : grid_(grid),
       law_(options.law),
@@ -181,7 +173,7 @@ double SelfContact::quadraticForm(int begin, int end, const Field& d) const {
   return kernels().pairQuadraticForm(packs_.data(), bounds_.data(), std::min(first, pairs),
                                      std::min(last, pairs), d.arrays()) +
          kernels().dragQuadraticForm(drags_.data(), std::max(first, pairs) - pairs,
-                                     std::max(last, pairs) - pairs, d.arrays());
+                                     std::max(last, pairs) - pairs, slip_, d.arrays());
 }
 
 void SelfContact::sumForces(int nodes) {
@@ -211,7 +203,7 @@ void SelfContact::addSprings(Blocks& blocks) const {
     for (int c = 0; c < 4; ++c) blocks[pack.nodes[c].index[l]] += std::abs(pack.weights[c][l]) * pressed;
   });
   forDrags([&](const DragPack& drag, int l) {
-    const Block dragged = drag.stiffness[l] * (isotropic(1.0) - square(laneOf(drag.normal, l)));
+    const Block dragged = frictionBlock(laneOf(drag.slip, l), laneOf(drag.normal, l), drag.limit[l], slip_);
     for (int c = 0; c < 4; ++c) blocks[drag.nodes[c].index[l]] += std::abs(drag.weights[c][l]) * dragged;
   });
 }
@@ -223,9 +215,9 @@ void SelfContact::addDiagonal(Field& diagonal) const {
       diagonal.add(pack.nodes[c].index[l], pack.weights[c][l] * pack.weights[c][l] * squared);
   });
   forDrags([&](const DragPack& drag, int l) {
-    const Vec3 across = drag.stiffness[l] * (Vec3::Ones() - laneOf(drag.normal, l).cwiseAbs2());
+    const Block dragged = frictionBlock(laneOf(drag.slip, l), laneOf(drag.normal, l), drag.limit[l], slip_);
     for (int c = 0; c < 4; ++c)
-      diagonal.add(drag.nodes[c].index[l], drag.weights[c][l] * drag.weights[c][l] * across);
+      diagonal.add(drag.nodes[c].index[l], drag.weights[c][l] * drag.weights[c][l] * dragged.head<3>());
   });
 }
 

@@ -12,6 +12,11 @@
 
 namespace haptic_cloth {
 
+/// Vector in one lane of a pack.
+inline Vec3 laneOf(const double (&values)[3][kPack], int lane) {
+  return {values[0][lane], values[1][lane], values[2][lane]};
+}
+
 /// Arrays are padded to whole packs; entries from size() on have no meaning but are finite.
 class Field {
  public:

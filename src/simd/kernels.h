@@ -77,7 +77,7 @@ struct TriplePack;
           const MutableArrays& slots, int first))                                                            \
   KERNEL(double, sampleQuadraticForm,                                                                        \
          (const SamplePack* packs, int begin, int end, const ConstArrays& d, const double* d_origin,         \
-          bool whole_motion))                                                                                \
+          double slip, bool whole_motion))                                                                   \
   KERNEL(double, largestStep,                                                                                \
          (const SamplePack* packs, int begin, int end, double share, const ConstArrays& d,                   \
           const double* d_origin))                                                                           \
@@ -93,7 +93,8 @@ struct TriplePack;
   KERNEL(double, pairQuadraticForm,                                                                          \
          (const PairPack* packs, const PairBound* bounds, int begin, int end, const ConstArrays& d))         \
   KERNEL(double, evaluateDrags, (DragPack * packs, int begin, int end, double slip, const ConstArrays& x))   \
-  KERNEL(double, dragQuadraticForm, (const DragPack* packs, int begin, int end, const ConstArrays& d))       \
+  KERNEL(double, dragQuadraticForm,                                                                          \
+         (const DragPack* packs, int begin, int end, double slip, const ConstArrays& d))                     \
   KERNEL(double, largestPairStep,                                                                            \
          (PairPack * packs, PairBound * bounds, int begin, int end, const PairLimits& limits,                \
           double travelled, const ConstArrays& x, const ConstArrays& d))                                     \

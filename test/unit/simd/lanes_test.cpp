@@ -432,5 +432,58 @@ TEST(SamplePacks, AreTheLawsOfContactAndFriction) {
   }
 }
 
+// Criteria: by definition. Along a motion friction counts as its force changes over the whole of it, or,
+// while the minimizer iterates, at least as at its beginning: the derivative of the force, a difference over
+// 1e-4 of the slip, whose error of second order is below 1e-3. Motions slide on, turn back, break loose and
+// go aside.
+TEST(SamplePacks, FrictionAlongAMotionIsTheChangeOfItsForce) {
+  constexpr double kRange = 5e-4, kSlip = 3e-7, kLimit = 1e-3;
+  Obstacle floor;
+  floor.shape = Shape::Plane;
+  const SampleContext context{Solid(floor).lanes(), {0.0, 0.0, 0.0}, false, kRange, kSlip};
+  const auto force = [&](const Vec3& slip) { return kLimit * smoothSlip(slip.norm(), kSlip).ratio * slip; };
+  const Vec3 origin[] = {Vec3::Zero()};
+  SamplePack pack{};
+  std::vector<Vec3> points, slips;
+  for (int l = 0; l < kPack; ++l) {
+    slips.push_back(std::pow(10.0, -2.0 + 0.7 * l) * kSlip * Vec3(std::cos(l), std::sin(l), 0.0));
+    points.push_back(Vec3(0.1 * l, 0.0, 2.0 * kRange));
+    pack.nodes[0].index[l] = l;
+    pack.weights[0][l] = 1.0;
+    for (int c = 0; c < 3; ++c) pack.start[c][l] = points[l][c] - slips[l][c];
+    pack.start_normal[2][l] = 1.0;
+    pack.area[l] = 1e-6;
+    pack.friction[l] = kLimit;
+  }
+  pack.at_nodes = true;
+  pack.nodes[0].finish();
+  Field slots;
+  slots.clear(kPack);
+  kernels().evaluateSamples(&pack, 0, 1, context, Field(points).arrays(), slots.arrays(), 0);
+  for (int l = 0; l < kPack; ++l) {
+    const Vec3 along = slips[l].normalized(), aside(-along.y(), along.x(), 0.0);
+    for (const double length : {1e-4, 0.3, 1.0, 30.0}) {
+      for (const Vec3& way : {along, Vec3(-along), aside, Vec3((along + aside) / std::sqrt(2.0))}) {
+        const Vec3 d = length * slips[l].norm() * way;
+        Field motion;
+        motion.clear(kPack);
+        motion.set(l, d + Vec3(0.0, 0.0, d.norm()));  // away from the floor: friction does not care
+        const auto form = [&](bool whole_motion) {
+          return kernels().sampleQuadraticForm(&pack, 0, 1, motion.arrays(), origin->data(), kSlip,
+                                               whole_motion);
+        };
+        const double whole = (force(slips[l] + d) - force(slips[l])).dot(d);
+        const Vec3 nudge = 1e-4 * slips[l].norm() * way;
+        const double begins = length * length * 1e8 * (force(slips[l] + nudge) - force(slips[l])).dot(nudge);
+        // Terms cancel and leave their rounding, in `begins` 1e4 times the length of the motion of it.
+        const double doubt = 1e-15 * force(slips[l]).norm() * d.norm() * std::max(1e3, 1e4 * length);
+        EXPECT_NEAR(form(true), whole, tolerance(1e-6) * whole + doubt) << l << " " << length;
+        const double expected = std::max(begins, whole);
+        EXPECT_NEAR(form(false), expected, tolerance(1e-3) * expected + doubt) << l << " " << length;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace haptic_cloth
