@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace haptic_cloth {
 namespace {
@@ -263,26 +264,48 @@ void StepSolver::correctNetForce(MinimizerReport& report) {
 }
 
 /// Chooses the initial guess: the minimum of Φ's quadratic model at x⁰ over two directions,
-/// inertial motion and the motion that gravity adds, or x⁰ itself if Φ is lower there. So Φ never
-/// ends above Φ(x⁰), and motion without new forces, such as free fall, is exact at any tolerance.
+/// inertial motion and the motion that gravity adds, or x⁰ itself if Φ is lower there. In the model
+/// contact resists as it does at x⁰, though cloth that sticks there may slide on the way, and layers
+/// that press may part. So where the model holds inertia back, the whole inertial motion is tried,
+/// too. Φ never ends above Φ(x⁰), and motion without new forces, such as free fall, is exact at any
+/// tolerance.
 /// @return Φ at the guess; gradient_ is its gradient
 double StepSolver::chooseInitialGuess() {
+  constexpr double kHeldBack = 0.9;  // share of the inertial motion
   const int size = objective_.size();
   const double at_rest =
       objective_.awake().all() ? start_values_.potential : objective_.evaluate(start_, gradient_);
-  const std::array<double, 2> steps = stepsAlongDirections();
-  motion_.head(size) = steps[0] * directions_[0].head(size) + steps[1] * directions_[1].head(size);
-  const double reach = objective_.maxStep(motion_, 1.0);
-  x_.head(size) = start_.head(size) + reach * motion_.head(size);
-  const double moving = objective_.evaluate(x_, gradient_);
-  if (moving <= at_rest) return moving;
+  const ModelMinimum model = minimumOfModel();
+  const bool held_back = model.inertial < kHeldBack;
+  Vector& whole = directions_[0];
+  goAlongDirections(model.inertial, model.fall, x_);
+  if (held_back) goAlongDirections(1.0, model.fall_with_inertia, whole);
+  double value = objective_.evaluate(x_, gradient_);
+  if (held_back) {
+    const double moving = std::exchange(value, objective_.evaluate(whole, gradient_));
+    if (value < moving) {
+      x_.swap(whole);
+    } else {
+      value = objective_.evaluate(x_, gradient_);
+    }
+  }
+  if (value <= at_rest) return value;
   x_.head(size) = start_.head(size);
   return objective_.evaluate(x_, gradient_);
 }
 
+/// Goes from x⁰ along both directions, as far as no pair of layers comes too near. `x` may be one of the
+/// directions. @pre the last evaluation was at x⁰
+void StepSolver::goAlongDirections(double inertial, double fall, Vector& x) {
+  const int size = objective_.size();
+  motion_.head(size) = inertial * directions_[0].head(size) + fall * directions_[1].head(size);
+  const double reach = objective_.maxStep(motion_, 1.0);
+  x.head(size) = start_.head(size) + reach * motion_.head(size);
+}
+
 /// Minimum of Φ's quadratic model in the plane of the two directions; along their sum if they are
 /// parallel.
-std::array<double, 2> StepSolver::stepsAlongDirections() {
+StepSolver::ModelMinimum StepSolver::minimumOfModel() {
   const double h = cloth_.integrator().stepLength();
   const int size = objective_.size(), free = cloth_.mesh().free;
   for (int n = 0; n < free; ++n) {
@@ -310,11 +333,15 @@ std::array<double, 2> StepSolver::stepsAlongDirections() {
   const double p = -gradient_.head(size).dot(directions_[0].head(size)),
                q = -gradient_.head(size).dot(directions_[1].head(size));
   const double determinant = a * b - mixed * mixed;
+  ModelMinimum minimum;
   if (determinant > 1e-9 * a * b) {
-    return {(b * p - mixed * q) / determinant, (a * q - mixed * p) / determinant};
+    minimum.inertial = (b * p - mixed * q) / determinant;
+    minimum.fall = (a * q - mixed * p) / determinant;
+  } else {
+    minimum.inertial = minimum.fall = both > 0.0 ? (p + q) / both : 0.0;
   }
-  const double sum = both > 0.0 ? (p + q) / both : 0.0;
-  return {sum, sum};
+  minimum.fall_with_inertia = b > 0.0 ? (q - mixed) / b : 0.0;
+  return minimum;
 }
 
 void StepSolver::serializeCost(Archive& archive) {

@@ -79,8 +79,15 @@ class StepSolver {
   MinimizerReport minimizeJoint();
   bool wakeDisturbed();
   void correctNetForce(MinimizerReport& report);
+
+  /// Minimum of a quadratic model of Φ at x⁰.
+  struct ModelMinimum {
+    double inertial, fall;     ///< factors of both directions
+    double fall_with_inertia;  ///< the factor of gravity's direction if that of inertia's is one
+  };
   double chooseInitialGuess();
-  std::array<double, 2> stepsAlongDirections();
+  void goAlongDirections(double inertial, double fall, Vector& x);
+  ModelMinimum minimumOfModel();
 
   const Scene& scene_;
   Cloth& cloth_;
