@@ -188,7 +188,8 @@ MinimizerReport StepSolver::minimizeCondensed() {
     if (!more && !first && !left) break;
     if (solve == kSolves - 1) awake.wakeAll();
     const double start = solve == 0 ? chooseInitialGuess() : objective_.evaluate(x_, gradient_);
-    report = sum(report, minimizer_.minimize(objective_, x_, start, gradient_, team_));
+    const int least = solve == 0 && moves() ? 1 : 0;
+    report = sum(report, minimizer_.minimize(objective_, x_, start, gradient_, team_, least));
     if (isCut(report)) correctNetForce(report);
     const bool ended = report.why == Termination::NotFinite || report.why == Termination::TimeBudget;
     if (awake.all()) break;
@@ -200,6 +201,13 @@ MinimizerReport StepSolver::minimizeCondensed() {
   }
   cost_.motion = objective_.motionCost();
   return report;
+}
+
+/// Tells whether the cloth moves so fast that a step should not keep to its initial guess: the guess knows no
+/// elastic force on a single node, so a gentle swing, whose forces are within the tolerance, would fade.
+bool StepSolver::moves() const {
+  constexpr double kSlow = 1e-3;  // rms speed that is not seen [m/s]
+  return 2.0 * cloth_.kineticEnergy() > kSlow * kSlow * cloth_.mass();
 }
 
 /// Wakes nodes that may not sleep at the last evaluated point. @return whether there were any

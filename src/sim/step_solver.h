@@ -77,6 +77,7 @@ class StepSolver {
   void shortenMotion(MinimizerReport& report);
   MinimizerReport minimizeCondensed();
   MinimizerReport minimizeJoint();
+  bool moves() const;
   bool wakeDisturbed();
   void correctNetForce(MinimizerReport& report);
 

@@ -45,7 +45,8 @@ MinimizerReport Minimizer::minimize(Objective& objective, Vector& x, Team& team)
 }
 
 MinimizerReport Minimizer::minimize(Objective& objective, Vector& x, double value, const Vector& gradient,
-                                    Team& team) {
+                                    Team& team, int least) {
+  constexpr double kExact = 0.01;  // of the tolerance: not worth an iteration
   const auto start = Clock::now();
   const auto since = [](Clock::time_point then) {
     return std::chrono::duration<double>(Clock::now() - then).count();
@@ -55,7 +56,6 @@ MinimizerReport Minimizer::minimize(Objective& objective, Vector& x, double valu
   gradient_.head(size_) = gradient.head(size_);
   MinimizerReport report;
   report.value_start = value;
-  report.why = Termination::IterationLimit;
   int renewal = 0;
   bool restart = true;
   while (true) {
@@ -64,13 +64,16 @@ MinimizerReport Minimizer::minimize(Objective& objective, Vector& x, double valu
       report.why = Termination::NotFinite;
       break;
     }
-    if (report.residual <= options_.tolerance) {
-      report.why = Termination::Converged;
+    report.why = Termination::Converged;
+    const bool converged = report.residual <= options_.tolerance;
+    if (converged && (report.iterations >= least || report.residual <= kExact * options_.tolerance)) break;
+    const auto stop = [&](Termination why) { report.why = converged ? Termination::Converged : why; };
+    if (report.iterations >= options_.max_iterations) {
+      stop(Termination::IterationLimit);
       break;
     }
-    if (report.iterations >= options_.max_iterations) break;
     if (options_.time_budget > 0.0 && report.iterations > 0 && since(budget_start_) > options_.time_budget) {
-      report.why = Termination::TimeBudget;
+      stop(Termination::TimeBudget);
       break;
     }
     if (report.iterations >= renewal) {
@@ -82,7 +85,7 @@ MinimizerReport Minimizer::minimize(Objective& objective, Vector& x, double valu
     const bool steepest = restart;
     restart = !lineSearch(objective, team, x, value, report);
     if (restart && steepest) {
-      report.why = Termination::LineSearchFailed;
+      stop(Termination::LineSearchFailed);
       break;
     }
     ++report.iterations;

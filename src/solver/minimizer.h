@@ -30,7 +30,9 @@ class Minimizer {
   MinimizerReport minimize(Objective& objective, Vector& x, Team& team);
 
   /// Same, if the objective was last evaluated at x, with this value and gradient.
-  MinimizerReport minimize(Objective& objective, Vector& x, double value, const Vector& gradient, Team& team);
+  /// @param least iterations that are made even if the residual is within the tolerance
+  MinimizerReport minimize(Objective& objective, Vector& x, double value, const Vector& gradient, Team& team,
+                           int least = 0);
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -65,6 +65,35 @@ MinimizerReport run(Problem& problem, Vector& x, MinimizerOptions options) {
   return minimizer.minimize(problem, x, team);
 }
 
+/// A solve from x = 1 + distance in one unknown of stiffness 1, where the residual is the distance; at least
+/// one iteration is wanted.
+MinimizerReport runFrom(double distance, MinimizerOptions options) {
+  Problem problem(2);
+  Vector x = Vector::Ones(2);
+  x[0] += distance;
+  Team team(1);
+  Minimizer minimizer(options);
+  minimizer.reserve(2);
+  Vector gradient = Vector::Zero(2);
+  const double value = problem.evaluate(x, gradient);
+  return minimizer.minimize(problem, x, value, gradient, team, 1);
+}
+
+// Criterion: by definition. Below a hundredth of the tolerance nothing is left to do.
+TEST(MinimizerTest, MakesTheLeastIterationsWithinTheTolerance) {
+  const MinimizerOptions options{Preconditioner::None, 0.1, 100, 0.0};
+  for (const double distance : {0.09, 0.002}) {
+    const MinimizerReport r = runFrom(distance, options);
+    EXPECT_EQ(r.iterations, 1) << distance;
+    EXPECT_LT(r.residual, tolerance(1e-12)) << distance;
+    EXPECT_EQ(r.why, Termination::Converged) << distance;
+  }
+  EXPECT_EQ(runFrom(0.0005, options).iterations, 0);
+  const MinimizerReport none = runFrom(0.09, {Preconditioner::None, 0.1, 0, 0.0});
+  EXPECT_EQ(none.iterations, 0);
+  EXPECT_EQ(none.why, Termination::Converged) << "the limit ended a solve that was done";
+}
+
 TEST(MinimizerTest, SolvesAStiffQuadratic) {
   Problem problem(30);
   Vector x = Vector::Zero(30);
