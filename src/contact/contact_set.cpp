@@ -69,14 +69,14 @@ void ContactSet::serialize(Archive& archive) {
   self_ ? archive("layers", *self_) : archive("layers", none);
 }
 
-void ContactSet::rememberFriction(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals) {
+void ContactSet::rememberFriction(const ActiveMesh& mesh, const ConstArrays& normals) {
   if (self_) self_->rememberFriction(mesh, normals);
   memory_.clear();
   for (int k = 0; k < samples_.size(); ++k) {
     const ContactSample& sample = samples_[k];
     if (!(sample.friction_force > 0.0) || !forces_.touches(k)) continue;
     const double half = 0.5 * std::sqrt(sample.area / (grid_.dx * grid_.dy));
-    memory_.add(sample.solid, sample.flat, half, forces_.friction(k, nodes) / sample.area);
+    memory_.add(sample.solid, sample.flat, half, forces_.friction(k) / sample.area);
   }
 }
 

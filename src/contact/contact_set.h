@@ -117,9 +117,8 @@ class ContactSet {
   }
 
   /// Remembers the friction of all samples and pairs for the next step.
-  /// @param nodes positions of the last evaluation [m]
   /// @param normals of the surface at the nodes, as for collectPairs()
-  void rememberFriction(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals);
+  void rememberFriction(const ActiveMesh& mesh, const ConstArrays& normals);
 
   /// Number of samples and pairs: length of the range that evaluate() and quadraticForm() divide in
   /// multiples of kPack.

@@ -31,6 +31,7 @@ struct FrictionForm {
   Lanes whole;   ///< over the whole motion: what turns back is held, and what breaks loose is not
 };
 
+/// Both values for a contact that slips.
 /// @param moved motion; a part along the normal has no effect [m]
 /// @param square of the motion in the tangent plane [m²]
 /// @param limit of the force [N]

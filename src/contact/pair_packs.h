@@ -77,7 +77,8 @@ struct PairLimits {
 //   pairQuadraticForm  quadratic form d · H⁺ d of packs begin..end at the last evaluation [J].
 //   evaluateDrags      writes the friction of packs begin..end. Returns its potential [J].
 //                      @param slip below which friction is smoothed [m]
-//   dragQuadraticForm  as pairQuadraticForm.
+//   dragQuadraticForm  as pairQuadraticForm, for friction: at the beginning of d or over the whole of it,
+//                      whichever is more.
 //   largestPairStep    largest factor of d within the limits for packs begin..end. Packs that were not
 //                      measured at x are, if they might limit the step.
 //                      The normal separates both parts of a pair: they do not meet before one of their

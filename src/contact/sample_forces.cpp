@@ -112,23 +112,16 @@ void SampleForces::linearise(int begin, int end, const Field& nodes, const Field
     const Vec3 nudge = kNudge / length * moved;
     change_.add(k, -pack.pressing[l] * length / (2.0 * kNudge) *
                        (solid.distance(position + nudge).normal - solid.distance(position - nudge).normal));
-    if (sample.friction_force > 0.0) {
-      const Vec3 slip = this->slip(sample, position),
-                 slipping = moved - sample.start_normal.dot(moved) * sample.start_normal;
-      const double fading = sample.friction_force * smoothSlip(slip.norm(), slip_).slope;
-      change_.add(k, pack.tangent_stiffness[l] * slipping + fading * slip.dot(slipping) * slip);
-    }
+    if (sample.friction_force > 0.0)
+      change_.add(
+          k, product(frictionBlock(laneOf(pack.slip, l), sample.start_normal, sample.friction_force, slip_),
+                     moved));
   }
 }
 
-/// Slip of a sample since the start of the step, with the elastic slip that it had then [m].
-Vec3 SampleForces::slip(const ContactSample& sample, const Vec3& position) const {
-  const Vec3 moved = position - solids_.origin(sample.solid) - slipOrigin(sample);
-  return moved - sample.start_normal.dot(moved) * sample.start_normal;
-}
-
-Vec3 SampleForces::friction(int sample, const Field& nodes) const {
-  return pack(sample).tangent_stiffness[sample % kPack] * slip(samples_[sample], samples_[sample].of(nodes));
+Vec3 SampleForces::friction(int sample) const {
+  const int l = sample % kPack;
+  return pack(sample).tangent_stiffness[l] * laneOf(pack(sample).slip, l);
 }
 
 Vec3 SampleForces::normal(int sample) const { return laneOf(pack(sample).normal, sample % kPack); }

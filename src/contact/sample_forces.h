@@ -50,15 +50,14 @@ class SampleForces {
   /// Results for one sample: its gap [m], and its block of H⁺ [N/m].
   double gap(int sample) const { return pack(sample).gap[sample % kPack]; }
   Block block(int sample) const;
-  /// Friction of a sample at the last evaluation [N]. @param nodes positions of that evaluation [m]
-  Vec3 friction(int sample, const Field& nodes) const;
+  /// Friction of a sample at the last evaluation [N].
+  Vec3 friction(int sample) const;
   bool touches(int sample) const { return pack(sample).normal_stiffness[sample % kPack] > 0.0; }
 
  private:
   const SamplePack& pack(int sample) const { return packs_[sample / kPack]; }
   Vec3 normal(int sample) const;
   Vec3 slipOrigin(const ContactSample& sample) const { return sample.start - slip_ * sample.elastic_slip; }
-  Vec3 slip(const ContactSample& sample, const Vec3& position) const;
   SampleContext context(int solid) const;
   template <class Visit>
   void forGroups(int begin, int end, const Visit& visit) const;

@@ -78,7 +78,7 @@ class ClothObjective : public Objective {
     double sum() const { return fabric + others; }
   };
 
-  /// Quadratic form d · H⁺ d at the last evaluated point, with friction as over the whole of d.
+  /// Quadratic form d · H⁺ d at the last evaluated point, with friction on probes as over the whole of d.
   /// @param deforms false: leaves out the fabric, since all nodes move alike
   QuadraticForm quadraticForm(const Vector& d, bool deforms = true);
 

@@ -164,7 +164,7 @@ void ClothWorld::accept(StepReport& report) {
   // Ejected cloth is stopped after each step, but does not count as resting.
   markEjected();
   markJumped(report.minimizer);
-  contacts_.rememberFriction(cloth_.mesh(), solved.nodes(), cloth_.internal().nodeNormals());
+  contacts_.rememberFriction(cloth_.mesh(), cloth_.internal().nodeNormals());
   cloth_.move(solved, jumped_);
   if (cloth_.pinsMove()) cloth_.advancePins(solver_.pinsMade());
   energy_.notePinWork(solved.pinWork() + cloth_.pinnedKineticEnergy() - pinned_before);

@@ -203,11 +203,18 @@ MinimizerReport StepSolver::minimizeCondensed() {
   return report;
 }
 
-/// Tells whether the cloth moves so fast that a step should not keep to its initial guess: the guess knows no
-/// elastic force on a single node, so a gentle swing, whose forces are within the tolerance, would fade.
+/// Tells whether the awake cloth moves so fast that a step should not keep to its initial guess: the guess
+/// knows no elastic force on a single node, so a gentle swing, whose forces are within the tolerance, would
+/// fade.
 bool StepSolver::moves() const {
   constexpr double kSlow = 1e-3;  // rms speed that is not seen [m/s]
-  return 2.0 * cloth_.kineticEnergy() > kSlow * kSlow * cloth_.mass();
+  double mass = 0.0, twice_kinetic = 0.0;
+  for (int n = 0; n < cloth_.mesh().free; ++n) {
+    if (!objective_.awake().contains(n)) continue;
+    mass += cloth_.mesh().mass[n];
+    twice_kinetic += cloth_.mesh().mass[n] * cloth_.velocities()[n].squaredNorm();
+  }
+  return twice_kinetic > kSlow * kSlow * mass;
 }
 
 /// Wakes nodes that may not sleep at the last evaluated point. @return whether there were any
@@ -284,7 +291,7 @@ double StepSolver::chooseInitialGuess() {
   const double at_rest =
       objective_.awake().all() ? start_values_.potential : objective_.evaluate(start_, gradient_);
   const ModelMinimum model = minimumOfModel();
-  const bool held_back = model.inertial < kHeldBack;
+  const bool held_back = start_values_.contact > 0.0 && model.inertial < kHeldBack;
   Vector& whole = directions_[0];
   goAlongDirections(model.inertial, model.fall, x_);
   if (held_back) goAlongDirections(1.0, model.fall_with_inertia, whole);

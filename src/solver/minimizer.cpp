@@ -72,7 +72,8 @@ MinimizerReport Minimizer::minimize(Objective& objective, Vector& x, double valu
       stop(Termination::IterationLimit);
       break;
     }
-    if (options_.time_budget > 0.0 && report.iterations > 0 && since(budget_start_) > options_.time_budget) {
+    if (options_.time_budget > 0.0 && (report.iterations > 0 || converged) &&
+        since(budget_start_) > options_.time_budget) {
       stop(Termination::TimeBudget);
       break;
     }

@@ -30,7 +30,8 @@ class Minimizer {
   MinimizerReport minimize(Objective& objective, Vector& x, Team& team);
 
   /// Same, if the objective was last evaluated at x, with this value and gradient.
-  /// @param least iterations that are made even if the residual is within the tolerance
+  /// @param least iterations that are made even if the residual is within the tolerance, as limits allow. Φ
+  /// falls in them, but a solve that a limit ends then may leave the tolerance.
   MinimizerReport minimize(Objective& objective, Vector& x, double value, const Vector& gradient, Team& team,
                            int least = 0);
 

@@ -29,7 +29,8 @@ class Objective {
 
   struct Along {
     /// Quadratic form d · H⁺ d; H⁺ is the positive part of the second derivative, element by
-    /// element.
+    /// element. Friction may count more, as its force changes over the whole of d (frictionForm()),
+    /// so d should be about as long as the step.
     double quadratic_form;
     /// Newton's step along d, or 1 if the quadratic form is zero, or the largest admissible factor of
     /// d if that is less.
