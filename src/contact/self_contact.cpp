@@ -8,6 +8,7 @@
 #include "simd/kernels.h"
 
 namespace haptic_cloth {
+
 SelfContact::SelfContact(const Grid& grid, const Options& options, double slip)
     : grid_(grid),
       law_(options.law),
