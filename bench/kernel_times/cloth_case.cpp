@@ -65,12 +65,14 @@ MinimizerOptions endless(MinimizerOptions options, int iterations) {
 ClothCase::ClothCase(const CaseOptions& options)
     : options_(options),
       world_(std::make_unique<ClothWorld>(sceneOf(options))),
-      adaptation_(scene().adapt, cloth().grid()) {
+      adaptation_(scene().adapt, cloth().grid()),
+      minimizer_(scene().solver.minimizer) {
   while (world_->time() < options.time) world_->step();
   const double h = scene().solver.time_step;
   reach_.assign(mesh().nodes(),
                 2.0 * h * h * scene().gravity.norm() + 0.1 * std::min(cloth().grid().dx, cloth().grid().dy));
   const int capacity = objective().capacity();
+  minimizer_.reserve(capacity);
   for (Vector* v : {&point_, &direction_, &scratch_, &start_}) v->setZero(capacity);
   nodes_ = motion_ = gradient_ = objective().nodes();
   objective().pack(nodes_, point_);
@@ -98,14 +100,13 @@ void ClothCase::measureUnder() {
 }
 
 ClothCase::Iterations ClothCase::minimize(Objective& potential, int iterations) {
-  Minimizer minimizer(endless(scene().solver.minimizer, iterations));
-  minimizer.reserve(objective().capacity());
+  minimizer_.setOptions(endless(scene().solver.minimizer, iterations));
   start_ = point_;
   const double value = potential.evaluate(start_, scratch_);
   const std::clock_t before = std::clock();
   MinimizerReport report;
   world_->team_.run(mesh().active(),
-                    [&] { report = minimizer.minimize(potential, start_, value, scratch_, world_->team_); });
+                    [&] { report = minimizer_.minimize(potential, start_, value, scratch_, world_->team_); });
   const double cpu = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
   return {report.iterations, report.evaluations, report.seconds, cpu};
 }

@@ -6,6 +6,7 @@
 
 #include "haptic_cloth/options.h"
 #include "sim/cloth_world.h"
+#include "solver/minimizer.h"
 
 namespace haptic_cloth {
 
@@ -80,6 +81,7 @@ class ClothCase {
   CaseOptions options_;
   std::unique_ptr<ClothWorld> world_;
   Adaptation adaptation_;
+  Minimizer minimizer_;        ///< kept, as the solver keeps its own: no run waits for new pages of memory
   std::vector<double> reach_;  ///< per node, as in a step with a cloth at rest [m]
   Vector point_, direction_, scratch_, start_;
   Field nodes_, motion_, gradient_, start_nodes_, inertial_;
