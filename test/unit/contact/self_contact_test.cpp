@@ -10,6 +10,7 @@
 #include <set>
 
 #include "contact/crossings.h"
+#include "contact/friction_law.h"
 #include "energy/surface_normals.h"
 #include "haptic_cloth/simulation.h"
 #include "state/archive.h"
@@ -219,7 +220,9 @@ TEST(SelfContact, FindsAllPairsThatComeNearOnTheWay) {
       }
     }
     EXPECT_GT(near, 30);
-    if (along > 0.0) EXPECT_GT(past, 50);
+    if (along > 0.0) {
+      EXPECT_GT(past, 50);
+    }
   }
 }
 
@@ -362,6 +365,57 @@ TEST(SelfContact, FrictionGoesOnWhereItEnded) {
     const auto [now_sizes, now_sum] = friction(next->contact);
     EXPECT_NEAR(now_sizes, sizes, 4e-4 * sizes);
     EXPECT_NEAR((now_sum - sum).norm(), 0.0, 4e-4 * sizes);
+  }
+}
+
+/// Friction of layers along a motion. Criteria, as for solids (SamplePacks in lanes_test.cpp): over a whole
+/// motion it counts as its force changes, and at least as at the beginning: a difference over 1e-4 of the
+/// slip, with an error below 1e-3. The same cloth without friction has the same pressure, so the difference of
+/// both forms is friction's alone; it is rounded like their sum.
+TEST(SelfContact, FrictionAlongAMotionIsTheChangeOfItsForce) {
+  constexpr double kFriction = 0.4;
+  Folded cloth(gridOf(25, 9, 0), kFriction), smooth(gridOf(25, 9, 0), 0.0);
+  const Vec3 along = Vec3(0.8, 0.6, 0.0), aside(-0.6, 0.8, 0.0);
+  const auto moveUpper = [](const Folded& each, Field& nodes, const Vec3& by) {
+    for (int n = 0; n < each.mesh.nodes(); ++n) {
+      if (each.flat(n).x() > 0.045) nodes.add(n, by);
+    }
+  };
+  for (const double slip : {0.3 * kSlip, 3.0 * kSlip}) {
+    for (Folded* each : {&cloth, &smooth}) {
+      each->place([](const Vec3& at) { return hairpin(at, 0.04, 0.5 * kThickness + 0.01 * at.y()); });
+      each->collect();
+      moveUpper(*each, each->x, slip * along);
+      each->energy(each->x);
+    }
+    for (const double length : {1e-4, 0.3, 30.0}) {
+      for (const Vec3& way : {along, Vec3(-along), aside, Vec3((along + aside) / std::sqrt(2.0))}) {
+        const Vec3 motion = length * slip * way;
+        Field d;
+        d.clear(cloth.mesh.nodes());
+        moveUpper(cloth, d, motion);
+        double expected = 0.0;
+        cloth.contact.forDrags([&](const DragPack& pack, int l) {
+          const Vec3 normal = laneOf(pack.normal, l), start = laneOf(pack.slip, l);
+          Vec3 moved = Vec3::Zero();
+          for (int c = 0; c < 4; ++c) moved += pack.weights[c][l] * d[pack.nodes[c].index[l]];
+          moved -= normal.dot(moved) * normal;
+          const auto force = [&](const Vec3& y) {
+            return pack.limit[l] * smoothSlip(y.norm(), kSlip).ratio * y;
+          };
+          const double nudge = 1e-4 / length;  // of the motion
+          const double whole = (force(start + moved) - force(start)).dot(moved),
+                       begins = (force(start + nudge * moved) - force(start)).dot(moved) / nudge;
+          expected += std::max(whole, begins);
+        });
+        if (way == aside) {
+          ASSERT_GT(expected, 0.0) << "no layers touch";
+        }
+        const double with = cloth.contact.quadraticForm(0, cloth.contact.size(), d),
+                     without = smooth.contact.quadraticForm(0, smooth.contact.size(), d);
+        EXPECT_NEAR(with - without, expected, 1e-3 * expected + 1e-12 * with) << slip << " " << length;
+      }
+    }
   }
 }
 
