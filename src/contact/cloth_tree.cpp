@@ -182,9 +182,16 @@ inline bool ClothTree::isSmooth(const Tangents& t, const Axes& axes, float least
   return 4.0f * a * b >= mixed * mixed;
 }
 
-/// Tells whether parts that fill a rectangle are smooth together, by orthonormal axes near their mean
-/// tangents.
+/// Tells whether parts that fill a rectangle are smooth together, and keeps it if so.
 bool ClothTree::isSmooth(const std::array<int, 4>& parts, int count) {
+  Axes axes;
+  if (!findAxes(parts, count, axes)) return false;
+  smooth_.push_back({parts, count, axes});
+  return true;
+}
+
+/// Finds orthonormal axes near the mean tangents of parts. @return whether the parts are smooth by them
+bool ClothTree::findAxes(const std::array<int, 4>& parts, int count, Axes& axes) const {
   Tangents tangents = tangents_[parts[0]];
   bool rough = rough_[parts[0]];
   for (int k = 1; k < count; ++k) {
@@ -192,14 +199,23 @@ bool ClothTree::isSmooth(const std::array<int, 4>& parts, int count) {
     rough = rough || rough_[parts[k]];
   }
   if (rough) return false;
-  Axes axes;
   axes.first = tangents.warp.middle().normalized();
-  if (!(tangents.warp.along(axes.first).low >= kSmooth)) return false;
+  if (!(tangents.warp.along(axes.first).low >= least_)) return false;
   const Float4 weft = tangents.weft.middle();
   axes.second = (weft - axes.first.dot(weft) * axes.first).normalized();
-  if (!isSmooth(tangents, axes, kSmooth)) return false;
-  smooth_.push_back({parts, count, axes});
-  return true;
+  return isSmooth(tangents, axes, least_);
+}
+
+/// Let no tangent change by more than δ. Then the middle of a range changes by up to √3 δ. What the axes
+/// are normalised from is at least 0.5 long, and tangents are at most 1.2. So the first axis changes by up
+/// to 2 √3 δ, the second by 2 (√3 + 2 · 1.2 · 2 √3) δ = 20 δ, (t_i · e_j) by 25 δ and λ by 50 δ.
+bool ClothTree::areSmooth(const ActiveMesh& mesh, const Field& start, const Field& nodes, double spare) {
+  if (50.0 * largestTurn(mesh, start, nodes) <= spare) return true;
+  placeNodes(nodes);
+  fitTangents(mesh, tangents_);
+  Axes axes;
+  return std::all_of(smooth_.begin(), smooth_.end(),
+                     [&](const Smooth& smooth) { return findAxes(smooth.parts, smooth.count, axes); });
 }
 
 /// Tells whether two parts beside each other, or one part, lie in a smooth rectangle of up to 2 × 2 parts.
@@ -255,8 +271,11 @@ double ClothTree::largestTurn(const ActiveMesh& mesh, const Field& start, const 
 }
 
 /// If no tangent changes by more than δ, no λ falls by more than √2 δ, the norm of the change of (t_i · e_j).
-bool ClothTree::staysSmooth(const ActiveMesh& mesh, const Field& start, const Field& end) {
-  if (largestTurn(mesh, start, end) < (kSmooth - kStillSmooth) / std::sqrt(2.0)) return true;
+bool ClothTree::turnsLittle(const ActiveMesh& mesh, const Field& start, const Field& end) const {
+  return largestTurn(mesh, start, end) < (kSmooth - kStillSmooth) / std::sqrt(2.0);
+}
+
+bool ClothTree::staysSmooth(const ActiveMesh& mesh, const Field& end) {
   placeNodes(end);
   fitTangents(mesh, tangents_after_);
   bool all = true;

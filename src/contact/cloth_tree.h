@@ -46,11 +46,18 @@ class ClothTree {
 
   /// Calls visit(a, b) for all pairs of patches, a = b included, whose boxes overlap somewhere on the
   /// way of the expected motion, unless they lie in one smooth rectangle.
+  /// @param spare by how much λ of a smooth rectangle is larger than it need be [-]
   template <class Visit>
-  void forNear(const Visit& visit) {
+  void forNear(double spare, const Visit& visit) {
+    least_ = kSmooth + static_cast<float>(spare);
     forgetSmooth();
     visitSelf(top_, visit);
+    least_ = kSmooth;
   }
+
+  /// Tells whether forNear() without spare would find the rectangles of the last forNear() smooth at other
+  /// positions [m]. @param start positions of that forNear() [m]
+  bool areSmooth(const ActiveMesh& mesh, const Field& start, const Field& nodes, double spare);
 
   /// Tells whether visit(a, b) is true for all patches a that touch a cell, and patches b whose boxes
   /// come within `margin` of that of a [m]. Pairs in one smooth rectangle are left out if their parts
@@ -61,10 +68,13 @@ class ClothTree {
     return allTouching(top_, cell, margin, visit);
   }
 
-  /// Tells whether the rectangles that forNear() took as smooth are still so at the end of a straight way,
-  /// and were so on it. Those that were not count as rough, so not as smooth, until forgetRough().
-  /// @param start positions for which fit() was called [m]
-  bool staysSmooth(const ActiveMesh& mesh, const Field& start, const Field& end);
+  /// Tells whether all smooth rectangles are sure to be still so at the end of a straight way, and to be so
+  /// on it, because no tangent turns much. @param start positions at which they were smooth [m]
+  bool turnsLittle(const ActiveMesh& mesh, const Field& start, const Field& end) const;
+
+  /// The same exactly for the rectangles of the last forNear(), on the way from the positions of fit(). Those
+  /// that do not stay smooth count as rough, so not as smooth, until forgetRough().
+  bool staysSmooth(const ActiveMesh& mesh, const Field& end);
   void forgetRough() { rough_.assign(parts_.size(), 0); }
 
  private:
@@ -137,6 +147,7 @@ class ClothTree {
     std::fill(squares_.begin(), squares_.end(), Square::Unknown);
   }
   bool isSmooth(const std::array<int, 4>& parts, int count);
+  bool findAxes(const std::array<int, 4>& parts, int count, Axes& axes) const;
   /// Tells whether two parts of one level have a common corner.
   bool isBeside(int a, int b) const {
     const Part &one = parts_[a], &other = parts_[b];
@@ -218,8 +229,9 @@ class ClothTree {
   static constexpr float kRounding = 1e-6f;  ///< of a few sums of floats, relative
 
   Grid grid_;
-  double nearest_;  ///< smallest distance in the flat cloth of parts that do not touch there [m]
-  int levels_;      ///< level of the top
+  float least_ = kSmooth;  ///< λ with which rectangles count as smooth in the current search
+  double nearest_;         ///< smallest distance in the flat cloth of parts that do not touch there [m]
+  int levels_;             ///< level of the top
   int top_ = 0;
   std::vector<Part> parts_;           ///< leaves in the order of the patches, then by level
   std::vector<int> level_offset_;     ///< first index of each level in index_

@@ -18,6 +18,9 @@ constexpr double kGroupReach = 1.15;
 // least this share of it.
 constexpr double kShareOfRest = 0.5;
 
+// By how much smooth parts are smoother than they need be where pairs are not searched again for some time.
+constexpr double kSpare = 0.15;
+
 // Pairs nearer than this share of their range at the start of a step are left out: nothing tells on
 // which side they belong. Solves keep others a hundred times as far apart (SelfContact::maxStep()).
 constexpr double kTogether = 1e-8;
@@ -133,8 +136,8 @@ PairFinder::PairFinder(const Grid& grid, double thickness)
     : grid_(grid), thickness_(thickness), surface_(grid), tree_(grid) {
   margins_.reserve(grid.particles());
   rows_.reserve(grid.particles() + 2);
-  none_.reserve(grid.particles());
-  motion_.reserve(grid.particles());
+  deviation_.reserve(grid.particles());
+  for (Field* field : {&motion_, &clear_at_}) field->reserve(grid.particles());
   for (auto* list : {&nodes_, &lines_, &sorted_}) list->reserve(grid.particles());
   groups_.reserve(grid.particles());
 }
@@ -142,13 +145,15 @@ PairFinder::PairFinder(const Grid& grid, double thickness)
 void PairFinder::rebuild(const ActiveMesh& mesh) {
   surface_.rebuild(mesh);
   tree_.rebuild(mesh);
+  clear_ = false;
 }
 
 void PairFinder::find(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals,
                       const Reach& reach, std::vector<PairPack>& packs) {
   normals_ = normals;
-  search(mesh, nodes, reach, kGroupReach * thickness_);
   packs.clear();
+  if (isClear(mesh, nodes, reach) || becomesClear(mesh, nodes, reach)) return;
+  search(mesh, nodes, reach, kGroupReach * thickness_);
   sortByNode(mesh.nodes());
   listGroups(packs);
   listLines(packs);
@@ -157,8 +162,43 @@ void PairFinder::find(const ActiveMesh& mesh, const Field& nodes, const ConstArr
   }
 }
 
+/// Tells whether a search cannot find anything: nothing was near clear_at_, the ways of all nodes are within
+/// the clearance there, and what was smooth is so.
+bool PairFinder::isClear(const ActiveMesh& mesh, const Field& nodes, const Reach& reach) {
+  for (int n = 0; clear_ && n < mesh.nodes(); ++n) {
+    const double away = (nodes[n] - clear_at_[n]).norm() + reach.motion[n].norm() + reach.deviation[n];
+    clear_ = away <= clearance();
+  }
+  clear_ = clear_ && tree_.areSmooth(mesh, clear_at_, nodes, kSpare);
+  return clear_;
+}
+
+/// Searches for pairs that are near, or may come near in the next steps, if the nodes are slow enough.
+/// @return whether there are none
+bool PairFinder::becomesClear(const ActiveMesh& mesh, const Field& nodes, const Reach& reach) {
+  constexpr int kWait = 30;           // searches after one that found something
+  constexpr double kShare = 0.5;      // of the clearance, so that it lasts for some steps
+  constexpr double kRounding = 1e-6;  // relative
+  if (wait_ > 0) {
+    --wait_;
+    return false;
+  }
+  for (int n = 0; n < mesh.nodes(); ++n) {
+    if (!(reach.motion[n].norm() + reach.deviation[n] <= kShare * clearance())) return false;
+  }
+  motion_.clear(mesh.nodes());
+  deviation_.assign(mesh.nodes(), (1.0 + kRounding) * clearance());
+  search(mesh, nodes, {motion_, deviation_}, kGroupReach * thickness_, kSpare);
+  clear_ = nodes_.empty() && lines_.empty();
+  clear_at_ = nodes;
+  if (!clear_) wait_ = kWait;
+  return clear_;
+}
+
 /// Lists all pairs that may come within `thickness` of each other [m].
-void PairFinder::search(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, double thickness) {
+/// @param spare as for ClothTree::forNear()
+void PairFinder::search(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, double thickness,
+                        double spare) {
   within_ = thickness;
   lines_within_ = kLineRange * thickness;
   margins_.resize(mesh.nodes());
@@ -166,18 +206,19 @@ void PairFinder::search(const ActiveMesh& mesh, const Field& nodes, const Reach&
   tree_.fit(mesh, nodes, reach.motion, margins_);
   nodes_.clear();
   lines_.clear();
-  tree_.forNear([&](int a, int b) { addPatches(mesh, nodes, reach, a, b); });
+  tree_.forNear(spare, [&](int a, int b) { addPatches(mesh, nodes, reach, a, b); });
 }
 
 bool PairFinder::mayMeetUnlisted(const ActiveMesh& mesh, const Field& start, const Field& end, bool deviates,
                                  const std::vector<PairPack>& packs) {
-  if (tree_.staysSmooth(mesh, start, end) && !deviates) return false;
+  if (tree_.turnsLittle(mesh, start, end) && !deviates) return false;
+  clear_ = false;
   motion_.resize(mesh.nodes());
   for (int n = 0; n < mesh.nodes(); ++n) motion_.set(n, end[n] - start[n]);
-  none_.assign(mesh.nodes(), 0.0);
+  deviation_.assign(mesh.nodes(), 0.0);
   do {  // parts of what was rough may seem smooth at the start
-    search(mesh, start, {motion_, none_}, 0.0);
-  } while (!tree_.staysSmooth(mesh, start, end));
+    search(mesh, start, {motion_, deviation_}, 0.0);
+  } while (!tree_.staysSmooth(mesh, end));
   if (nodes_.empty() && lines_.empty()) return false;
   listed_.clear();
   for (const PairPack& pack : packs) {
@@ -197,10 +238,11 @@ bool PairFinder::mayMeetUnlisted(const ActiveMesh& mesh, const Field& start, con
 
 void PairFinder::beginChange(const ActiveMesh& mesh, const Field& nodes) {
   motion_.clear(mesh.nodes());
-  none_.assign(mesh.nodes(), 0.0);
+  deviation_.assign(mesh.nodes(), 0.0);
   normals_ = motion_.arrays();  // sides do not matter
+  clear_ = false;
   forgetRough();
-  tree_.fit(mesh, nodes, motion_, none_);
+  tree_.fit(mesh, nodes, motion_, deviation_);
 }
 
 bool PairFinder::hasRoom(const ActiveMesh& mesh, const Field& nodes, const Cell& cell, double moved) {
@@ -210,7 +252,7 @@ bool PairFinder::hasRoom(const ActiveMesh& mesh, const Field& nodes, const Cell&
   nodes_.clear();
   lines_.clear();
   return tree_.allAround(cell, within_, [&](int a, int b) {
-    addPatches(mesh, nodes, {motion_, none_}, a, b);
+    addPatches(mesh, nodes, {motion_, deviation_}, a, b);
     return nodes_.empty() && lines_.empty();
   });
 }

@@ -66,7 +66,12 @@ class PairFinder {
     double excess;    ///< of the nearest one's distance over its range at the start of the step [m]
   };
 
-  void search(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, double thickness);
+  void search(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, double thickness,
+              double spare = 0.0);
+  bool isClear(const ActiveMesh& mesh, const Field& nodes, const Reach& reach);
+  bool becomesClear(const ActiveMesh& mesh, const Field& nodes, const Reach& reach);
+  /// Distance from clear_at_ within which nothing meets [m].
+  double clearance() const { return 0.1 * std::min(grid_.dx, grid_.dy); }
   void addPatches(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int a, int b);
   void addNode(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int node,
                const TriangleSurface::Triangle& triangle);
@@ -87,9 +92,12 @@ class PairFinder {
   ConstArrays normals_{};                     ///< during find()
   std::vector<Candidate> nodes_, lines_, sorted_;
   std::vector<Group> groups_;
-  double most_ = 0.0;  ///< bound of the motion of the patches in addPatches() relative to each other [m]
-  Field motion_;       ///< scratch of mayMeetUnlisted(), as the next two
-  std::vector<double> none_;
+  double most_ = 0.0;   ///< bound of the motion of the patches in addPatches() relative to each other [m]
+  bool clear_ = false;  ///< no pair is near while all nodes stay near clear_at_
+  Field clear_at_;      ///< [m]
+  int wait_ = 0;        ///< number of searches until clear_ is tried again
+  Field motion_;        ///< scratch of other searches than that of find(), as the next two
+  std::vector<double> deviation_;
   std::vector<std::array<int, 4>> listed_;
   std::vector<int> rows_;  ///< sorted_ of node n: rows_[n] .. rows_[n + 1]
 };

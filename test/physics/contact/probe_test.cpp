@@ -142,8 +142,8 @@ TEST(Probe, SlidesWithFrictionAboutAsCheaplyAsWithout) {
 
 /// A probe that holds cloth and pushes a fold together (bench/scenes/fold_probe.yaml): inertia goes on where
 /// friction holds (0007). Criterion: half of the 40,000 iterations that it took without the whole inertial
-/// motion and without the change of friction along a search direction (0037); 30,000 without the motion alone,
-/// 10,400 to 10,550 with both.
+/// motion and without the change of friction along a search direction (0037); 30,000 without the motion
+/// alone, 10,400 to 10,550 with both.
 TEST(Probe, PushesAFoldInFewIterations) {
   Scene scene = loadScene(HAPTIC_CLOTH_SOURCE_DIR "/bench/scenes/fold_probe.yaml");
   scene.solver.threads = 1;

@@ -26,7 +26,7 @@ std::set<std::pair<int, int>> nearPairs(const ActiveMesh& mesh, const Field& x, 
   tree.rebuild(mesh);
   tree.fit(mesh, x, still, std::vector<double>(mesh.nodes(), margin));
   std::set<std::pair<int, int>> pairs;
-  tree.forNear([&](int a, int b) { pairs.insert(std::minmax(a, b)); });
+  tree.forNear(0.0, [&](int a, int b) { pairs.insert(std::minmax(a, b)); });
   return pairs;
 }
 
