@@ -81,7 +81,7 @@ class ClothCase {
   CaseOptions options_;
   std::unique_ptr<ClothWorld> world_;
   Adaptation adaptation_;
-  Minimizer minimizer_;        ///< kept, as the solver keeps its own: no run waits for new pages of memory
+  Minimizer minimizer_;        ///< kept, as the solver keeps its own: only the first run waits for new pages
   std::vector<double> reach_;  ///< per node, as in a step with a cloth at rest [m]
   Vector point_, direction_, scratch_, start_;
   Field nodes_, motion_, gradient_, start_nodes_, inertial_;

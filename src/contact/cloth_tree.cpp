@@ -208,7 +208,9 @@ bool ClothTree::findAxes(const std::array<int, 4>& parts, int count, Axes& axes)
 
 /// Let no tangent change by more than δ. Then the middle of a range changes by up to √3 δ. What the axes
 /// are normalised from is at least 0.5 long, and tangents are at most 1.2. So the first axis changes by up
-/// to 2 √3 δ, the second by 2 (√3 + 2 · 1.2 · 2 √3) δ = 20 δ, (t_i · e_j) by 25 δ and λ by 50 δ.
+/// to 2 √3 δ, the second by 2 (√3 + 2 · 1.2 · 2 √3) δ = 20 δ, (t_i · e_j) by 25 δ and λ by 50 δ. Parts with
+/// longer tangents keep their distances too, since by the old axes λ falls by √2 δ, but a new forNear()
+/// might visit them.
 bool ClothTree::areSmooth(const ActiveMesh& mesh, const Field& start, const Field& nodes, double spare) {
   if (50.0 * largestTurn(mesh, start, nodes) <= spare) return true;
   placeNodes(nodes);

@@ -46,7 +46,7 @@ class ClothTree {
 
   /// Calls visit(a, b) for all pairs of patches, a = b included, whose boxes overlap somewhere on the
   /// way of the expected motion, unless they lie in one smooth rectangle.
-  /// @param spare by how much λ of a smooth rectangle is larger than it need be [-]
+  /// @param spare what λ of a smooth rectangle must have beyond the least [-]
   template <class Visit>
   void forNear(double spare, const Visit& visit) {
     least_ = kSmooth + static_cast<float>(spare);
@@ -56,7 +56,7 @@ class ClothTree {
   }
 
   /// Tells whether forNear() without spare would find the rectangles of the last forNear() smooth at other
-  /// positions [m]. @param start positions of that forNear() [m]
+  /// positions [m]. @param start,spare positions [m] and spare of the last one
   bool areSmooth(const ActiveMesh& mesh, const Field& start, const Field& nodes, double spare);
 
   /// Tells whether visit(a, b) is true for all patches a that touch a cell, and patches b whose boxes

@@ -114,6 +114,15 @@ bool staysApart(const PairFinder::Reach& reach, const Field& nodes, const Nodes&
   return true;
 }
 
+/// Tells whether all nodes stay within a distance of some places on their expected way [m].
+bool staysWithin(const PairFinder::Reach& reach, const Field& nodes, const Field& places, double distance) {
+  for (int n = 0; n < nodes.size(); ++n) {
+    const double away = (nodes[n] - places[n]).norm() + reach.motion[n].norm() + reach.deviation[n];
+    if (!(away <= distance)) return false;
+  }
+  return true;
+}
+
 void put(PairPack& pack, int lane, const std::array<int, 4>& nodes, double range, double area) {
   for (int c = 0; c < 4; ++c) pack.nodes[c].set(lane, nodes[c]);
   pack.range[lane] = range;
@@ -165,11 +174,8 @@ void PairFinder::find(const ActiveMesh& mesh, const Field& nodes, const ConstArr
 /// Tells whether a search cannot find anything: nothing was near clear_at_, the ways of all nodes are within
 /// the clearance there, and what was smooth is so.
 bool PairFinder::isClear(const ActiveMesh& mesh, const Field& nodes, const Reach& reach) {
-  for (int n = 0; clear_ && n < mesh.nodes(); ++n) {
-    const double away = (nodes[n] - clear_at_[n]).norm() + reach.motion[n].norm() + reach.deviation[n];
-    clear_ = away <= clearance();
-  }
-  clear_ = clear_ && tree_.areSmooth(mesh, clear_at_, nodes, kSpare);
+  clear_ = clear_ && staysWithin(reach, nodes, clear_at_, clearance()) &&
+           tree_.areSmooth(mesh, clear_at_, nodes, kSpare);
   return clear_;
 }
 
@@ -183,15 +189,16 @@ bool PairFinder::becomesClear(const ActiveMesh& mesh, const Field& nodes, const 
     --wait_;
     return false;
   }
-  for (int n = 0; n < mesh.nodes(); ++n) {
-    if (!(reach.motion[n].norm() + reach.deviation[n] <= kShare * clearance())) return false;
-  }
+  if (!staysWithin(reach, nodes, nodes, kShare * clearance())) return false;
   motion_.clear(mesh.nodes());
   deviation_.assign(mesh.nodes(), (1.0 + kRounding) * clearance());
   search(mesh, nodes, {motion_, deviation_}, kGroupReach * thickness_, kSpare);
   clear_ = nodes_.empty() && lines_.empty();
-  clear_at_ = nodes;
-  if (!clear_) wait_ = kWait;
+  if (clear_) {
+    clear_at_ = nodes;
+  } else {
+    wait_ = kWait;
+  }
   return clear_;
 }
 
@@ -223,9 +230,7 @@ bool PairFinder::mayMeetUnlisted(const ActiveMesh& mesh, const Field& start, con
   listed_.clear();
   for (const PairPack& pack : packs) {
     for (int l = 0; l < kPack; ++l) {
-      if (pack.range[l] > 0.0)
-        listed_.push_back(
-            {pack.nodes[0].index[l], pack.nodes[1].index[l], pack.nodes[2].index[l], pack.nodes[3].index[l]});
+      if (pack.range[l] > 0.0) listed_.push_back(nodesOf(pack, l));
     }
   }
   std::sort(listed_.begin(), listed_.end());

@@ -12,6 +12,12 @@
 
 namespace haptic_cloth {
 
+/// The four nodes of a pair.
+inline std::array<int, 4> nodesOf(const PairPack& pack, int lane) {
+  return {pack.nodes[0].index[lane], pack.nodes[1].index[lane], pack.nodes[2].index[lane],
+          pack.nodes[3].index[lane]};
+}
+
 /// Finds pairs of a node and a triangle, and of two lines, that may touch within a step. Two surfaces
 /// of triangles that do not cross can only begin to cross where such a pair meets. Nodes and triangles
 /// carry the pressure between layers: each node presses with half of its area on the triangles near it

@@ -113,6 +113,13 @@ Vec3 hairpin(const Vec3& at, double fold, double gap) {
   return {fold - (along - static_cast<double>(EIGEN_PI) * radius), at.y(), gap};
 }
 
+/// Adds a vector at all nodes of the upper layer of a hairpin that turns back at 40 mm [m].
+void moveUpper(const Folded& cloth, Field& nodes, const Vec3& by) {
+  for (int n = 0; n < cloth.mesh.nodes(); ++n) {
+    if (cloth.flat(n).x() > 0.045) nodes.add(n, by);
+  }
+}
+
 /// A rolled sheet turns by far more than half a turn; every pair of its layers that is near is found.
 /// The layers lie 0.6 thicknesses apart, so nodes and triangles press across the whole roll.
 TEST(SelfContact, FindsAllPairsOfNodesAndTriangles) {
@@ -146,9 +153,7 @@ TEST(SelfContact, FindsAllPairsOfNodesAndTriangles) {
     ASSERT_GT(expected.size(), 10u);
     std::set<std::array<int, 4>> found;
     cloth.contact.forPairs([&](const PairPack& pack, int l) {
-      if (!pack.lines)
-        found.insert(
-            {pack.nodes[0].index[l], pack.nodes[1].index[l], pack.nodes[2].index[l], pack.nodes[3].index[l]});
+      if (!pack.lines) found.insert(nodesOf(pack, l));
     });
     for (const auto& pair : expected)
       EXPECT_TRUE(found.count(pair)) << "seed " << seed << " node " << pair[0];
@@ -191,9 +196,7 @@ TEST(SelfContact, FindsAllPairsThatComeNearOnTheWay) {
     cloth.collect();
     std::set<std::array<int, 4>> found;
     cloth.contact.forPairs([&](const PairPack& pack, int l) {
-      if (!pack.lines)
-        found.insert(
-            {pack.nodes[0].index[l], pack.nodes[1].index[l], pack.nodes[2].index[l], pack.nodes[3].index[l]});
+      if (!pack.lines) found.insert(nodesOf(pack, l));
     });
     int near = 0, past = 0;
     for (std::size_t p = 0; p < cloth.mesh.patches.size(); ++p) {
@@ -249,10 +252,7 @@ TEST(SelfContact, PairsDoNotDependOnEarlierSearches) {
   };
   const auto pairs = [](const Folded& each) {
     std::vector<std::array<int, 4>> list;
-    each.contact.forPairs([&](const PairPack& pack, int l) {
-      list.push_back(
-          {pack.nodes[0].index[l], pack.nodes[1].index[l], pack.nodes[2].index[l], pack.nodes[3].index[l]});
-    });
+    each.contact.forPairs([&](const PairPack& pack, int l) { list.push_back(nodesOf(pack, l)); });
     return list;
   };
   constexpr int kSteps = 1000;
@@ -336,14 +336,9 @@ TEST(SelfContact, ForcesDoNotDependOnTheWay) {
     each->reach.assign(each->mesh.nodes(), way.norm());
     each->collect();
   }
-  const auto slide = [&](Folded& each, const Vec3& by) {
-    for (int n = 0; n < each.mesh.nodes(); ++n) {
-      if (each.flat(n).x() > 0.045) each.x.add(n, by);  // the upper layer
-    }
-  };
   double energy = 0.0;
   for (int k = 0; k < kSteps; ++k) {
-    slide(cloth, way / kSteps);
+    moveUpper(cloth, cloth.x, way / kSteps);
     energy = cloth.energy(cloth.x);
   }
   const Field stepped = cloth.gradient();
@@ -431,11 +426,6 @@ TEST(SelfContact, FrictionAlongAMotionIsTheChangeOfItsForce) {
   constexpr double kFriction = 0.4;
   Folded cloth(gridOf(25, 9, 0), kFriction), smooth(gridOf(25, 9, 0), 0.0);
   const Vec3 along = Vec3(0.8, 0.6, 0.0), aside(-0.6, 0.8, 0.0);
-  const auto moveUpper = [](const Folded& each, Field& nodes, const Vec3& by) {
-    for (int n = 0; n < each.mesh.nodes(); ++n) {
-      if (each.flat(n).x() > 0.045) nodes.add(n, by);
-    }
-  };
   for (const double slip : {0.3 * kSlip, 3.0 * kSlip}) {
     for (Folded* each : {&cloth, &smooth}) {
       each->place([](const Vec3& at) { return hairpin(at, 0.04, 0.5 * kThickness + 0.01 * at.y()); });
