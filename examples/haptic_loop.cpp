@@ -74,9 +74,9 @@ int main(int argc, char** argv) {
       sleepUntil(pacer.due(now()));
       const int length = pacer.begin(simulation, now());
       session.beforeStep(simulation, now(), length);
-      simulation.step(length);
+      const haptic_cloth::StepReport step = simulation.step(length);
       session.afterStep(simulation, now());
-      pacer.end(now());
+      pacer.end(step, now());
     }
   });
 

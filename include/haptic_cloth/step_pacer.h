@@ -30,9 +30,9 @@ struct QualityReport {
 ///     sleep until pacer.due(now);
 ///     const int length = pacer.begin(simulation, now);
 ///     session.beforeStep(simulation, now, length);
-///     simulation.step(length);
+///     const StepReport step = simulation.step(length);
 ///     session.afterStep(simulation, now);
-///     pacer.end(now);
+///     pacer.end(step, now);
 ///
 /// All functions belong to the solver's thread. `now` is in seconds on a steady clock.
 class StepPacer {
@@ -55,8 +55,8 @@ class StepPacer {
   /// @return length of the step, in time steps of the scene
   int begin(Simulation& simulation, double now);
 
-  /// The step has ended.
-  void end(double now);
+  /// The step that was begun has ended. @param step what the simulation said of it
+  void end(const StepReport& step, double now);
 
   /// Forgets the lag, as after a pause: the next step is due at once.
   void restart();

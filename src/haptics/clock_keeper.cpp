@@ -46,7 +46,8 @@ ClockKeeper::Step ClockKeeper::begin(double now) {
   return {length_, rung_};
 }
 
-void ClockKeeper::end(double now) {
+void ClockKeeper::end(double now, bool cut) {
+  cut_ = cut;
   const double load = (now - begun_) / (h_ * std::pow(length_, kGrowth));
   load_ += std::min(1.0, length_ * h_ / kSmoothing) * (load - load_);
 }
@@ -59,7 +60,9 @@ void ClockKeeper::restart() {
 void ClockKeeper::chooseRung(double lag, double now) {
   const bool was_behind = behind_, had_room = roomy_;
   behind_ = lag > std::min(longest_[rung_] * h_, 0.5 * kLongestLag);
-  roomy_ = rung_ > 0 && !behind_ && load_ * std::pow(longest_[rung_ - 1], kGrowth - 1.0) < kRoom;
+  const bool limits = rung_ >= gentle_;  // iterations, and the better rung grants more
+  roomy_ = rung_ > 0 && !behind_ &&
+           ((limits && !cut_) || load_ * std::pow(longest_[rung_ - 1], kGrowth - 1.0) < kRoom);
   if (behind_ && (!was_behind || now - behind_since_ >= kPatience)) {
     const double grown = slipped_ + lag - behind_by_;
     const bool far_too_slow = grown > kMuch * (now - behind_since_) && behind_steps_ > 1 && !risen_;

@@ -13,8 +13,9 @@ namespace haptic_cloth {
 /// Rung (qualityLadder()): down by one if the longest steps do not catch up within 30 ms. By two, to a rung
 /// that costs the force little, if simulated time went less than half as fast as wall time in more than one
 /// step, unless the rung in use is only being tried. Up by one if steps as long as the better rung's would
-/// take less than half of the time at the present rung, for 0.5 s. If the better rung proves too slow, the
-/// next attempt at it waits twice as long, up to 30 s.
+/// take less than half of the time at the present rung, for 0.5 s, or if for as long no step used up the
+/// iterations that the rung grants, so that more cost nothing. If the better rung proves too slow, the next
+/// attempt at it waits twice as long, up to 30 s.
 ///
 /// Lag beyond kLongestLag is given up: simulated time slips.
 class ClockKeeper {
@@ -26,7 +27,8 @@ class ClockKeeper {
 
   /// Sets the longest step of each rung, in time steps; the first rung is the best. The rung in use stays, or
   /// becomes the last one. Failed attempts are forgotten.
-  /// @param gentle number of the first rungs that cost the force little; only these may be skipped
+  /// @param gentle number of the first rungs, which cost the force little: only these may be skipped. The
+  ///   others limit the iterations and do nothing else that the last of these does not
   void setRungs(const std::vector<int>& longest_steps, int gentle);
 
   /// Wall time before which the next step must not start [s]. @param now [s]
@@ -40,8 +42,10 @@ class ClockKeeper {
   /// A step starts. @param now wall time, not before due() [s]
   Step begin(double now);
 
-  /// The step that was begun ends. @param now wall time [s]
-  void end(double now);
+  /// The step that was begun ends.
+  /// @param now wall time [s]
+  /// @param cut the rung's limit of iterations ended its solve
+  void end(double now, bool cut);
 
   /// Forgets the lag, as after a pause: the next step is due at once.
   void restart();
@@ -68,7 +72,8 @@ class ClockKeeper {
   double behind_since_ = 0.0;  ///< start of an interval in which that is so [s]
   double behind_by_ = 0.0;     ///< lag at that time and what had slipped [s]
   int behind_steps_ = 0;       ///< steps since that time
-  bool roomy_ = false;         ///< the load leaves room for a better rung
+  bool cut_ = false;           ///< the last step used up its iterations
+  bool roomy_ = false;         ///< there is room for a better rung
   double roomy_since_ = 0.0;   ///< [s]
   bool risen_ = false;         ///< the last change was a rise, whose success is not known
   double risen_at_ = 0.0;      ///< [s]

@@ -77,7 +77,9 @@ int StepPacer::begin(Simulation& simulation, double now) {
   return step.length;
 }
 
-void StepPacer::end(double now) { implementation_->clock.end(now); }
+void StepPacer::end(const StepReport& step, double now) {
+  implementation_->clock.end(now, step.minimizer.why == Termination::IterationLimit);
+}
 
 void StepPacer::restart() { implementation_->clock.restart(); }
 

@@ -106,7 +106,7 @@ RunRecord runInRealTime(Simulation& simulation, Rows rows, const StepCallback& a
   const double start_time = simulation.time();
   const auto after = [&](const Simulation& now, const RunTotals& totals) {
     pace.elapsed = secondsSince(start);
-    pacer.end(pace.elapsed);
+    pacer.end(totals.last, pace.elapsed);
     const QualityReport quality = pacer.quality();
     pace.slipped = quality.slipped;
     pace.worst_rung = std::max(pace.worst_rung, quality.rung);

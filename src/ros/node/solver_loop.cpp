@@ -57,7 +57,7 @@ void SolverLoop::run() {
     }
     const StepReport report = simulation_.step(length);
     for (SharedProbe& probe : shared_.probes) probe.session().afterStep(simulation_, steadyNow());
-    pacer_.end(steadyNow());
+    pacer_.end(report, steadyNow());
     record(report);
   }
   if (recorder_) recorder_->end(recorded::end(simulation_));

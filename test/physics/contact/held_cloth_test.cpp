@@ -53,6 +53,7 @@ std::vector<Vec3> felt(const Scene& scene, const Solver& solver, double end) {
   Simulation simulation(scene);
   HapticSession session(scene, 0);
   StepPacer pacer(simulation);
+  StepReport report;
   std::vector<Vec3> forces;
   int steps = 0;
   bool solving = false;
@@ -61,7 +62,7 @@ std::vector<Vec3> felt(const Scene& scene, const Solver& solver, double end) {
     const double now = k * kTick;
     if (solving && now >= done - 0.5 * kTick) {
       session.afterStep(simulation, now);
-      if (solver.keeps_clock) pacer.end(now);
+      if (solver.keeps_clock) pacer.end(report, now);
       solving = false;
     }
     session.setGrasp(std::any_of(probe.grasp.begin(), probe.grasp.end(),
@@ -72,7 +73,7 @@ std::vector<Vec3> felt(const Scene& scene, const Solver& solver, double end) {
     const int length = solver.keeps_clock ? pacer.begin(simulation, now)
                                           : static_cast<int>(std::lround(duration / scene.solver.time_step));
     session.beforeStep(simulation, now, length);
-    simulation.step(length);
+    report = simulation.step(length);
     solving = true;
     done = now + duration;
   }

@@ -20,11 +20,15 @@ constexpr double kStep = 1e-3;  // [s]
 /// Wall time of a step [s]. @param length in time steps  @param now at its start [s]
 using Cost = std::function<double(int length, int rung, double now)>;
 
+/// Whether a step used up its iterations. @param now at its end [s]
+using Cut = std::function<bool(int rung, double now)>;
+bool nothingIsCut(int, double) { return false; }
+
 /// A solver that keeps the clock.
 class Loop {
  public:
-  Loop(std::vector<int> longest, Cost cost, int gentle = 9)
-      : longest_(std::move(longest)), cost_(std::move(cost)) {
+  Loop(std::vector<int> longest, Cost cost, int gentle = 9, Cut cut = nothingIsCut)
+      : longest_(std::move(longest)), cost_(std::move(cost)), cut_(std::move(cut)) {
     keeper_.setRungs(longest_, gentle);
   }
 
@@ -46,7 +50,7 @@ class Loop {
     if (last_.rung != rung) ++changes_;
     ticks_ += last_.length;
     now_ += cost_(last_.length, last_.rung, now_);
-    keeper_.end(now_);
+    keeper_.end(now_, cut_(last_.rung, now_));
   }
 
   void pause(double seconds) {
@@ -65,6 +69,7 @@ class Loop {
  private:
   std::vector<int> longest_;
   Cost cost_;
+  Cut cut_;
   ClockKeeper keeper_{kStep};
   ClockKeeper::Step last_{1, 0};
   double now_ = 0.0, paused_ = 0.0;
@@ -111,7 +116,7 @@ TEST(ClockKeeper, FallsFasterIfFarTooSlow) {
   EXPECT_EQ(loop.rung(), 5);
   EXPECT_EQ(loop.changes(), 3);
   EXPECT_EQ(loop.keeper().slipped(), 0.0);
-  Loop careful(kLongest, solver(8.0, 0.7), 4);  // rungs 4 and 5 cost the force much
+  Loop careful(kLongest, solver(8.0, 0.7), 4, [](int, double) { return true; });  // 4 and on cost the force much
   careful.run(5.0);
   EXPECT_EQ(careful.rung(), 5);
   EXPECT_EQ(careful.changes(), 4);
@@ -156,6 +161,25 @@ TEST(ClockKeeper, ARungIsJudgedByItsLongestSteps) {
   loop.run(30.0);
   EXPECT_LE(loop.rung(), 5);
   EXPECT_EQ(loop.keeper().slipped(), slipped);
+}
+
+/// Rungs 3 and 4 limit the iterations. A hard blow, in which they are used up, leads to rung 4. After it each
+/// of these rungs takes 0.9 of the time, which leaves no room by the load; but nothing is cut, so that the better
+/// rung costs the same. Two rises with waits of 0.5 s lead to rung 2, which leaves no room.
+TEST(ClockKeeper, ALimitOfIterationsThatIsNotUsedUpIsLifted) {
+  const auto blow = [](double now) { return now < 1.0; };
+  const Cost cost = [&](int length, int rung, double now) {
+    return kStep * length * (blow(now) ? 4.0 - 0.8 * rung : 0.9);
+  };
+  Loop loop({1, 2, 4, 4, 4}, cost, 3, [&](int, double now) { return blow(now); });
+  loop.run(1.0);
+  EXPECT_EQ(loop.rung(), 4);
+  loop.run(2.0);
+  EXPECT_EQ(loop.rung(), 2);
+  // A rung whose steps are cut stays.
+  Loop busy({1, 2, 4, 4, 4}, cost, 3, [](int, double) { return true; });
+  busy.run(3.0);
+  EXPECT_EQ(busy.rung(), 4);
 }
 
 TEST(ClockKeeper, DoesNotChatter) {
