@@ -50,7 +50,7 @@ struct AdaptOptions {
   Strategy strategy = Strategy::Amrc;
   StartMesh start = StartMesh::Finest;  ///< initial mesh of `Amrc`; the other strategies fix theirs
   int levels = 2;                       ///< L: the coarsest cell is 2^L finest cells wide
-  int interval = 3;                     ///< steps between two mesh decisions
+  int interval = 3;                     ///< time steps between two mesh decisions; a longer step decides once
   double refine_above = 0.60;           ///< cells split above this turning angle at a triple [rad]
   /// Four siblings merge below this turning angle, measured on their parent [rad].
   double coarsen_below = 0.30;
@@ -58,7 +58,7 @@ struct AdaptOptions {
   double refine_above_strain = 0.005;
   /// Four siblings merge if it differs by less than this on their parent [-].
   double coarsen_below_strain = 0.0025;
-  int minimum_age = 30;  ///< steps before a new cell may merge; prevents chatter
+  int minimum_age = 30;  ///< time steps before a new cell may merge; prevents chatter
 };
 
 }  // namespace haptic_cloth

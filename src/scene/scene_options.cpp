@@ -114,7 +114,7 @@ Options optionsOf(AdaptOptions& adapt) {
            kInState},
           {"levels", field(adapt.levels), kLevels, "", "the coarsest cell is 2^levels finest cells wide",
            kFixed, kInState},
-          {"interval", field(adapt.interval), atLeast(1), "", "steps between two decisions about the mesh",
+          {"interval", field(adapt.interval), atLeast(1), "", "time steps between two decisions about the mesh",
            Live{1, 100}, kInState},
           {"refine_above", field(adapt.refine_above), kPositive, "rad",
            "turning angle above which a cell splits", Live{0.01, 3.0}, kInState},
@@ -124,7 +124,7 @@ Options optionsOf(AdaptOptions& adapt) {
            "strain difference above which a cell splits", Live{1e-4, 0.1}, kInState},
           {"coarsen_below_strain", field(adapt.coarsen_below_strain), kNotNegative, "",
            "the same, for merging; < `refine_above_strain`", Live{0.0, 0.1}, kInState},
-          {"minimum_age", field(adapt.minimum_age), atLeast(0), "", "steps before a new cell may merge",
+          {"minimum_age", field(adapt.minimum_age), atLeast(0), "", "time steps before a new cell may merge",
            Live{0, 1000}, kInState}};
 }
 

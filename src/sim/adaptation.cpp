@@ -17,6 +17,13 @@ Adaptation::Adaptation(const AdaptOptions& options, const Grid& grid)
   edges_.reserve(grid.particles());
 }
 
+void Adaptation::setOptions(const AdaptOptions& options) {
+  const bool coarser = options.coarsen_below > options_.coarsen_below ||
+                       options.coarsen_below_strain > options_.coarsen_below_strain;
+  options_ = options;
+  if (coarser) std::fill(born_.begin(), born_.end(), -options.minimum_age);
+}
+
 int Adaptation::startLevel(const AdaptOptions& options) {
   const bool chosen = options.strategy == Strategy::Amrc && options.start == StartMesh::Coarsest;
   const bool coarse = options.strategy == Strategy::Coarsest || options.strategy == Strategy::Refine;
@@ -31,10 +38,15 @@ bool Adaptation::coarsens() const {
   return options_.strategy == Strategy::Amrc || options_.strategy == Strategy::Coarsen;
 }
 
-bool Adaptation::plan(long step, const Field& nodes, const InternalEnergy& internal, const FineRegions& fine,
+bool Adaptation::startDecision(long tick) {
+  if (decided_ != kNever && tick / options_.interval == decided_ / options_.interval) return false;
+  decided_ = tick;
+  return true;
+}
+
+bool Adaptation::plan(long tick, const Field& nodes, const InternalEnergy& internal, const FineRegions& fine,
                       const LeafMesh& leaves, const ActiveMesh& mesh, const ParticleState& state,
                       const HiddenTurn& hidden, const Room& room) {
-  if (!looks(step)) return false;
   measureCurvature(nodes, internal, mesh);
   measureStrain(nodes, mesh);
   leaves.leaves(leaves_);
@@ -50,7 +62,7 @@ bool Adaptation::plan(long step, const Field& nodes, const InternalEnergy& inter
   for (const Cell& cell : leaves_) {
     if (!coarsens() || !hasParent(cell)) continue;
     const Cell parent{cell.i, cell.j, cell.level + 1};
-    if (mayMerge(parent, step, fine, leaves, mesh, state, hidden, room)) merged_.push_back(parent);
+    if (mayMerge(parent, tick, fine, leaves, mesh, state, hidden, room)) merged_.push_back(parent);
   }
   findSplits(leaves);
   for (const Cell& cell : split_)
@@ -61,10 +73,10 @@ bool Adaptation::plan(long step, const Field& nodes, const InternalEnergy& inter
   return !marked_.empty() || !merged_.empty();
 }
 
-void Adaptation::apply(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state) {
+void Adaptation::apply(long tick, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state) {
   split_.clear();
-  if (!merged_.empty()) mergeCells(step, leaves, mesh, state);
-  if (!marked_.empty()) splitCells(step, leaves, mesh, state);
+  if (!merged_.empty()) mergeCells(tick, leaves, mesh, state);
+  if (!marked_.empty()) splitCells(tick, leaves, mesh, state);
 }
 
 /// Calls visit(i, j) for a finest cell in each leaf that touches a cell of the same level or a finer one.
@@ -158,23 +170,23 @@ bool Adaptation::hasParent(const Cell& cell) const {
 /// Makes the planned merges. All were decided from one mesh, so their order does not matter. They
 /// keep the mesh balanced: no merging parent has a neighbour finer than its children, so neighbours
 /// still differ by at most one level.
-void Adaptation::mergeCells(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state) {
+void Adaptation::mergeCells(long tick, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state) {
   merge_transfer_.capture(mesh);
   for (const Cell& parent : merged_) {
     leaves.merge(parent);
-    born_[grid_.cell(parent.i, parent.j)] = step;
+    born_[grid_.cell(parent.i, parent.j)] = tick;
   }
   mesh.rebuild(leaves);
   merge_transfer_.apply(leaves, mesh, state);
 }
 
-bool Adaptation::mayMerge(const Cell& parent, long step, const FineRegions& fine, const LeafMesh& leaves,
+bool Adaptation::mayMerge(const Cell& parent, long tick, const FineRegions& fine, const LeafMesh& leaves,
                           const ActiveMesh& mesh, const ParticleState& state, const HiddenTurn& hidden,
                           const Room& room) const {
   const int half = parent.span() / 2;
   for (const int j : {parent.j, parent.j + half}) {
     for (const int i : {parent.i, parent.i + half}) {
-      if (step - born_[grid_.cell(i, j)] < options_.minimum_age) return false;
+      if (tick - born_[grid_.cell(i, j)] < options_.minimum_age) return false;
     }
   }
   return leaves.canMerge(parent) && turning(parent, 2, mesh) < options_.coarsen_below &&
@@ -219,13 +231,13 @@ bool Adaptation::touchesSplit(const Cell& parent, const LeafMesh& leaves) const 
   return touches;
 }
 
-void Adaptation::splitCells(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state) {
+void Adaptation::splitCells(long tick, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state) {
   for (const Cell& cell : marked_) leaves.split(cell, split_);
   if (split_.empty()) return;
   for (const Cell& cell : split_) {
     const int half = cell.span() / 2;
     for (const int j : {cell.j, cell.j + half}) {
-      for (const int i : {cell.i, cell.i + half}) born_[grid_.cell(i, j)] = step;
+      for (const int i : {cell.i, cell.i + half}) born_[grid_.cell(i, j)] = tick;
     }
   }
   transferAfterSplit(grid_, split_, crowded_, state);

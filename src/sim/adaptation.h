@@ -28,12 +28,14 @@ class Adaptation {
  public:
   Adaptation(const AdaptOptions& options, const Grid& grid);
 
-  /// Changes the options for the next decisions. @pre the same levels
-  void setOptions(const AdaptOptions& options) { options_ = options; }
+  /// Changes the options for the next decisions. Where they ask for coarser cells, cells of any age may merge.
+  /// @pre the same levels
+  void setOptions(const AdaptOptions& options);
 
-  /// Saves or loads the age of the leaves. @param steps number of steps so far
-  void serialize(Archive& archive, long steps) {
-    archive.within("born", born_, -options_.minimum_age, steps);
+  /// Saves or loads the age of the leaves and of the last decision. @param tick simulated time so far
+  void serialize(Archive& archive, long tick) {
+    archive.within("born", born_, -options_.minimum_age, tick);
+    archive.within("decided", decided_, kNever, tick);
   }
 
   /// Changes made by the last apply(): merged parents and split cells, in order.
@@ -43,8 +45,15 @@ class Adaptation {
   /// Level of all leaves in the initial mesh.
   static int startLevel(const AdaptOptions& options);
 
-  /// Tells whether plan() decides in this step, which it does every `interval` steps.
-  bool looks(long step) const { return (refines() || coarsens()) && step % options_.interval == 0; }
+  /// Starts a decision if one is due: a multiple of `interval` has come since the last one. A step that is
+  /// longer than that decides once. @param tick simulated time, like that of plan() and apply() [time steps]
+  bool startDecision(long tick);
+
+  /// Tells whether a decision was started at that time. @param tick simulated time [time steps]
+  bool decidesAt(long tick) const { return decided_ == tick; }
+
+  /// Tells whether decisions can change the mesh.
+  bool changesMesh() const { return refines() || coarsens(); }
 
   /// Turning angle [rad] under the load that a cell hides: of a leaf (parts 1) or of the parent of
   /// four leaves (parts 2).
@@ -57,24 +66,26 @@ class Adaptation {
   /// Decides all splits and merges from the current mesh.
   /// @param nodes positions of the nodes [m]
   /// @return whether apply() has anything to do
-  bool plan(long step, const Field& nodes, const InternalEnergy& internal, const FineRegions& fine,
+  bool plan(long tick, const Field& nodes, const InternalEnergy& internal, const FineRegions& fine,
             const LeafMesh& leaves, const ActiveMesh& mesh, const ParticleState& state,
             const HiddenTurn& hidden, const Room& room);
 
   /// Makes the planned changes: rebuilds `mesh` and hands the state over.
-  void apply(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
+  void apply(long tick, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
 
  private:
+  static constexpr long kNever = -1;
+
   void measureCurvature(const Field& nodes, const InternalEnergy& internal, const ActiveMesh& mesh);
   void measureStrain(const Field& nodes, const ActiveMesh& mesh);
   double turning(const Cell& cell, int parts, const ActiveMesh& mesh) const;
   double strainDifference(const Cell& cell, int parts, const ActiveMesh& mesh) const;
-  void mergeCells(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
-  void splitCells(long step, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
+  void mergeCells(long tick, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
+  void splitCells(long tick, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
   bool hasParent(const Cell& cell) const;
   bool refines() const;
   bool coarsens() const;
-  bool mayMerge(const Cell& parent, long step, const FineRegions& fine, const LeafMesh& leaves,
+  bool mayMerge(const Cell& parent, long tick, const FineRegions& fine, const LeafMesh& leaves,
                 const ActiveMesh& mesh, const ParticleState& state, const HiddenTurn& hidden,
                 const Room& room) const;
   template <class Visit>
@@ -90,7 +101,8 @@ class Adaptation {
   /// Mean strain of a node's edges by direction, 0 if slack [-].
   std::array<std::vector<double>, 2> strain_;
   std::vector<int> edges_;  ///< edges at each node, scratch of measureStrain()
-  std::vector<long> born_;  ///< step in which a leaf was created, at its lower left finest cell
+  std::vector<long> born_;  ///< tick at which a leaf was created, at its lower left finest cell
+  long decided_ = kNever;   ///< tick of the last decision
   std::vector<Cell> leaves_, marked_, merged_, split_;
   /// Flag for each finest cell: the leaf with its lower left corner there has no room for the bilinear
   /// place of its centre. Set for all leaves that apply() splits.

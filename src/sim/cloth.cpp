@@ -67,11 +67,11 @@ void Cloth::takeMesh() {
   updateNormals();
 }
 
-double Cloth::changeMesh(Adaptation& adaptation, long step) {
+double Cloth::changeMesh(Adaptation& adaptation, long tick) {
   const double before = motionEnergy().total();
   internal_.beginChange(nodes_);
   if (history_) internal_.remember(nodes_, *history_);
-  adaptation.apply(step, leaves_, mesh_, state_);
+  adaptation.apply(tick, leaves_, mesh_, state_);
   takeMesh();
   internal_.endChange(nodes_);
   if (history_) {

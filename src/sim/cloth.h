@@ -67,7 +67,7 @@ class Cloth {
   void updateNormals() { internal_.setNormals(nodes_); }
 
   /// Makes the planned changes of the mesh and hands the state over. @return energy created [J]
-  double changeMesh(Adaptation& adaptation, long step);
+  double changeMesh(Adaptation& adaptation, long tick);
 
   /// Takes positions, velocities and weight from a solved step.
   /// @param jumped flags of the nodes whose velocity may have jumped in it

@@ -81,7 +81,7 @@ void ClothWorld::takeStep(int length, StepReport& report) {
 void ClothWorld::adapt(StepReport& report) {
   const auto start = std::chrono::steady_clock::now();
   if (planMesh()) {
-    energy_.noteMeshChange(cloth_.changeMesh(adaptation_, steps_));
+    energy_.noteMeshChange(cloth_.changeMesh(adaptation_, ticks_));
     solver_.resize();
     report.refined = static_cast<int>(adaptation_.split().size());
     report.coarsened = static_cast<int>(adaptation_.merged().size());
@@ -95,7 +95,7 @@ void ClothWorld::adapt(StepReport& report) {
 
 /// Plans mesh changes from the end of the last step. @return whether there are any
 bool ClothWorld::planMesh() {
-  if (!adaptation_.looks(steps_)) return false;
+  if (!adaptation_.startDecision(ticks_) || !adaptation_.changesMesh()) return false;
   const double reach = kFineReach * std::max(cloth_.grid().dx, cloth_.grid().dy);
   fine_.clear();
   for (int k = 0; k < probes_.count(); ++k) {
@@ -108,7 +108,7 @@ bool ClothWorld::planMesh() {
   load_.begin(view, std::min(scene_.adapt.refine_above, scene_.adapt.coarsen_below));
   bool asked = false;  // most decisions change nothing
   return adaptation_.plan(
-      steps_, cloth_.nodes(), cloth_.internal(), fine_, cloth_.leaves(), cloth_.mesh(), cloth_.state(),
+      ticks_, cloth_.nodes(), cloth_.internal(), fine_, cloth_.leaves(), cloth_.mesh(), cloth_.state(),
       [&](const Cell& cell, int parts) { return load_.turn(view, cell, parts); },
       [&](const Cell& cell, double moved) {
         if (!std::exchange(asked, true)) contacts_.beginChange(cloth_.mesh(), cloth_.nodes());
@@ -122,7 +122,8 @@ LoadEstimate::View ClothWorld::loadView() {
     const ProbeReport& probe = probes_.reports()[k];
     if (probe.contact) touches_.push_back({probe.proxy, scene_.probes[k].radius, probe.force.norm()});
   }
-  const double look_time = scene_.adapt.interval * cloth_.integrator().stepLength();
+  // A step longer than the interval decides each time.
+  const double look_time = std::max(scene_.adapt.interval * scene_.solver.time_step, cloth_.integrator().stepLength());
   // Loads are compared for the default threshold. One that allows cells twice as long allows four
   // times the load on a cell.
   const double usual = AdaptOptions().refine_above;
@@ -172,7 +173,7 @@ void ClothWorld::accept(StepReport& report) {
   cloth_.stopEjected(contacts_);
   report.velocity_scale = energy_.guard(kinetic_before, gravity_work, solved, cloth_);
   cloth_.commit(team_);
-  force_error_.noteCloth(cloth_, feelsCloth(), steps_ % scene_.adapt.interval == 0);
+  force_error_.noteCloth(cloth_, feelsCloth(), adaptation_.decidesAt(ticks_));
   probes_.accept(solved, contacts_, cloth_.mesh(), grasps_, force_error_);
   grasps_.noteTouched(probes_, contacts_, cloth_.mesh());
   support_force_ = contacts_.obstacleForce() + solved.pinForce();
@@ -219,6 +220,7 @@ void ClothWorld::restore() {
 /// Makes a step that changes nothing but the time.
 StepReport ClothWorld::skipStep(int length) {
   StepReport report;
+  adaptation_.startDecision(ticks_);  // that would change nothing
   report.minimizer.residual = idle_.residual();
   ++steps_;
   ticks_ += length;
@@ -283,7 +285,7 @@ void ClothWorld::serialize(Archive& archive) {
   archive.within("ticks", ticks_, 0, LONG_MAX / 2);
   cloth_.serialize(archive);
   if (archive.loads()) solver_.resize();
-  adaptation_.serialize(archive, steps_);
+  adaptation_.serialize(archive, ticks_);
   load_.serialize(archive);
   archive("rest", sleep_);
   archive("contacts", contacts_);

@@ -75,12 +75,12 @@ class Shadow {
 
   /// Called once before each step. @return nothing if the mesh does not change
   std::optional<Change> change(ClothWorld& world, const FineRegions& fine = {}) {
-    if (!adaptation_.looks(world.steps())) return std::nullopt;
+    if (!adaptation_.startDecision(world.ticks())) return std::nullopt;
     const Cloth& cloth = world.cloth();
     const LoadEstimate::View view = world.loadView();
     load_.begin(view, std::min(world.scene().adapt.refine_above, world.scene().adapt.coarsen_below));
     if (!adaptation_.plan(
-            world.steps(), cloth.nodes(), cloth.internal(), fine, cloth.leaves(), cloth.mesh(), cloth.state(),
+            world.ticks(), cloth.nodes(), cloth.internal(), fine, cloth.leaves(), cloth.mesh(), cloth.state(),
             [&](const Cell& cell, int parts) { return load_.turn(view, cell, parts); },
             [](const Cell&, double) { return true; })) {
       return std::nullopt;
@@ -102,7 +102,7 @@ class Shadow {
     const std::vector<Vec3> before = displayed(mesh, state);
     const std::vector<double> old_spacing = spacings(mesh);
 
-    adaptation_.apply(world.steps(), leaves, mesh, state);
+    adaptation_.apply(world.ticks(), leaves, mesh, state);
     change.merged = static_cast<int>(adaptation_.merged().size());
     change.split = static_cast<int>(adaptation_.split().size());
     particles_ = mesh.particle;
