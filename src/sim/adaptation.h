@@ -28,7 +28,8 @@ class Adaptation {
  public:
   Adaptation(const AdaptOptions& options, const Grid& grid);
 
-  /// Changes the options for the next decisions. Where they ask for coarser cells, cells of any age may merge.
+  /// Changes the options for the next decisions. Where they ask for coarser cells, cells of any age may
+  /// merge.
   /// @pre the same levels
   void setOptions(const AdaptOptions& options);
 

@@ -123,7 +123,8 @@ LoadEstimate::View ClothWorld::loadView() {
     if (probe.contact) touches_.push_back({probe.proxy, scene_.probes[k].radius, probe.force.norm()});
   }
   // A step longer than the interval decides each time.
-  const double look_time = std::max(scene_.adapt.interval * scene_.solver.time_step, cloth_.integrator().stepLength());
+  const double look_time =
+      std::max(scene_.adapt.interval * scene_.solver.time_step, cloth_.integrator().stepLength());
   // Loads are compared for the default threshold. One that allows cells twice as long allows four
   // times the load on a cell.
   const double usual = AdaptOptions().refine_above;

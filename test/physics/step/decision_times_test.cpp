@@ -1,6 +1,6 @@
-/// When the mesh is decided upon. A flat sheet without gravity may merge everywhere, so the times of its merges
-/// are those of the decisions.
-/// Criteria: `adapt.interval` and `adapt.minimum_age` as options.h defines them, in time steps of the scene.
+/// When the mesh is decided upon. A flat sheet without gravity may merge everywhere, so the times of its
+/// merges are those of the decisions. Criteria: `adapt.interval` and `adapt.minimum_age` as options.h defines
+/// them, in time steps of the scene.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -31,8 +31,8 @@ std::vector<int> mergeTimes(Simulation& simulation, int length, int until) {
   return times;
 }
 
-// Merges to level 1 begin at once, those to level 2 when level 1 is 30 time steps old: a decision falls on that
-// time with all these lengths. Late solvers, which take long steps, need the coarser mesh most.
+// Merges to level 1 begin at once, those to level 2 when level 1 is 30 time steps old: a decision falls on
+// that time with all these lengths. Late solvers, which take long steps, need the coarser mesh most.
 TEST(DecisionTimes, DoNotDependOnTheLengthOfSteps) {
   for (const int length : {1, 2, 3, 5, 10}) {
     Simulation simulation(flatSheet());

@@ -116,7 +116,8 @@ TEST(ClockKeeper, FallsFasterIfFarTooSlow) {
   EXPECT_EQ(loop.rung(), 5);
   EXPECT_EQ(loop.changes(), 3);
   EXPECT_EQ(loop.keeper().slipped(), 0.0);
-  Loop careful(kLongest, solver(8.0, 0.7), 4, [](int, double) { return true; });  // 4 and on cost the force much
+  Loop careful(kLongest, solver(8.0, 0.7), 4,
+               [](int, double) { return true; });  // 4 and on cost the force much
   careful.run(5.0);
   EXPECT_EQ(careful.rung(), 5);
   EXPECT_EQ(careful.changes(), 4);
@@ -164,8 +165,8 @@ TEST(ClockKeeper, ARungIsJudgedByItsLongestSteps) {
 }
 
 /// Rungs 3 and 4 limit the iterations. A hard blow, in which they are used up, leads to rung 4. After it each
-/// of these rungs takes 0.9 of the time, which leaves no room by the load; but nothing is cut, so that the better
-/// rung costs the same. Two rises with waits of 0.5 s lead to rung 2, which leaves no room.
+/// of these rungs takes 0.9 of the time, which leaves no room by the load; but nothing is cut, so that the
+/// better rung costs the same. Two rises with waits of 0.5 s lead to rung 2, which leaves no room.
 TEST(ClockKeeper, ALimitOfIterationsThatIsNotUsedUpIsLifted) {
   const auto blow = [](double now) { return now < 1.0; };
   const Cost cost = [&](int length, int rung, double now) {
