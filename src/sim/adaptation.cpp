@@ -8,7 +8,7 @@ namespace haptic_cloth {
 Adaptation::Adaptation(const AdaptOptions& options, const Grid& grid)
     : options_(options),
       grid_(grid),
-      born_(grid.cells(), -options.minimum_age),
+      born_(grid.cells(), kLongAgo),
       crowded_(grid.cells(), 0),
       splits_(grid.cells(), 0),
       merge_transfer_(grid) {
@@ -21,7 +21,7 @@ void Adaptation::setOptions(const AdaptOptions& options) {
   const bool coarser = options.coarsen_below > options_.coarsen_below ||
                        options.coarsen_below_strain > options_.coarsen_below_strain;
   options_ = options;
-  if (coarser) std::fill(born_.begin(), born_.end(), -options.minimum_age);
+  if (coarser) std::fill(born_.begin(), born_.end(), kLongAgo);
 }
 
 int Adaptation::startLevel(const AdaptOptions& options) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <climits>
 #include <functional>
 #include <vector>
 
@@ -35,7 +36,7 @@ class Adaptation {
 
   /// Saves or loads the age of the leaves and of the last decision. @param tick simulated time so far
   void serialize(Archive& archive, long tick) {
-    archive.within("born", born_, -options_.minimum_age, tick);
+    archive.within("born", born_, kLongAgo, tick);
     archive.within("decided", decided_, kNever, tick);
   }
 
@@ -76,6 +77,7 @@ class Adaptation {
 
  private:
   static constexpr long kNever = -1;
+  static constexpr long kLongAgo = LONG_MIN / 4;  ///< beyond any minimum_age before any tick
 
   void measureCurvature(const Field& nodes, const InternalEnergy& internal, const ActiveMesh& mesh);
   void measureStrain(const Field& nodes, const ActiveMesh& mesh);

@@ -56,5 +56,17 @@ TEST(DecisionTimes, CellsOfAnyAgeMergeWhereThresholdsGrow) {
   EXPECT_EQ(mergeTimes(simulation, 1, 30), std::vector<int>{0});
 }
 
+// The age of the first cells must not bound that of a scene with a lower minimum.
+TEST(DecisionTimes, AStateKeepsAgesWhereTheMinimumChanged) {
+  Scene scene = flatSheet();
+  Simulation simulation(scene);
+  scene.adapt.minimum_age = kAge / 3;
+  simulation.setOptions(scene.solver, scene.adapt, scene.air_damping);
+  EXPECT_EQ(mergeTimes(simulation, 1, 6), std::vector<int>{0});
+  Simulation later(scene);
+  later.loadState(simulation.saveState(), "saved");
+  EXPECT_EQ(mergeTimes(later, 1, 30), std::vector<int>{kAge / 3 + 2 - 6});
+}
+
 }  // namespace
 }  // namespace haptic_cloth
