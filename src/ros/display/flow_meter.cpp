@@ -5,6 +5,7 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "ros/node/conversions.h"
@@ -15,6 +16,13 @@ namespace haptic_cloth {
 namespace {
 
 constexpr int kCountQueue = 1000;  ///< long enough that no message is lost while others are handled
+
+/// @param gap between layers [m]; infinite: none are near
+std::string gapText(double gap) {
+  char text[32] = "none";
+  if (std::isfinite(gap)) std::snprintf(text, sizeof text, "%.2f mm", 1e3 * gap);
+  return text;
+}
 
 bool isFinite(const std::vector<float>& numbers) {
   return std::all_of(numbers.begin(), numbers.end(), [](float number) { return std::isfinite(number); });
@@ -121,9 +129,9 @@ std::string FlowMeter::line(double seconds) const {
   std::snprintf(
       part, sizeof part,
       "markers %4.1f Hz  state %4.1f Hz | cells %5zu  t %6.2f s  speed %4.2f  rung %d  slipped %.2f s | "
-      "self-contacts %3u  gap %4.2f mm  failed %llu",
+      "self-contacts %3u  gap %s  failed %llu",
       markers_.count / seconds, state_.count / seconds, cells_, time_, realTimeFactor(), rung_, slipped_,
-      pairs_, 1e3 * gap_, static_cast<unsigned long long>(failed_));
+      pairs_, gapText(gap_).c_str(), static_cast<unsigned long long>(failed_));
   return text + part;
 }
 
@@ -143,8 +151,8 @@ std::string FlowMeter::verdict(double seconds, bool& passed) const {
   char rest[200];
   std::snprintf(rest, sizeof rest,
                 ", force up to %.2f N, speed %.2f, rung up to %d, slipped %.2f s, self-contacts up to %u, "
-                "gap down to %.2f mm, failed %llu (%llu out of reach)",
-                most, realTimeFactor(), worst_rung_, slipped_, most_pairs_, 1e3 * smallest_gap_,
+                "smallest gap %s, failed %llu (%llu out of reach)",
+                most, realTimeFactor(), worst_rung_, slipped_, most_pairs_, gapText(smallest_gap_).c_str(),
                 static_cast<unsigned long long>(failed_), static_cast<unsigned long long>(out_of_reach_));
   return (passed ? "PASS: " : "FAIL: ") + text.substr(2) + rest;
 }
