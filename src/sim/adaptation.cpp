@@ -9,19 +9,14 @@ Adaptation::Adaptation(const AdaptOptions& options, const Grid& grid)
     : options_(options),
       grid_(grid),
       born_(grid.cells(), kLongAgo),
+      decided_below_(options.coarsen_below),
+      decided_below_strain_(options.coarsen_below_strain),
       crowded_(grid.cells(), 0),
       splits_(grid.cells(), 0),
       merge_transfer_(grid) {
   for (auto* list : {&leaves_, &marked_, &merged_, &split_}) list->reserve(grid.cells());
   for (auto* list : {&curvature_, &strain_[kWarp], &strain_[kWeft]}) list->reserve(grid.particles());
   edges_.reserve(grid.particles());
-}
-
-void Adaptation::setOptions(const AdaptOptions& options) {
-  const bool coarser = options.coarsen_below > options_.coarsen_below ||
-                       options.coarsen_below_strain > options_.coarsen_below_strain;
-  options_ = options;
-  if (coarser) std::fill(born_.begin(), born_.end(), kLongAgo);
 }
 
 int Adaptation::startLevel(const AdaptOptions& options) {
@@ -40,7 +35,12 @@ bool Adaptation::coarsens() const {
 
 bool Adaptation::startDecision(long tick) {
   if (decided_ != kNever && tick / options_.interval == decided_ / options_.interval) return false;
+  const bool coarser =
+      options_.coarsen_below > decided_below_ || options_.coarsen_below_strain > decided_below_strain_;
+  if (coarser) std::fill(born_.begin(), born_.end(), kLongAgo);
   decided_ = tick;
+  decided_below_ = options_.coarsen_below;
+  decided_below_strain_ = options_.coarsen_below_strain;
   return true;
 }
 

@@ -29,15 +29,16 @@ class Adaptation {
  public:
   Adaptation(const AdaptOptions& options, const Grid& grid);
 
-  /// Changes the options for the next decisions. Where they ask for coarser cells, cells of any age may
-  /// merge.
-  /// @pre the same levels
-  void setOptions(const AdaptOptions& options);
+  /// Changes the options for the next decisions. @pre the same levels
+  void setOptions(const AdaptOptions& options) { options_ = options; }
 
-  /// Saves or loads the age of the leaves and of the last decision. @param tick simulated time so far
+  /// Saves or loads the age of the leaves, and time and thresholds of the last decision.
+  /// @param tick simulated time so far
   void serialize(Archive& archive, long tick) {
     archive.within("born", born_, kLongAgo, tick);
     archive.within("decided", decided_, kNever, tick);
+    archive("decided_below", decided_below_);
+    archive("decided_below_strain", decided_below_strain_);
   }
 
   /// Changes made by the last apply(): merged parents and split cells, in order.
@@ -48,7 +49,8 @@ class Adaptation {
   static int startLevel(const AdaptOptions& options);
 
   /// Starts a decision if one is due: a multiple of `interval` has come since the last one. A step that is
-  /// longer than that decides once. @param tick simulated time, like that of plan() and apply() [time steps]
+  /// longer than that decides once. If the thresholds of merges have grown since the last one, cells of any
+  /// age may merge. @param tick simulated time, like that of plan() and apply() [time steps]
   bool startDecision(long tick);
 
   /// Tells whether a decision was started at that time. @param tick simulated time [time steps]
@@ -106,6 +108,7 @@ class Adaptation {
   std::vector<int> edges_;  ///< edges at each node, scratch of measureStrain()
   std::vector<long> born_;  ///< tick at which a leaf was created, at its lower left finest cell
   long decided_ = kNever;   ///< tick of the last decision
+  double decided_below_, decided_below_strain_;  ///< its thresholds of merges [rad], [-]
   std::vector<Cell> leaves_, marked_, merged_, split_;
   /// Flag for each finest cell: the leaf with its lower left corner there has no room for the bilinear
   /// place of its centre. Set for all leaves that apply() splits.

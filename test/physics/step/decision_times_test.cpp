@@ -51,6 +51,9 @@ TEST(DecisionTimes, CellsOfAnyAgeMergeWhereThresholdsGrow) {
   adapt.coarsen_below *= 0.5;
   simulation.setOptions(scene.solver, adapt, scene.air_damping);
   EXPECT_TRUE(mergeTimes(simulation, 1, 30).empty());
+  simulation.setOptions(scene.solver, scene.adapt, scene.air_damping);
+  simulation.setOptions(scene.solver, adapt, scene.air_damping);  // no decision between, as around a save
+  EXPECT_TRUE(mergeTimes(simulation, 1, 30).empty());
   adapt.coarsen_below *= 1.5;
   simulation.setOptions(scene.solver, adapt, scene.air_damping);
   EXPECT_EQ(mergeTimes(simulation, 1, 30), std::vector<int>{0});
