@@ -181,6 +181,23 @@ StateCase coarseHammock() {
   return {"a coarse hammock", scene, drive, 40, {3}, [](const Exercised& did) { return did.refined > 0; }};
 }
 
+/// A flat sheet whose thresholds are lower for a decision. They return between two decisions, and at the next
+/// one cells of any age merge.
+StateCase returningThresholds(const std::string& name, double AdaptOptions::*threshold) {
+  Scene scene = sheetScene(richFabric(), 9, 9, 0.08, 0.08);
+  scene.gravity = Vec3::Zero();
+  scene.solver.sleep_speed = 0.0;
+  setStrategy(scene, Strategy::Amrc, 2);
+  scene.adapt.interval = 3;
+  scene.adapt.minimum_age = 1000;
+  const auto drive = [scene, threshold](Simulation& simulation, int step) {
+    AdaptOptions adapt = scene.adapt;
+    if (step < 4) adapt.*threshold *= 0.5;
+    if (step == 1 || step == 4) simulation.setOptions(scene.solver, adapt, scene.air_damping);
+  };
+  return {name, scene, drive, 10, {5}, [](const Exercised& did) { return did.coarsened > 0; }};
+}
+
 /// The hems of a sheet are driven against each other by their pins, which stop there; the cloth between
 /// hangs in folds.
 StateCase pressedLayers() {
@@ -238,8 +255,18 @@ StateCase rolledStrip() {
 }
 
 std::vector<StateCase> stateCases() {
-  return {slidingCapsule(), secondOrder(),   hastySlide(),    jointCost(),     graspedSheet(),
-          movedObstacles(), sleepingSheet(), coarseHammock(), pressedLayers(), rolledStrip()};
+  return {slidingCapsule(),
+          secondOrder(),
+          hastySlide(),
+          jointCost(),
+          graspedSheet(),
+          movedObstacles(),
+          sleepingSheet(),
+          coarseHammock(),
+          pressedLayers(),
+          rolledStrip(),
+          returningThresholds("angles that return", &AdaptOptions::coarsen_below),
+          returningThresholds("strains that return", &AdaptOptions::coarsen_below_strain)};
 }
 
 std::uint64_t readings(const Simulation& simulation) {
