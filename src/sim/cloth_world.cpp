@@ -221,7 +221,7 @@ void ClothWorld::restore() {
 /// Makes a step that changes nothing but the time.
 StepReport ClothWorld::skipStep(int length) {
   StepReport report;
-  adaptation_.startDecision(ticks_);  // that would change nothing
+  adaptation_.startDecision(ticks_);  // one for cloth that rests would change nothing
   report.minimizer.residual = idle_.residual();
   ++steps_;
   ticks_ += length;

@@ -65,10 +65,11 @@ TEST(DecisionTimes, AStateKeepsAgesWhereTheMinimumChanged) {
   Simulation simulation(scene);
   scene.adapt.minimum_age = kAge / 3;
   simulation.setOptions(scene.solver, scene.adapt, scene.air_damping);
-  EXPECT_EQ(mergeTimes(simulation, 1, 6), std::vector<int>{0});
+  constexpr int kSaved = 6, kOldEnough = 12;  // the first decision at which cells are 10 time steps old
+  EXPECT_EQ(mergeTimes(simulation, 1, kSaved), std::vector<int>{0});
   Simulation later(scene);
   later.loadState(simulation.saveState(), "saved");
-  EXPECT_EQ(mergeTimes(later, 1, 30), std::vector<int>{kAge / 3 + 2 - 6});
+  EXPECT_EQ(mergeTimes(later, 1, 30), std::vector<int>{kOldEnough - kSaved});
 }
 
 }  // namespace
