@@ -334,7 +334,7 @@ def add_arguments(parser):
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--repeat", type=int, default=1, metavar="N", help="runs a point; the median time counts")
     parser.add_argument("--resume", action="store_true",
-                        help="takes timed runs of the same program from --cache too: goes on after a break")
+                        help="takes timed runs of the same program from --cache too: continues after a break")
     parser.add_argument("--quick", action="store_true", help="smaller cloths")
     parser.add_argument("--smoke", action="store_true", help="tiny cloths: tests the program, measures nothing")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings",

@@ -12,8 +12,8 @@ class Curve {
  public:
   struct Point {
     double potential;  ///< ψ(s) = ∫₀ˢ f  [f · s]
-    double force;      ///< slope of the interval that contains s
-    double slope;      ///< f'(s), that of the interval s lies in
+    double force;      ///< f(s)
+    double slope;      ///< f'(s), that of the interval that contains s
   };
 
   /// f = 0: no law.

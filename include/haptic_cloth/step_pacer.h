@@ -11,7 +11,8 @@ namespace haptic_cloth {
 /// How a solver follows the clock.
 struct PaceOptions {
   bool keep_clock = true;        ///< a late solver gives up quality; false: simulated time falls behind
-  double max_time_step = 0.004;  ///< longest step of a late solver [s]; at least one time step is made
+  /// Longest step of a late solver, > 0 [s]. At least one time step is made.
+  double max_time_step = 0.004;
 };
 
 /// Quality that the solver gives up to keep the clock.

@@ -48,7 +48,6 @@ class YamlValue {
 
   bool isMap() const { return node_.IsMap(); }
   bool isList() const { return node_.IsSequence(); }
-  bool isScalar() const { return node_.IsScalar(); }
   const YAML::Node& node() const { return node_; }
   const std::string& key() const { return key_; }
 

@@ -32,7 +32,7 @@ struct Rung {
 //     ... angles x 8/3, 4 ms      2.0 %, 2.31       4.7 %, 1.28
 //     ... 50 iterations                             52 %, 3.2
 //
-// The tolerance costs no force and longer steps little. The mesh costs the shape (1 mm becomes 4 to 6 mm) but
+// The tolerance costs no force and longer steps little. The mesh costs the shape (1 mm becomes 4 to 7 mm) but
 // hardly the force. Iterations that are cut off ruin folds, so they come last.
 constexpr int kAny = INT_MAX;
 constexpr double kMostAngle = 4.0, kMostStrain = 10.0;  ///< [rad], [-]

@@ -32,7 +32,7 @@ class CommandLine {
     options_.add_options()(name, boost::program_options::bool_switch(&flag), help);
   }
 
-  /// Adds an option that prints a page in place of running.
+  /// Adds an option that prints a page instead of running.
   void addPage(const char* name, std::string text, const char* help) {
     options_.add_options()(name, help);
     pages_.emplace_back(name, std::move(text));

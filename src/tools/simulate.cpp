@@ -50,7 +50,7 @@ constexpr const char* kFooter =
     "  particles.csv  i,j,active,x,y,z for every particle of the finest grid\n"
     "  mesh.ply       the active mesh as triangles\n"
     "With --real-time the results depend on the machine, and steps.csv has no rows: energies take time.\n"
-    "To go on from a state, let it stop later: simulate drape.yaml --save-state drape.state, then\n"
+    "To continue from a state, let it stop later: simulate drape.yaml --save-state drape.state, then\n"
     "simulate drape.yaml --resume drape.state --set stop.time=4. The files then describe the second run "
     "only.\n"
     "Exit status: 0 success; 2 bad input, nothing written; 3 the simulation failed (a final state\n"
@@ -106,10 +106,10 @@ bool readArguments(int argc, char** argv, Arguments& arguments) {
   line.add("set", arguments.overrides, "A.B=VALUE", "replaces a key of the scene; may be repeated");
   line.add("out", arguments.out, "DIR", "directory for the results, created if need be");
   line.add("resume", arguments.resume, "FILE",
-           "goes on from a saved state of this scene, as if it had never ended");
+           "continues from a saved state of this scene, as if it had not stopped");
   line.add("save-state", arguments.save_state, "FILE", "writes the state at the end, for --resume");
   line.add("replay", arguments.replay, "FILE",
-           "repeats a recording of the node (~record) in place of the scene's paths and stop");
+           "repeats a recording of the node (~record) instead of the scene's paths and stop");
   line.addFlag("real-time", arguments.real_time,
                "keeps the clock as the node does: a late solver takes longer and coarser steps");
   line.addPage("options", optionsPage(), "prints the keys of a scene as Markdown, and exits");

@@ -104,7 +104,7 @@ DiagnosticStatus solverStatus(const SolverStats& stats, bool paused, double now)
   add(status, "failed: parts may have met", stats.failed.out_of_reach);
   add(status, "steps made in part", stats.failed.made_in_part);
   add(status, "self-contact", std::string(stats.meets_itself ? "on" : "off: layers pass through each other"));
-  add(status, "nodes that press on layers", static_cast<std::uint64_t>(stats.last.self_contacts));
+  add(status, "contacts between layers", static_cast<std::uint64_t>(stats.last.self_contacts));
   add(status, "smallest gap of layers [mm]", 1e3 * stats.last.min_self_gap);
   add(status, "kinetic energy [J]", stats.kinetic);
   static const std::string processor = processorName();  // reads a file once
@@ -209,7 +209,7 @@ DiagnosticStatus displayStatus(std::uint64_t marker_frames, std::uint64_t state_
   DiagnosticStatus status;
   status.name = "display";
   judge(status, master_reachable ? DiagnosticStatus::OK : DiagnosticStatus::WARN,
-        master_reachable ? "running" : "ROS master lost; connected peers go on");
+        master_reachable ? "running" : "ROS master lost; connected peers stay connected");
   add(status, "marker frames", marker_frames);
   add(status, "state frames", state_frames);
   add(status, "registrations renewed", registrations);

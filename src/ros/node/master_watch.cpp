@@ -56,7 +56,7 @@ void MasterWatch::run(const std::atomic<bool>& stop) {
 void MasterWatch::look() {
   const bool reachable = ros::master::check();
   if (reachable != reachable_) {
-    ROS_WARN_STREAM("ROS master " << (reachable ? "found again" : "lost; connected peers go on"));
+    ROS_WARN_STREAM("ROS master " << (reachable ? "found again" : "lost; connected peers stay connected"));
   }
   // A master that was lost may be a new one that knows only a part of this node: what was being
   // registered. So everything is registered again. A master that already knows it changes nothing.

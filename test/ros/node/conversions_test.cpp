@@ -293,7 +293,7 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
   EXPECT_EQ(value(solverStatus(solver, false, 10.0), "smallest gap of layers [mm]"), "inf");
   solver.last.self_contacts = 12;
   solver.last.min_self_gap = 2.5e-4;
-  EXPECT_EQ(value(solverStatus(solver, false, 10.0), "nodes that press on layers"), "12");
+  EXPECT_EQ(value(solverStatus(solver, false, 10.0), "contacts between layers"), "12");
   EXPECT_EQ(value(solverStatus(solver, false, 10.0), "smallest gap of layers [mm]"), "0.25");
   solver.meets_itself = false;
   EXPECT_EQ(value(solverStatus(solver, false, 10.0), "self-contact"), "off: layers pass through each other");
