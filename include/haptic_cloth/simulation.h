@@ -21,7 +21,8 @@ struct CellView {
   int level;  ///< 0: finest
 };
 
-/// Cloth, obstacles and probes, advanced step by step. Not thread-safe: one thread owns it.
+/// Cloth, obstacles and probes, advanced step by step. Not thread-safe: one thread owns it. Calls about a
+/// probe or an obstacle throw InputError, with nothing changed, if the scene has none of that number.
 class Simulation {
  public:
   /// @throws InputError if the scene is not valid or needs more memory than available
@@ -64,9 +65,9 @@ class Simulation {
   /// Makes one step: move obstacles, adapt the mesh, update grasps, find contacts, minimise, accept
   /// or restore. Numerical trouble does not throw: the last good state is restored, and the report
   /// says `failed`.
-  /// @param length of the step in units of the scene's solver.time_step; at least 1. Options that
-  /// count steps count it as one. With BDF2 at most twice the length before: its formula is unstable
-  /// for ratios above 2.4.
+  /// @param length of the step in units of the scene's solver.time_step; at least 1. Mesh
+  /// decisions and ages of cells count in these units, particles fall asleep by steps. With BDF2 at most
+  /// twice the length before: its formula is unstable for ratios above 2.4.
   StepReport step(int length = 1);
 
   /// Returns to the flat cloth at time 0, without probes, with the obstacles as in the scene.
@@ -83,16 +84,16 @@ class Simulation {
   /// passes through itself; the simulation is then unchanged
   void loadState(const std::string& saved, const std::string& origin);
 
-  const Scene& scene() const;
-  double time() const;  ///< simulated time since reset [s]
-  int threads() const;
+  const Scene& scene() const;  ///< as given, with the changes by setOptions() and setCoupling()
+  double time() const;         ///< simulated time since reset [s]
+  int threads() const;         ///< largest number that a step uses
   double mass() const;  ///< mass of the cloth [kg]
   int activeParticles() const;
   bool meetsItself() const;  ///< layers press on each other; false: they pass through each other
   ProbeReport probe(int probe = 0) const;
   Pose obstaclePose(int obstacle) const;
-  EnergyReport energy() const;
-  CostReport cost() const;
+  EnergyReport energy() const;  ///< at the end of the last step [J]
+  CostReport cost() const;      ///< costs of the last solve [J]
   double maxStrain() const;   ///< largest |strain| of an edge [-]
   double maxSpeed() const;    ///< largest speed of an active particle [m/s]
   Vec3 supportForce() const;  ///< force of pins and obstacles on the cloth [N]

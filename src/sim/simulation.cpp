@@ -24,6 +24,13 @@ void requireFixed(const Options& now, const Options& changed, const std::string&
   }
 }
 
+/// Refuses a number that is not one of the scene's probes or obstacles.
+void requireNumber(const char* kind, int number, std::size_t count) {
+  if (number >= 0 && number < static_cast<int>(count)) return;
+  throw InputError("simulation", kind, std::to_string(number),
+                   std::string("must be one of the scene's, which has ") + std::to_string(count));
+}
+
 /// Refuses cloth that passes through itself. Self-contact keeps layers on the sides where they are, so it
 /// would never come apart.
 /// @param origin source of the cloth in messages
@@ -43,6 +50,17 @@ void requireNoCrossings(const Cloth& cloth, const std::string& origin) {
 class Simulation::Implementation {
  public:
   explicit Implementation(const Scene& scene) : world(scene) {}
+
+  /// The world, for a call about one of its probes or obstacles.
+  ClothWorld& withProbe(int probe) {
+    requireNumber("probe", probe, world.scene().probes.size());
+    return world;
+  }
+  ClothWorld& withObstacle(int obstacle) {
+    requireNumber("obstacle", obstacle, world.scene().obstacles.size());
+    return world;
+  }
+
   ClothWorld world;
 };
 
@@ -64,29 +82,33 @@ Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 
 void Simulation::setDevice(int probe, const DeviceState& device) {
+  ClothWorld& world = implementation_->withProbe(probe);
   if (sink_) sink_(recorded::device(probe, device));
-  implementation_->world.setDevice(probe, device);
+  world.setDevice(probe, device);
 }
 
 void Simulation::removeDevice(int probe) {
+  ClothWorld& world = implementation_->withProbe(probe);
   if (sink_) sink_(recorded::removal(probe));
-  implementation_->world.removeDevice(probe);
+  world.removeDevice(probe);
 }
 
 void Simulation::setGrasp(int probe, bool closed) {
-  if (sink_ && closed != implementation_->world.isClosed(probe)) sink_(recorded::grasp(probe, closed));
-  implementation_->world.setGrasp(probe, closed);
+  ClothWorld& world = implementation_->withProbe(probe);
+  if (sink_ && closed != world.isClosed(probe)) sink_(recorded::grasp(probe, closed));
+  world.setGrasp(probe, closed);
 }
 
 void Simulation::moveObstacle(int obstacle, const Pose& pose) {
+  ClothWorld& world = implementation_->withObstacle(obstacle);
   const Eigen::Vector4d turn = pose.orientation.coeffs();
   if (!pose.position.allFinite() || !turn.allFinite() || !(turn.norm() > 0.0)) return;
   if (sink_) sink_(recorded::obstacle(obstacle, pose));
-  implementation_->world.moveObstacle(obstacle, {pose.position, pose.orientation.normalized()});
+  world.moveObstacle(obstacle, {pose.position, pose.orientation.normalized()});
 }
 
 Pose Simulation::obstaclePose(int obstacle) const {
-  const Solid& solid = implementation_->world.contacts().obstacle(obstacle);
+  const Solid& solid = implementation_->withObstacle(obstacle).contacts().obstacle(obstacle);
   return {solid.position(), Quat(solid.rotation())};
 }
 
@@ -103,14 +125,15 @@ void Simulation::setOptions(const SolverOptions& solver, const AdaptOptions& ada
 }
 
 void Simulation::setCoupling(int probe, double stiffness, double damping) {
-  const ProbeOptions& now = scene().probes[probe];
+  ClothWorld& world = implementation_->withProbe(probe);
+  const ProbeOptions& now = world.scene().probes[probe];
   if (stiffness == now.coupling_stiffness && damping == now.coupling_damping) return;
   Options gains = couplingOptions(stiffness, damping);
   for (Option& gain : gains)
     gain.range.most = kInfinity;  // the limits of numbers in files are not those of code
   checkOptions(gains, "probe.", [](const std::string&) { return "options"; });
   if (sink_) sink_(recorded::coupling(probe, stiffness, damping));
-  implementation_->world.setCoupling(probe, stiffness, damping);
+  world.setCoupling(probe, stiffness, damping);
 }
 
 StepReport Simulation::step(int length) {
@@ -145,7 +168,7 @@ int Simulation::threads() const { return implementation_->world.threads(); }
 double Simulation::mass() const { return implementation_->world.cloth().mass(); }
 int Simulation::activeParticles() const { return implementation_->world.cloth().mesh().active(); }
 bool Simulation::meetsItself() const { return implementation_->world.contacts().meetsItself(); }
-ProbeReport Simulation::probe(int probe) const { return implementation_->world.probes()[probe]; }
+ProbeReport Simulation::probe(int probe) const { return implementation_->withProbe(probe).probes()[probe]; }
 EnergyReport Simulation::energy() const { return implementation_->world.energy(); }
 double Simulation::maxSpeed() const { return implementation_->world.cloth().maxSpeed(); }
 Vec3 Simulation::supportForce() const { return implementation_->world.supportForce(); }
