@@ -43,11 +43,14 @@ void EnergyBalance::update(const Scene& scene, const ClothObjective& solved, con
   returned_by_slip_ = std::max(0.0, friction_start_ - solved.frictionPotential());
   for (int k = 0; k < probes.count(); ++k) {
     const ProbeStep& made = solved.probeSteps()[k];
-    supplied_ -= probes.replaceCouplingEnergy(k, made.present ? solved.couplingEnergy(k) : 0.0);
+    const Probes::Coupled before = probes.replaceCoupling(k, made.present ? solved.couplingEnergy(k) : 0.0);
+    supplied_ -= before.energy;
     if (!made.present) continue;
     const ProbeOptions& options = scene.probes[k];
+    const double stiffness = options.coupling_stiffness;
+    supplied_ += 0.5 * stiffness * (before.device - made.proxy).squaredNorm();  // gains may have changed
     const Vec3 slip = made.device_velocity - probes.reports()[k].velocity;
-    supplied_ += 0.5 * options.coupling_stiffness * (made.device - made.proxy).squaredNorm() +
+    supplied_ += stiffness * (made.device - solved.proxy(k)).dot(made.device - before.device) +
                  options.coupling_damping * solved.timeStep() * slip.dot(made.device_velocity);
   }
   supplied_ += contacts.obstacleWork() + ejection_work_ + pin_work_;

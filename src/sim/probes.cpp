@@ -24,6 +24,7 @@ void Probes::setDevice(int k, const DeviceState& device) {
     step.proxy = device.position;
     reports_[k].proxy = device.position;
     reports_[k].velocity = Vec3::Zero();
+    memory.coupled.device = device.position;
     memory.has_been_clear = false;
     memory.before = memory.after;
   }
@@ -87,8 +88,8 @@ void Probes::restore() {
   }
 }
 
-double Probes::replaceCouplingEnergy(int k, double energy) {
-  return std::exchange(memories_[k].coupling, energy);
+Probes::Coupled Probes::replaceCoupling(int k, double energy) {
+  return std::exchange(memories_[k].coupled, {steps_[k].device, energy});
 }
 
 void Probes::serialize(Archive& archive) {
@@ -110,7 +111,8 @@ void Probes::Memory::serialize(Archive& archive) {
   archive("closed", closed);
   archive("before", before);
   archive("after", after);
-  archive("coupling", coupling);
+  archive("coupled_device", coupled.device);
+  archive("coupling", coupled.energy);
 }
 
 }  // namespace haptic_cloth

@@ -48,8 +48,16 @@ class Probes {
   /// Ends a step whose solve failed: no motion, no force.
   void restore();
 
-  /// Replaces the recorded energy of a coupling. @return the one before [J]
-  double replaceCouplingEnergy(int probe, double energy);
+  /// Device and coupling of a probe at the end of a step.
+  struct Coupled {
+    Vec3 device = Vec3::Zero();  ///< position [m]
+    double energy = 0.0;         ///< of the coupling; 0 for a probe that is absent [J]
+  };
+
+  /// Records the end of a step. @param energy of the coupling [J]
+  /// @return what was recorded at the end of the one before; the device of a probe that has appeared since
+  /// then is where it appeared
+  Coupled replaceCoupling(int probe, double energy);
 
   void serialize(Archive& archive);
 
@@ -60,7 +68,7 @@ class Probes {
     bool closed = false;          ///< holds the cloth that it touches
     /// Orientation at the start and at the end of the current step.
     Quat before = Quat::Identity(), after = Quat::Identity();
-    double coupling = 0.0;  ///< energy of the coupling at the end of the last step [J]
+    Coupled coupled;  ///< at the end of the last step
 
     void serialize(Archive& archive);
   };

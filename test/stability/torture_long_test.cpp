@@ -131,7 +131,10 @@ TEST(Torture, StretchCyclesDoNotRatchet) {
 }
 
 TEST(Torture, BendCyclesDoNotRatchet) {
-  expectNoRatchet(cycledStrip("cycles_bend", Vec3(-0.01, 0, 0.005), Vec3(0, 0, 2e-4)));
+  Torture strip = cycledStrip("cycles_bend", Vec3(-0.01, 0, 0.005), Vec3(0, 0, 2e-4));
+  // A cycle has four steps, so normals turn far in each: as far as in sharp folds (docs/stability.md).
+  strip.limits.turned = 0.1;
+  expectNoRatchet(strip);
 }
 
 TEST(Torture, Soak) {

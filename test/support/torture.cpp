@@ -251,9 +251,17 @@ class Run {
     }
   }
 
-  /// Displacement of the particles in the step, rms by mass [m].
+  /// Displacement of particles and proxies in the step, rms by mass [m]. A proxy has the mass with which its
+  /// residual counts, h (h k + b).
   double way() {
     double sum = 0.0;
+    const double h = world_.objective().timeStep();
+    for (std::size_t k = 0; k < world_.probes().size(); ++k) {
+      if (!world_.probes()[k].present) continue;
+      const ProbeOptions& options = world_.scene().probes[k];
+      const double counts = h * (h * options.coupling_stiffness + options.coupling_damping);
+      sum += counts * (h * world_.probes()[k].velocity).squaredNorm();
+    }
     shown_.swap(shown_before_);
     show();
     for (int n = 0; n < cloth().mesh().active(); ++n) {
