@@ -48,6 +48,21 @@ ContactSet::Energy ContactSet::evaluate(int begin, int end, const Field& nodes) 
   return energy;
 }
 
+bool ContactSet::carry(const Field& x, Field& ways) const {
+  constexpr double kLeastWay = 0.5;  // [ranges of the law]
+  int fastest = -1;
+  double longest = kLeastWay * law_.range();
+  for (int k = 0; k < solids_.obstacles(); ++k) {
+    if (!(solids_.pathLength(k) > longest)) continue;
+    fastest = k;
+    longest = solids_.pathLength(k);
+  }
+  if (fastest < 0) return false;
+  ways.resize(x.size());
+  for (int n = 0; n < x.size(); ++n) ways.set(n, solids_.carried(fastest, x[n]));
+  return true;
+}
+
 double ContactSet::quadraticForm(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
                                  bool whole_motion) const {
   const int samples = samples_.size();

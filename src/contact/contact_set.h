@@ -211,6 +211,11 @@ class ContactSet {
     return self_ ? self_->maxStep(nodes, d, step, least_ranges) : step;
   }
 
+  /// Ways of the nodes in the step if the fastest obstacle carried the cloth with it [m].
+  /// @param x nodes at the start of the step [m]
+  /// @return whether an obstacle moves so far that cloth on its way would begin deep inside it
+  bool carry(const Field& x, Field& ways) const;
+
   /// Appends the nodes of cells that press on a probe, with repetitions.
   void touchedNodes(int probe, std::vector<int>& nodes) const;
 

@@ -38,6 +38,11 @@ class SolidSet {
   /// Tells whether an obstacle has not arrived or just moved.
   bool obstaclesMove() const;
   double pathLength(int obstacle) const;  ///< longest path of its points in the step [m]
+  /// Way in the step of a point that is fixed to an obstacle and starts at x [m].
+  Vec3 carried(int obstacle, const Vec3& x) const {
+    const Solid &now = solids_[obstacle], &then = before_[obstacle];
+    return now.position() + now.rotation() * (then.rotation().transpose() * (x - then.position())) - x;
+  }
 
   /// Places a probe at the start of a step: its proxy [m], and its orientation at start and end.
   void startProbe(int probe, const Vec3& proxy, const Quat& before, const Quat& after);

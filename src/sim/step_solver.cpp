@@ -282,8 +282,9 @@ void StepSolver::correctNetForce(MinimizerReport& report) {
 /// inertial motion and the motion that gravity adds, or x⁰ itself if Φ is lower there. In the model
 /// contact resists as it does at x⁰, though cloth that sticks there may slide on the way, and layers
 /// that press may part. So where the model holds inertia back, the whole inertial motion is tried,
-/// too. Φ never ends above Φ(x⁰), and motion without new forces, such as free fall, is exact at any
-/// tolerance.
+/// too. So is cloth that a fast obstacle carries with it: if only what the obstacle has reached gave way,
+/// it would jam below the layers ahead of it. Φ never ends above Φ(x⁰), and motion without new forces, such
+/// as free fall, is exact at any tolerance.
 /// @return Φ at the guess; gradient_ is its gradient
 double StepSolver::chooseInitialGuess() {
   constexpr double kHeldBack = 0.9;  // share of the inertial motion
@@ -291,22 +292,39 @@ double StepSolver::chooseInitialGuess() {
   const double at_rest =
       objective_.awake().all() ? start_values_.potential : objective_.evaluate(start_, gradient_);
   const ModelMinimum model = minimumOfModel();
-  const bool held_back = start_values_.contact > 0.0 && model.inertial < kHeldBack;
-  Vector& whole = directions_[0];
+  const bool touches = start_values_.contact > 0.0;
+  const bool held_back = touches && model.inertial < kHeldBack;
   goAlongDirections(model.inertial, model.fall, x_);
-  if (held_back) goAlongDirections(1.0, model.fall_with_inertia, whole);
+  if (held_back) goAlongDirections(1.0, model.fall_with_inertia, directions_[0]);
+  const bool carried = touches && goWithObstacle(directions_[1]);
   double value = objective_.evaluate(x_, gradient_);
-  if (held_back) {
-    const double moving = std::exchange(value, objective_.evaluate(whole, gradient_));
-    if (value < moving) {
-      x_.swap(whole);
-    } else {
-      value = objective_.evaluate(x_, gradient_);
-    }
-  }
+  if (held_back) value = takeIfLower(directions_[0], value);
+  if (carried) value = takeIfLower(directions_[1], value);
   if (value <= at_rest) return value;
   x_.head(size) = start_.head(size);
   return objective_.evaluate(x_, gradient_);
+}
+
+/// Makes another guess x_ if Φ is lower there. @param value Φ at x_, the last evaluated point
+/// @return Φ at x_, which is then the last evaluated point
+double StepSolver::takeIfLower(Vector& other, double value) {
+  const double there = objective_.evaluate(other, gradient_);
+  if (!(there < value)) return objective_.evaluate(x_, gradient_);
+  x_.swap(other);
+  return there;
+}
+
+/// Moves the awake cloth with the fastest obstacle, as far as no pair of layers comes too near.
+/// @return whether an obstacle is fast  @pre the last evaluation was at x⁰
+bool StepSolver::goWithObstacle(Vector& x) {
+  if (!contacts_.carry(cloth_.nodes(), end_)) return false;
+  const int size = objective_.size();
+  motion_.head(size).setZero();
+  objective_.packFree(end_, motion_);
+  objective_.awake().clearSleepers(motion_);
+  const double reach = objective_.maxStep(motion_, 1.0);
+  x.head(size) = start_.head(size) + reach * motion_.head(size);
+  return true;
 }
 
 /// Goes from x⁰ along both directions, as far as no pair of layers comes too near. `x` may be one of the

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "support/tolerance.h"
 #include "support/torture.h"
 
 namespace haptic_cloth {
@@ -48,6 +49,27 @@ std::string fabricOf(double thickness, double stiffness, double rigidity) {
   linear.rigidity = rigidity;
   linear.compression = 0.1;
   return writeFabric(linear);
+}
+
+TEST(Torture, FoldsOnAFloorThatRises) {
+  // The floor rises by up to ten thicknesses in a step, below a pile that has just begun to fold. Cloth must
+  // not end inside it: what holds the floor back there is the weight of the pile, not the layers above.
+  for (const auto& [speed, time_step] : {std::pair(1.5, 2e-3), {2.0, 2e-3}}) {
+    for (const char* fabric : {"cupro", "winter_suiting"}) {
+      const std::string name = std::string("rising_floor_") + fabric + "_" +
+                               std::to_string(std::lround(1e6 * speed * time_step)) + "um";
+      Torture strip = pile(name, shippedFabric(fabric));
+      strip.scene.solver.time_step = time_step;
+      const Pose start = strip.scene.obstacles[0].pose;
+      strip.before = [start, speed = speed](ClothWorld& world, long step) {
+        const double end = static_cast<double>(step + 1) * world.scene().solver.time_step;
+        world.moveObstacle(0, {start.position + Vec3(0.0, 0.0, speed * end), start.orientation});
+      };
+      const TortureResult result = torture(strip);
+      EXPECT_GT(result.pairs, 0) << name << ": no layers met";
+      EXPECT_LE(result.penetration, tolerance(strip.scene.cloth.fabric.thickness)) << name;
+    }
+  }
 }
 
 TEST(Torture, TumbledInADrum) {
