@@ -1,6 +1,6 @@
 # With catkin: messages and the package's face to others.
 find_package(catkin REQUIRED COMPONENTS
-  roscpp nodelet pluginlib tf2_ros topic_tools dynamic_reconfigure interactive_markers std_msgs std_srvs geometry_msgs sensor_msgs visualization_msgs diagnostic_msgs
+  roscpp nodelet pluginlib tf2_msgs tf2_ros topic_tools dynamic_reconfigure interactive_markers std_msgs std_srvs geometry_msgs sensor_msgs visualization_msgs diagnostic_msgs
   message_generation)
 
 add_message_files(FILES ClothState.msg)
@@ -10,7 +10,7 @@ generate_messages(DEPENDENCIES std_msgs)
 catkin_package(
   INCLUDE_DIRS include
   LIBRARIES haptic_cloth
-  CATKIN_DEPENDS roscpp nodelet pluginlib tf2_ros topic_tools dynamic_reconfigure interactive_markers std_msgs std_srvs geometry_msgs sensor_msgs visualization_msgs
+  CATKIN_DEPENDS roscpp nodelet pluginlib tf2_msgs tf2_ros topic_tools dynamic_reconfigure interactive_markers std_msgs std_srvs geometry_msgs sensor_msgs visualization_msgs
     diagnostic_msgs message_runtime
   DEPENDS EIGEN3
   CFG_EXTRAS haptic_cloth-extras.cmake)

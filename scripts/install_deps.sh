@@ -6,12 +6,12 @@ case "${1:-}" in -h | --help) sed -n 2,3p "$0"; exit 0 ;; esac
 
 common=(build-essential cmake libeigen3-dev libgtest-dev libyaml-cpp-dev libboost-program-options-dev nlohmann-json3-dev libbenchmark-dev libcgal-dev valgrind)
 # Debian 12 has ROS 1 in its own archive.
-debian=(catkin libroscpp-dev pluginlib-dev libtf2-ros-dev libtopic-tools-dev libdynamic-reconfigure-config-init-mutex-dev libinteractive-markers-dev librostest-dev libnodeletlib-dev libnodeletlib-tools librosbag-dev
+debian=(catkin libroscpp-dev pluginlib-dev libtf2-ros-dev libtf2-msgs-dev libtopic-tools-dev libdynamic-reconfigure-config-init-mutex-dev libinteractive-markers-dev librostest-dev libnodeletlib-dev libnodeletlib-tools librosbag-dev
         ros-geometry-msgs libstd-msgs-dev libstd-srvs-dev libgeometry-msgs-dev libsensor-msgs-dev libvisualization-msgs-dev
         libdiagnostic-msgs-dev ros-message-generation python3-dynamic-reconfigure python3-visualization-msgs python3-std-srvs
         python3-diagnostic-msgs python3-rostest python3-roslaunch python3-rostopic python3-rosbag python3-rosnode python3-rosservice rosbash rviz)
 # Ubuntu 20.04 uses packages.ros.org.
-noetic=(ros-noetic-ros-base ros-noetic-rostest ros-noetic-nodelet ros-noetic-tf2-ros ros-noetic-dynamic-reconfigure ros-noetic-interactive-markers ros-noetic-visualization-msgs
+noetic=(ros-noetic-ros-base ros-noetic-rostest ros-noetic-nodelet ros-noetic-tf2-ros ros-noetic-tf2-msgs ros-noetic-dynamic-reconfigure ros-noetic-interactive-markers ros-noetic-visualization-msgs
         ros-noetic-diagnostic-msgs ros-noetic-rviz)
 # For libFuzzer and, with libomp, the thread sanitizer: about 50 MB.
 fuzz=(clang libclang-rt-dev libomp-dev)

@@ -157,8 +157,6 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
   const bool stale = felt.status == HapticStatus::PoseStale || felt.status == HapticStatus::ForceStale;
   if (counters.received == 0) {
     judge(status, DiagnosticStatus::OK, "no " + message + " yet");
-  } else if (doubt != UnitDoubt::None) {
-    judge(status, DiagnosticStatus::WARN, toText(doubt));
   } else if (felt.status == HapticStatus::SnapshotStale) {
     judge(status, DiagnosticStatus::WARN, "the solver stalls; no force");
   } else if (dropped > 0 && now - counters.last_dropped < (stale ? kNow : kLately)) {
@@ -167,6 +165,8 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
           std::to_string(dropped) + " " + message + "s dropped, most " + mostDropped(counters) + and_so);
   } else if (stale) {
     judge(status, DiagnosticStatus::WARN, "the " + message + "s stopped; no force");
+  } else if (doubt != UnitDoubt::None) {
+    judge(status, DiagnosticStatus::WARN, toText(doubt));
   } else {
     judge(status, DiagnosticStatus::OK, "receiving");
   }

@@ -86,7 +86,7 @@ std::atomic<std::uint64_t>* DeviceInput::refused(const geometry_msgs::PoseStampe
   const PoseVerdict verdict = gate_.judge(pose, sender, now, received);
   if (verdict == PoseVerdict::OtherSender) warnOf(sender);
   if (verdict == PoseVerdict::Late)
-    warn(notice_.late((now - pose.header.stamp).toSec(), gate_.maxAge(), received));
+    warn(notice_.late(secondsBetween(pose.header.stamp, now), gate_.maxAge(), received));
   return counters_.of(verdict);
 }
 

@@ -1,5 +1,6 @@
 #include "ros/input/force_input.h"
 
+#include "ros/node/conversions.h"
 #include "ros/node/steady_clock.h"
 
 namespace haptic_cloth {
@@ -31,7 +32,7 @@ void ForceInput::accept(const geometry_msgs::WrenchStamped& wrench, const std::s
   if (std::atomic<std::uint64_t>* counter = counters_.of(verdict)) {
     counters_.drop(*counter, received);
     if (verdict == PoseVerdict::Late)
-      warn(notice_.late((now - wrench.header.stamp).toSec(), gate_.maxAge(), received));
+      warn(notice_.late(secondsBetween(wrench.header.stamp, now), gate_.maxAge(), received));
     return;
   }
   force.frame_id = wrench.header.frame_id.empty() ? frames_.clothFrame() : wrench.header.frame_id;

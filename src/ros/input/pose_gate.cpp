@@ -23,8 +23,8 @@ PoseVerdict PoseGate::judge(const std_msgs::Header& header, bool finite, const s
   if (!silent && sender != sender_) return PoseVerdict::OtherSender;
   const ros::Time stamp = header.stamp;
   if (stamp.isZero()) return PoseVerdict::Accepted;
-  if (max_age_ > 0.0 && (now - stamp).toSec() > max_age_) return PoseVerdict::Late;
-  if (!silent && stamp < last_ && (last_ - stamp).toSec() <= kClockJump) return PoseVerdict::OutOfOrder;
+  if (max_age_ > 0.0 && secondsBetween(stamp, now) > max_age_) return PoseVerdict::Late;
+  if (!silent && stamp < last_ && secondsBetween(stamp, last_) <= kClockJump) return PoseVerdict::OutOfOrder;
   return PoseVerdict::Accepted;
 }
 

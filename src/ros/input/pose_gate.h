@@ -4,6 +4,7 @@
 #include <geometry_msgs/PoseStamped.h>
 #include <ros/time.h>
 
+#include <limits>
 #include <string>
 
 namespace haptic_cloth {
@@ -45,8 +46,9 @@ class PoseGate {
 
  private:
   double max_age_, silence_;
-  ros::Time last_;           ///< stamp of the last accepted pose
-  double received_ = -1e30;  ///< time of the last accepted pose, steady clock [s]
+  ros::Time last_;  ///< stamp of the last accepted pose
+  /// Time of the last accepted pose, steady clock [s].
+  double received_ = -std::numeric_limits<double>::infinity();
   std::string sender_;
 };
 

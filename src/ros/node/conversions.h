@@ -22,6 +22,13 @@ Quat toQuat(const geometry_msgs::Quaternion& orientation);
 geometry_msgs::Pose toPose(const Vec3& position, const Quat& orientation = Quat::Identity());
 Pose toPose(const geometry_msgs::Pose& pose);
 
+/// Time from one stamp to another [s]. The difference of two ros::Time throws beyond 68 years, and stamps
+/// come from other programs.
+inline double secondsBetween(const ros::Time& from, const ros::Time& to) {
+  return static_cast<double>(to.sec) - static_cast<double>(from.sec) +
+         1e-9 * (static_cast<double>(to.nsec) - static_cast<double>(from.nsec));
+}
+
 /// Whether all numbers of the pose are finite.
 bool isFinite(const geometry_msgs::Pose& pose);
 

@@ -7,7 +7,6 @@
 #include <ros/this_node.h>
 #include <std_srvs/Empty.h>
 #include <std_srvs/SetBool.h>
-#include <tf2_ros/transform_listener.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include <algorithm>
@@ -22,6 +21,7 @@
 #include "ros/haptic/haptic_thread.h"
 #include "ros/haptic/probe_topics.h"
 #include "ros/input/obstacle_topics.h"
+#include "ros/input/transform_input.h"
 #include "ros/node/file_work.h"
 #include "ros/node/master_watch.h"
 #include "ros/node/real_time.h"
@@ -79,7 +79,7 @@ class HapticClothServer::Implementation {
         solver_(options_, shared_),
         node_(node),
         private_node_(private_node),
-        transform_listener_(transforms_),
+        transform_input_(transforms_),
         probes_(offerProbes()),
         obstacles_(offerObstacles()),
         haptics_(options_, publishers(), shared_),
@@ -208,7 +208,7 @@ class HapticClothServer::Implementation {
   SolverLoop solver_;
   ros::NodeHandle node_, private_node_;
   tf2_ros::Buffer transforms_;
-  tf2_ros::TransformListener transform_listener_;
+  TransformInput transform_input_;
   ros::CallbackQueue pose_queue_;
   ServiceThread quick_thread_;                   ///< pause and grasps, which never wait
   ServiceThread reset_thread_, options_thread_;  ///< may wait for the solver and for the master

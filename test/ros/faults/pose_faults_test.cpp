@@ -3,7 +3,10 @@
 /// by no more than five periods of 200 N/s; the fault is counted in the diagnostics; good poses
 /// beside bad ones keep their force; afterwards a press is felt again without any action on the
 /// node.
+#include <tf2_msgs/TFMessage.h>
+
 #include <algorithm>
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <set>
@@ -112,6 +115,27 @@ TEST_F(PoseFaultTest, OneStampAheadSilencesTheDeviceForNoLongerThanTheWatchdog) 
   // bound is half of that.
   EXPECT_LT(dropped, 225.0);
   RecordProperty("dropped", static_cast<int>(dropped));
+  EXPECT_TRUE(recovers());
+}
+
+/// ros::Time has 32 bits of seconds; sums and differences beyond that throw.
+TEST_F(PoseFaultTest, StampsAtTheEndOfTimeDoNotEndTheNode) {
+  const ros::Time last(std::numeric_limits<std::uint32_t>::max(), 0);
+  ros::Publisher transforms = node_.advertise<tf2_msgs::TFMessage>("/tf", 100);
+  press();
+  ASSERT_TRUE(waitFor([&] { return transforms.getNumSubscribers() > 0; }));
+  reaction_.clear();
+  send(kBad, 500.0, [&](int k, PoseStamped& pose) {
+    if (k % 2 == 0) pose.header.stamp = last;
+    tf2_msgs::TFMessage message;
+    message.transforms.resize(1);
+    message.transforms[0].header.frame_id = "world";
+    message.transforms[0].header.stamp = ros::Time(last.sec - static_cast<std::uint32_t>(k % 4), 5);
+    message.transforms[0].child_frame_id = "device";
+    message.transforms[0].transform.rotation.w = 1.0;
+    transforms.publish(message);
+  });
+  expectFeltThroughout();
   EXPECT_TRUE(recovers());
 }
 

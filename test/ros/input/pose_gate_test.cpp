@@ -48,6 +48,20 @@ TEST_F(PoseGateTest, AfterSilenceAnyStampIsANewStart) {
   EXPECT_EQ(take(100.07, 100.07, 1.07), PoseVerdict::Accepted);
 }
 
+TEST_F(PoseGateTest, StampsMayBeAnyTimeApart) {
+  // ros::Time holds 32 bits of seconds; its difference throws from 2^31 on.
+  constexpr double kLast = 4294967295.0;
+  EXPECT_EQ(take(kLast, 100.0, 1.00), PoseVerdict::Accepted);
+  EXPECT_EQ(take(100.0, 100.0, 1.01), PoseVerdict::Accepted) << "the clock was set back";
+  EXPECT_EQ(take(100.0, kLast, 1.02), PoseVerdict::Late);
+  EXPECT_EQ(take(kLast, kLast, 1.03), PoseVerdict::Accepted);
+}
+
+TEST_F(PoseGateTest, TakesTheFirstPoseWithAnyTimes) {
+  gate_.setTimes(0.2, 1e300);
+  EXPECT_EQ(take(100.0, 100.0, 1.00), PoseVerdict::Accepted);
+}
+
 TEST_F(PoseGateTest, TheFirstSenderKeepsTheProbeWhileItSends) {
   EXPECT_EQ(take(0.0, 100.0, 1.00, "/one"), PoseVerdict::Accepted);
   EXPECT_EQ(take(0.0, 100.0, 1.01, "/two"), PoseVerdict::OtherSender);

@@ -80,8 +80,7 @@ TEST(Fold, ACornerIsFoldedOverPressedAndNeverPassesThrough) {
   ASSERT_TRUE(waitFor([&] { return cloth.time() > kPressed && cloth.pairs() > 0; }, kRound))
       << "no layers meet";
   EXPECT_TRUE(waitFor([&] { return std::isfinite(cloth.gap()); }, kRound));
-  EXPECT_TRUE(
-      waitFor([&] { return diagnostics.number("solver", "contacts between layers") > 0.0; }, kRound));
+  EXPECT_TRUE(waitFor([&] { return diagnostics.number("solver", "contacts between layers") > 0.0; }, kRound));
   EXPECT_EQ(diagnostics.value("solver", "self-contact"), "on");
   EXPECT_TRUE(waitFor([&] { return reaction.force().z() > 0.3; }, kRound)) << "the fold is not felt";
 
