@@ -87,16 +87,16 @@ class Simulation {
   const Scene& scene() const;  ///< as given, with the changes by setOptions() and setCoupling()
   double time() const;         ///< simulated time since reset [s]
   int threads() const;         ///< largest number that a step uses
-  double mass() const;  ///< mass of the cloth [kg]
+  double mass() const;         ///< mass of the cloth [kg]
   int activeParticles() const;
   bool meetsItself() const;  ///< layers press on each other; false: they pass through each other
   ProbeReport probe(int probe = 0) const;
   Pose obstaclePose(int obstacle) const;
   EnergyReport energy() const;  ///< at the end of the last step [J]
   CostReport cost() const;      ///< costs of the last solve [J]
-  double maxStrain() const;   ///< largest |strain| of an edge [-]
-  double maxSpeed() const;    ///< largest speed of an active particle [m/s]
-  Vec3 supportForce() const;  ///< force of pins and obstacles on the cloth [N]
+  double maxStrain() const;     ///< largest |strain| of an edge [-]
+  double maxSpeed() const;      ///< largest speed of an active particle [m/s]
+  Vec3 supportForce() const;    ///< force of pins and obstacles on the cloth [N]
 
   /// Hands one line of text to `sink` for each call from now on that changes the simulation, except
   /// loadState(). `simulate --replay` repeats them (docs/reference/recordings.md). The sink runs on

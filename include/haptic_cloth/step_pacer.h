@@ -10,7 +10,7 @@ namespace haptic_cloth {
 
 /// How a solver follows the clock.
 struct PaceOptions {
-  bool keep_clock = true;        ///< a late solver gives up quality; false: simulated time falls behind
+  bool keep_clock = true;  ///< a late solver gives up quality; false: simulated time falls behind
   /// Longest step of a late solver, > 0 [s]. At least one time step is made.
   double max_time_step = 0.004;
 };

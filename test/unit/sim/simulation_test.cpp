@@ -22,12 +22,9 @@ TEST(SimulationCalls, RefuseProbesAndObstaclesThatAreNotThere) {
   simulation.record([&](const std::string& line) { recorded.push_back(line); });
   for (const int number : {-1, 1, 1000000}) {
     const std::vector<std::function<void()>> calls = {
-        [&] { simulation.setDevice(number, {}); },
-        [&] { simulation.removeDevice(number); },
-        [&] { simulation.setGrasp(number, true); },
-        [&] { simulation.setCoupling(number, 100.0, 1.0); },
-        [&] { simulation.probe(number); },
-        [&] { simulation.moveObstacle(number, {}); },
+        [&] { simulation.setDevice(number, {}); },  [&] { simulation.removeDevice(number); },
+        [&] { simulation.setGrasp(number, true); }, [&] { simulation.setCoupling(number, 100.0, 1.0); },
+        [&] { simulation.probe(number); },          [&] { simulation.moveObstacle(number, {}); },
         [&] { simulation.obstaclePose(number); },
     };
     for (const auto& call : calls) {
