@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "contact/crossings.h"
+
 namespace haptic_cloth {
 namespace {
 
@@ -63,6 +65,7 @@ MinimizerReport StepSolver::solve(const std::vector<HeldNode>& held) {
   reach_.estimate();
   contacts_.forgetRough();
   bool apart = true;
+  carried_ = false;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     findContacts();
     beginSolve(held);
@@ -75,8 +78,17 @@ MinimizerReport StepSolver::solve(const std::vector<HeldNode>& held) {
     if ((covered && apart) || last.why == Termination::TimeBudget) break;
   }
   // The cloth might have passed through itself where it was not looked at.
+  if (carried_ && crosses()) apart = false;
   if (!apart && report.why != Termination::NotFinite) shortenMotion(report);
   return report;
+}
+
+/// Tells whether the solution passes through itself and the start of the step does not. Iterates that begin
+/// far from the start may pass pairs that are not listed, which looking at the straight way does not show.
+bool StepSolver::crosses() const {
+  if (!contacts_.meetsItself()) return false;
+  const auto crossed = [this](const Field& nodes) { return findCrossings(cloth_.mesh(), nodes).pairs > 0; };
+  return crossed(objective_.nodes()) && !crossed(cloth_.nodes());
 }
 
 /// Leaves a part of the motion to the solution: on the straight way there no pair of layers can have met,
@@ -299,7 +311,11 @@ double StepSolver::chooseInitialGuess() {
   const bool carried = touches && goWithObstacle(directions_[1]);
   double value = objective_.evaluate(x_, gradient_);
   if (held_back) value = takeIfLower(directions_[0], value);
-  if (carried) value = takeIfLower(directions_[1], value);
+  if (carried) {
+    const double before = value;
+    value = takeIfLower(directions_[1], value);
+    carried_ = carried_ || value < before;
+  }
   if (value <= at_rest) return value;
   x_.head(size) = start_.head(size);
   return objective_.evaluate(x_, gradient_);

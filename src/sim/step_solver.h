@@ -74,6 +74,7 @@ class StepSolver {
   void beginSolve(const std::vector<HeldNode>& held);
   void movePins();
   bool stopPins();
+  bool crosses() const;
   void shortenMotion(MinimizerReport& report);
   MinimizerReport minimizeCondensed();
   MinimizerReport minimizeJoint();
@@ -107,6 +108,7 @@ class StepSolver {
   Field forces_;  ///< negative forces on the nodes at rest, for sleep_ [N]
   Field pinned_;  ///< scratch: positions with the pins where they end [m]
   Field end_;     ///< scratch: positions at the end of a motion [m]
+  bool carried_ = false;  ///< the step's solves began with the cloth carried by an obstacle
   std::vector<double> pins_made_;
   std::vector<char> pins_go_;  ///< pins that nothing has stopped in this step
   Vector x_, start_, motion_, gradient_, joint_x_;
