@@ -105,9 +105,9 @@ class StepSolver {
   ContactReach reach_;
   Start start_values_;
   CostReport cost_;
-  Field forces_;  ///< negative forces on the nodes at rest, for sleep_ [N]
-  Field pinned_;  ///< scratch: positions with the pins where they end [m]
-  Field end_;     ///< scratch: positions at the end of a motion [m]
+  Field forces_;          ///< negative forces on the nodes at rest, for sleep_ [N]
+  Field pinned_;          ///< scratch: positions with the pins where they end [m]
+  Field end_;             ///< scratch: positions at the end of a motion [m]
   bool carried_ = false;  ///< the step's solves began with the cloth carried by an obstacle
   std::vector<double> pins_made_;
   std::vector<char> pins_go_;  ///< pins that nothing has stopped in this step
