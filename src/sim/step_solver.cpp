@@ -77,9 +77,9 @@ MinimizerReport StepSolver::solve(const std::vector<HeldNode>& held) {
                                  !reach_.coversPairs(objective_));
     if ((covered && apart) || last.why == Termination::TimeBudget) break;
   }
+  if (report.why == Termination::NotFinite) return report;
   // The cloth might have passed through itself where it was not looked at.
-  if (carried_ && crosses()) apart = false;
-  if (!apart && report.why != Termination::NotFinite) shortenMotion(report);
+  if (!apart || (carried_ && crosses())) shortenMotion(report);
   return report;
 }
 
@@ -334,12 +334,10 @@ double StepSolver::takeIfLower(Vector& other, double value) {
 /// @return whether an obstacle is fast  @pre the last evaluation was at x⁰
 bool StepSolver::goWithObstacle(Vector& x) {
   if (!contacts_.carry(cloth_.nodes(), end_)) return false;
-  const int size = objective_.size();
-  motion_.head(size).setZero();
+  motion_.head(objective_.size()).setZero();
   objective_.packFree(end_, motion_);
   objective_.awake().clearSleepers(motion_);
-  const double reach = objective_.maxStep(motion_, 1.0);
-  x.head(size) = start_.head(size) + reach * motion_.head(size);
+  goAlongMotion(x);
   return true;
 }
 
@@ -348,6 +346,12 @@ bool StepSolver::goWithObstacle(Vector& x) {
 void StepSolver::goAlongDirections(double inertial, double fall, Vector& x) {
   const int size = objective_.size();
   motion_.head(size) = inertial * directions_[0].head(size) + fall * directions_[1].head(size);
+  goAlongMotion(x);
+}
+
+/// Goes from x⁰ along motion_, as far as no pair of layers comes too near. @pre the last evaluation was at x⁰
+void StepSolver::goAlongMotion(Vector& x) {
+  const int size = objective_.size();
   const double reach = objective_.maxStep(motion_, 1.0);
   x.head(size) = start_.head(size) + reach * motion_.head(size);
 }

@@ -91,6 +91,7 @@ class StepSolver {
   double takeIfLower(Vector& other, double value);
   bool goWithObstacle(Vector& x);
   void goAlongDirections(double inertial, double fall, Vector& x);
+  void goAlongMotion(Vector& x);
   ModelMinimum minimumOfModel();
 
   const Scene& scene_;
@@ -107,7 +108,7 @@ class StepSolver {
   CostReport cost_;
   Field forces_;          ///< negative forces on the nodes at rest, for sleep_ [N]
   Field pinned_;          ///< scratch: positions with the pins where they end [m]
-  Field end_;             ///< scratch: positions at the end of a motion [m]
+  Field end_;             ///< scratch: ends of motions, or motions [m]
   bool carried_ = false;  ///< the step's solves began with the cloth carried by an obstacle
   std::vector<double> pins_made_;
   std::vector<char> pins_go_;  ///< pins that nothing has stopped in this step

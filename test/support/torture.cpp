@@ -217,7 +217,6 @@ class Run {
   /// Records the force that the couplings cannot explain. The proxy has no mass but that of its
   /// residual, and the report holds the sum of all residuals.
   void noteForces(const StepReport& report) {
-    const double h = world_.objective().timeStep();
     const double residual = std::max(report.minimizer.residual, world_.scene().solver.minimizer.tolerance);
     for (std::size_t k = 0; k < world_.probes().size(); ++k) {
       const ProbeReport& probe = world_.probes()[k];
@@ -226,8 +225,7 @@ class Run {
       const double slip = (probe.velocity - world_.objective().probeSteps()[k].device_velocity).norm();
       const double pull =
           options.coupling_stiffness * (probe.device - probe.proxy).norm() + options.coupling_damping * slip;
-      const double counts = h * (h * options.coupling_stiffness + options.coupling_damping);
-      const double left = residual * weight_ * std::sqrt(counts / cloth().mass());
+      const double left = residual * weight_ * std::sqrt(countsAs(options) / cloth().mass());
       result_.unexplained = std::max(result_.unexplained, probe.force.norm() - pull - left);
     }
   }
@@ -251,16 +249,19 @@ class Run {
     }
   }
 
-  /// Displacement of particles and proxies in the step, rms by mass [m]. A proxy has the mass with which its
-  /// residual counts, h (h k + b).
+  /// Mass with which the residual of a proxy counts, h (h k + b) [kg].
+  double countsAs(const ProbeOptions& probe) const {
+    const double h = world_.objective().timeStep();
+    return h * (h * probe.coupling_stiffness + probe.coupling_damping);
+  }
+
+  /// Displacement of particles and proxies in the step, rms by mass [m].
   double way() {
     double sum = 0.0;
     const double h = world_.objective().timeStep();
     for (std::size_t k = 0; k < world_.probes().size(); ++k) {
       if (!world_.probes()[k].present) continue;
-      const ProbeOptions& options = world_.scene().probes[k];
-      const double counts = h * (h * options.coupling_stiffness + options.coupling_damping);
-      sum += counts * (h * world_.probes()[k].velocity).squaredNorm();
+      sum += countsAs(world_.scene().probes[k]) * (h * world_.probes()[k].velocity).squaredNorm();
     }
     shown_.swap(shown_before_);
     show();
