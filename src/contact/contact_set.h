@@ -104,11 +104,16 @@ class ContactSet {
     return self_ ? self_->smallestDistance(nodes) : std::numeric_limits<double>::infinity();
   }
 
-  /// Tells whether no part of the cloth can have passed through another on the way from the start to
-  /// the end of the step, both positions of all nodes [m].
+  /// Tells whether no parts of the cloth that are not listed as a pair can have met on the straight way from
+  /// the start to the end of the step, both positions of all nodes [m].
   /// @param deviates nodes moved farther than the reach of collectPairs() allowed
-  bool staysApart(const ActiveMesh& mesh, const Field& start, const Field& end, bool deviates) {
-    return !self_ || self_->staysApart(mesh, start, end, deviates);
+  bool unlistedStayApart(const ActiveMesh& mesh, const Field& start, const Field& end, bool deviates) {
+    return !self_ || self_->unlistedStayApart(mesh, start, end, deviates);
+  }
+
+  /// The same for listed pairs. @pre the last evaluation was at `end`
+  bool pairsStayApart(const Field& start, const Field& end) const {
+    return !self_ || self_->pairsStayApart(start, end);
   }
 
   /// Tells whether the probe does not touch the cloth. @pre startProbe()

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "contact/pair_geometry.h"
 #include "mesh/list_by_node.h"
 
 namespace haptic_cloth {
@@ -42,40 +43,6 @@ double distance(const Point& p, const Point& a, const Point& b, const Point& c) 
              right = turns[0] <= 0.0 && turns[1] <= 0.0 && turns[2] <= 0.0;
   if (left || right) return 0.0;
   return std::min({distance(p, a, b), distance(p, b, c), distance(p, c, a)});
-}
-
-/// From the nearest point of a triangle to p.
-Vec3 fromTriangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 ab = b - a, ac = c - a, ap = p - a;
-  const double uu = ab.squaredNorm(), uv = ab.dot(ac), vv = ac.squaredNorm(), up = ap.dot(ab),
-               vp = ap.dot(ac);
-  const double determinant = uu * vv - uv * uv;
-  if (determinant > 0.0) {
-    const double v = (vv * up - uv * vp) / determinant, u = (uu * vp - uv * up) / determinant;
-    if (u >= 0.0 && v >= 0.0 && u + v <= 1.0) return ap - v * ab - u * ac;
-  }
-  const auto fromSide = [&p](const Vec3& from, const Vec3& to) {
-    const Vec3 side = to - from;
-    const double square = side.squaredNorm();
-    return Vec3(p - from - (square > 0.0 ? std::clamp((p - from).dot(side) / square, 0.0, 1.0) : 0.0) * side);
-  };
-  Vec3 best = fromSide(a, b);
-  for (const Vec3& other : {fromSide(b, c), fromSide(c, a)}) {
-    if (other.squaredNorm() < best.squaredNorm()) best = other;
-  }
-  return best;
-}
-
-/// Between the nearest points of two lines, from c-d to a-b.
-Vec3 betweenLines(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  const Vec3 u = b - a, v = d - c, r = a - c;
-  const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), ur = u.dot(r), vr = v.dot(r);
-  if (!(uu > 0.0) || !(vv > 0.0)) return Vec3::Zero();
-  const double determinant = uu * vv - uv * uv;
-  double s = determinant > 1e-14 * uu * vv ? std::clamp((uv * vr - ur * vv) / determinant, 0.0, 1.0) : 0.0;
-  const double t = std::clamp((uv * s + vr) / vv, 0.0, 1.0);
-  s = std::clamp((uv * t - ur) / uu, 0.0, 1.0);
-  return r + s * u - t * v;
 }
 
 template <class Nodes>

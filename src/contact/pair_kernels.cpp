@@ -202,6 +202,15 @@ HAPTIC_CLOTH_INLINE double measure(PairPack& pack, PairBound& bound, double trav
   return least(excess);
 }
 
+/// How far the first part of each pair stands off the second along the normal, at least [m].
+HAPTIC_CLOTH_INLINE Lanes smallestAlong(const PairPack& pack, int l, const ConstArrays& x) {
+  const Lanes3 normal = load3(pack.normal, l);
+  Lanes at[4];
+  for (int c = 0; c < 4; ++c) at[c] = dot(normal, gather(x, pack.nodes[c], l));
+  const Lanes second = larger(at[2], at[3]);
+  return pack.lines ? smaller(at[0], at[1]) - second : at[0] - larger(at[1], second);
+}
+
 /// Measures the packs of a stack that are not far. @return bound of the excess of its distances [m]
 HAPTIC_CLOTH_INLINE double measureStack(PairPack* stack, PairBound* bounds, const PairContext& context,
                                         const ConstArrays& x) {
@@ -323,6 +332,19 @@ double largestPairStep(PairPack* packs, PairBound* bounds, int begin, int end, c
     most = least(step);
   }
   return most;
+}
+
+int firstPassing(const PairPack* packs, const PairBound* bounds, int begin, int end, const StraightWay& way) {
+  for (int p = begin; p < end; ++p) {
+    if (gapNow(bounds[p], way.travelled) > way.longest) continue;
+    const PairPack& pack = packs[p];
+    for (int l = 0; l < kPack; l += kLanes) {
+      Lanes apart = ifPositive(load(pack.range + l), smallestAlong(pack, l, way.from), all(1.0));
+      apart = ifPositive(load(pack.range + l), smaller(apart, smallestAlong(pack, l, way.to)), apart);
+      if (!allLess(Lanes{}, apart)) return p;
+    }
+  }
+  return end;
 }
 
 double measurePairs(PairPack* packs, PairBound* bounds, int begin, int end, double travelled, double least,

@@ -71,6 +71,13 @@ struct PairLimits {
   double widest;        ///< largest range of a pair [m]
 };
 
+/// The straight way of the nodes in a step.
+struct StraightWay {
+  ConstArrays from, to;  ///< all nodes [m]
+  double longest;        ///< bound of how far any distance changes on it [m]
+  double travelled;      ///< as in PairContext, at its end [m]
+};
+
 // Kernels:
 //   evaluatePairs      measures the stacks that begin in begin..end, unless they cannot press yet, and
 //                      writes their forces. Returns their energy.
@@ -83,6 +90,9 @@ struct PairLimits {
 //                      measured at x are, if they might limit the step.
 //                      The normal separates both parts of a pair: they do not meet before one of their
 //                      nodes has passed the other part along it.
+//   firstPassing       first of packs begin..end with a pair that may meet on a straight way: it is longer
+//                      than the distance, and the normal separates both parts at its start or its end only.
+//                      `end` if there is none.
 //   measurePairs       measures packs begin..end that may be nearer than `least` [m]. Returns the smallest
 //                      distance, or `least` if all are farther.
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "contact/friction_law.h"
+#include "contact/pair_geometry.h"
 #include "simd/kernels.h"
 
 namespace haptic_cloth {
@@ -229,6 +230,21 @@ double SelfContact::maxStep(const Field& nodes, const Field& d, double most, dou
   const PairLimits limits{kShare, least_ranges, most, 2.0 * std::sqrt(squared), law_.range()};
   return kernels().largestPairStep(packs_.data(), bounds_.data(), 0, static_cast<int>(packs_.size()), limits,
                                    travelled_, nodes.arrays(), d.arrays());
+}
+
+bool SelfContact::pairsStayApart(const Field& start, const Field& end) const {
+  double squared = 0.0;
+  for (const int n : paired_) squared = std::max(squared, (end[n] - start[n]).squaredNorm());
+  const StraightWay way{start.arrays(), end.arrays(), 2.0 * std::sqrt(squared), travelled_};
+  const int packs = static_cast<int>(packs_.size());
+  for (int p = 0; p < packs; ++p) {
+    p = kernels().firstPassing(packs_.data(), bounds_.data(), p, packs, way);
+    for (int l = 0; p < packs && l < kPack; ++l) {
+      const PairPack& pack = packs_[p];
+      if (pack.range[l] > 0.0 && !staysApartOnWay(nodesOf(pack, l), pack.lines, start, end)) return false;
+    }
+  }
+  return true;
 }
 
 void SelfContact::appendAwake(const std::vector<char>& awake, int first, Runs& runs) const {

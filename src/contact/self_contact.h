@@ -55,11 +55,15 @@ class SelfContact {
 
   void forgetRough() { finder_.forgetRough(); }
 
-  /// Tells whether no part of the cloth can have passed through another on the way to the end of the
-  /// step. @param deviates see PairFinder::mayMeetUnlisted()
-  bool staysApart(const ActiveMesh& mesh, const Field& start, const Field& end, bool deviates) {
+  /// Tells whether no parts of the cloth that are not a pair can have met on the straight way to the end of
+  /// the step. @param deviates see PairFinder::mayMeetUnlisted()
+  bool unlistedStayApart(const ActiveMesh& mesh, const Field& start, const Field& end, bool deviates) {
     return !finder_.mayMeetUnlisted(mesh, start, end, deviates, packs_);
   }
+
+  /// Tells whether no pair can have met on that way, which ends at the last evaluated point. A solve may lead
+  /// a pair around something on another way.
+  bool pairsStayApart(const Field& start, const Field& end) const;
 
   /// Number of pairs, and of those with friction: length of the range that evaluate() and quadraticForm()
   /// divide in multiples of kPack.

@@ -65,7 +65,6 @@ MinimizerReport StepSolver::solve(const std::vector<HeldNode>& held) {
   reach_.estimate();
   contacts_.forgetRough();
   bool apart = true;
-  carried_ = false;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     findContacts();
     beginSolve(held);
@@ -73,20 +72,19 @@ MinimizerReport StepSolver::solve(const std::vector<HeldNode>& held) {
     report = attempt == 0 ? last : sum(report, last);
     if (last.why == Termination::NotFinite) break;
     const bool covered = reach_.covers(objective_);
-    apart = contacts_.staysApart(cloth_.mesh(), cloth_.nodes(), objective_.nodes(),
-                                 !reach_.coversPairs(objective_));
+    apart = contacts_.unlistedStayApart(cloth_.mesh(), cloth_.nodes(), objective_.nodes(),
+                                        !reach_.coversPairs(objective_));
     if ((covered && apart) || last.why == Termination::TimeBudget) break;
   }
   if (report.why == Termination::NotFinite) return report;
   // The cloth might have passed through itself where it was not looked at.
-  if (!apart || (carried_ && crosses())) shortenMotion(report);
+  if (!apart || (!contacts_.pairsStayApart(cloth_.nodes(), objective_.nodes()) && crosses()))
+    shortenMotion(report);
   return report;
 }
 
-/// Tells whether the solution passes through itself and the start of the step does not. Iterates that begin
-/// far from the start may pass pairs that are not listed, which looking at the straight way does not show.
+/// Tells whether the solution passes through itself and the start of the step does not.
 bool StepSolver::crosses() const {
-  if (!contacts_.meetsItself()) return false;
   const auto crossed = [this](const Field& nodes) { return findCrossings(cloth_.mesh(), nodes).pairs > 0; };
   return crossed(objective_.nodes()) && !crossed(cloth_.nodes());
 }
@@ -113,7 +111,7 @@ void StepSolver::shortenMotion(MinimizerReport& report) {
     x_.head(size) = start_.head(size) + share * motion_.head(size);
     report.value_end = objective_.evaluate(x_, gradient_);
     if (!(report.value_end <= start)) continue;
-    if (!contacts_.staysApart(cloth_.mesh(), cloth_.nodes(), objective_.nodes(), true)) continue;
+    if (!contacts_.unlistedStayApart(cloth_.mesh(), cloth_.nodes(), objective_.nodes(), true)) continue;
     objective_.measureSleepers();
     report.residual = objective_.residual(gradient_);
     report.motion_made = share;
@@ -311,11 +309,7 @@ double StepSolver::chooseInitialGuess() {
   const bool carried = touches && goWithObstacle(directions_[1]);
   double value = objective_.evaluate(x_, gradient_);
   if (held_back) value = takeIfLower(directions_[0], value);
-  if (carried) {
-    const double before = value;
-    value = takeIfLower(directions_[1], value);
-    carried_ = carried_ || value < before;
-  }
+  if (carried) value = takeIfLower(directions_[1], value);
   if (value <= at_rest) return value;
   x_.head(size) = start_.head(size);
   return objective_.evaluate(x_, gradient_);

@@ -106,10 +106,9 @@ class StepSolver {
   ContactReach reach_;
   Start start_values_;
   CostReport cost_;
-  Field forces_;          ///< negative forces on the nodes at rest, for sleep_ [N]
-  Field pinned_;          ///< scratch: positions with the pins where they end [m]
-  Field end_;             ///< scratch: ends of motions, or motions [m]
-  bool carried_ = false;  ///< the step's solves began with the cloth carried by an obstacle
+  Field forces_;  ///< negative forces on the nodes at rest, for sleep_ [N]
+  Field pinned_;  ///< scratch: positions with the pins where they end [m]
+  Field end_;     ///< scratch: ends of motions, or motions [m]
   std::vector<double> pins_made_;
   std::vector<char> pins_go_;  ///< pins that nothing has stopped in this step
   Vector x_, start_, motion_, gradient_, joint_x_;

@@ -15,6 +15,7 @@ struct DragPack;
 struct PairBound;
 struct PairContext;
 struct PairLimits;
+struct StraightWay;
 struct PairPack;
 struct PatchCorners;
 struct PatchPack;
@@ -98,6 +99,8 @@ struct TriplePack;
   KERNEL(double, largestPairStep,                                                                            \
          (PairPack * packs, PairBound * bounds, int begin, int end, const PairLimits& limits,                \
           double travelled, const ConstArrays& x, const ConstArrays& d))                                     \
+  KERNEL(int, firstPassing,                                                                                  \
+         (const PairPack* packs, const PairBound* bounds, int begin, int end, const StraightWay& way))       \
   KERNEL(double, measurePairs,                                                                               \
          (PairPack * packs, PairBound * bounds, int begin, int end, double travelled, double least,          \
           const ConstArrays& x))                                                                             \

@@ -506,13 +506,40 @@ TEST(SelfContact, SeesWhatMayHaveMetOnTheWay) {
   const auto staysApart = [&](const auto& place) {
     cloth.place(place);
     cloth.contact.forgetRough();
-    return cloth.contact.staysApart(cloth.mesh, start, cloth.x, true);
+    return cloth.contact.unlistedStayApart(cloth.mesh, start, cloth.x, true);
   };
   EXPECT_TRUE(staysApart([](const Vec3& at) { return Vec3(at + Vec3(0.1, 0.0, 0.2)); }));
   EXPECT_TRUE(staysApart([](const Vec3& at) { return Vec3(at.x(), at.y(), 0.3 * at.x()); }));
   // Mirrored through itself, and turned back over itself.
   EXPECT_FALSE(staysApart([](const Vec3& at) { return Vec3(-at.x(), at.y(), 0.0); }));
   EXPECT_FALSE(staysApart([](const Vec3& at) { return hairpin(at, 0.06, 0.5 * kThickness); }));
+}
+
+/// The layers of a hairpin are pairs. The end tells whether the straight way leads them through each other.
+TEST(SelfContact, SeesWhatPairsMayHaveMetOnTheWay) {
+  Folded cloth(gridOf(33, 17, 2));
+  cloth.place([](const Vec3& at) { return hairpin(at, 0.04, 0.8 * kThickness); });
+  cloth.collect();
+  ASSERT_GT(cloth.contact.size(), 0);
+  const Field start = cloth.x;
+  const auto stayApart = [&](const auto& move) {
+    Field end = start;
+    move(end);
+    cloth.energy(end);  // evaluates there
+    return cloth.contact.pairsStayApart(start, end);
+  };
+  EXPECT_TRUE(stayApart([](Field&) {}));
+  EXPECT_TRUE(stayApart([&](Field& end) { moveUpper(cloth, end, {0.0, 0.0, -0.7 * kThickness}); }));
+  EXPECT_TRUE(stayApart([&](Field& end) { moveUpper(cloth, end, {0.02, 0.0, 0.0}); }));
+  EXPECT_TRUE(stayApart([](Field& end) {  // as a whole
+    for (int n = 0; n < end.size(); ++n) end.add(n, Vec3(0.3, 0.0, -0.2));
+  }));
+  EXPECT_FALSE(stayApart([&](Field& end) { moveUpper(cloth, end, {0.0, 0.0, -0.9 * kThickness}); }));
+  EXPECT_FALSE(stayApart([](Field& end) {  // mirrored through itself
+    for (int n = 0; n < end.size(); ++n) end.set(n, Vec3(end[n].x(), end[n].y(), -end[n].z()));
+  }));
+  // One node alone.
+  EXPECT_FALSE(stayApart([](Field& end) { end.add(2, Vec3(0.0, 0.0, 1.6 * kThickness)); }));
 }
 
 /// Two hems are driven through each other by their pins, against which no law helps.
