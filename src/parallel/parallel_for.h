@@ -23,27 +23,36 @@ namespace haptic_cloth {
 /// Sums that are formed in one pass over a list.
 using Sums = Eigen::Array<double, 6, 1>;
 
-/// Decides whether a parallel region pays while other programs use the cores. Threads that share a
-/// core take turns, and a thread that was taken off its core makes the others wait. After a region
-/// in which the caller lost much time, the next runs use one thread; their number doubles with each
-/// such region in a row.
+/// Decides whether a parallel region pays. Threads that share a core with other programs take turns, and a
+/// thread that was taken off its core makes the others wait. Cores that share no cache exchange what the
+/// threads write so slowly that only many particles gain. After a region that did not pay, the next runs use
+/// one thread; their number doubles with each such region in a row.
 class Backoff {
  public:
+  /// What a region has shown.
+  struct Region {
+    double lost;        ///< time in which the caller waited or had no core [s]
+    double all;         ///< time that the region took [s]
+    double round_trip;  ///< of a cache line to another thread and back; 0 if unknown [s]
+    int particles;      ///< number of particles in the work
+  };
+
   /// Tells whether the next run is to use one thread, and counts it.
   bool alone() { return left_ > 0 && left_-- > 0; }
 
   /// Records a region.
-  /// @param lost time in which the caller waited or had no core [s]
-  /// @param all time that the region took [s]
-  void note(double lost, double all) {
-    const bool crowded = lost > kMostLost * all;
-    left_ = crowded ? length_ : 0;
-    length_ = crowded ? std::min(2 * length_, kLongest) : kShortest;
+  void note(const Region& region) {
+    const bool crowded = region.lost > kMostLost * region.all;
+    const bool apart = region.round_trip > kFar && region.particles < kParticlesIfFar;
+    left_ = crowded || apart ? length_ : 0;
+    length_ = crowded || apart ? std::min(2 * length_, kLongest) : kShortest;
   }
 
  private:
   /// Largest lost share of a region; beyond it two threads gain little or lose.
   static constexpr double kMostLost = 0.25;
+  static constexpr double kFar = 150e-9;  ///< cores with a common cache take 50 to 130 ns, others 180 or more
+  static constexpr int kParticlesIfFar = 14000;        ///< fewer take longer on two such cores than on one
   static constexpr int kShortest = 8, kLongest = 512;  ///< number of runs with one thread
   int length_ = kShortest, left_ = 0;
 };
@@ -91,6 +100,7 @@ class Team {
       const auto start = Clock::now();
       const double worked = coreSeconds();
       auto end = start;
+      double round_trip = 0.0;
       loop_->open = true;
       loop_->waited = 0.0;
       loop_->closed.store(false, std::memory_order_relaxed);
@@ -104,6 +114,7 @@ class Team {
             failure = std::current_exception();
           }
           loop_->closed.store(true, std::memory_order_release);
+          if (!kShareAll) round_trip = loop_->measureRoundTrip();
           end = Clock::now();
         } else {
           loop_->serve(omp_get_thread_num());
@@ -112,7 +123,7 @@ class Team {
       loop_->open = false;
       const auto left = Clock::now();
       const double all = seconds(left - start), off_core = all - (coreSeconds() - worked);
-      backoff_.note(off_core + loop_->waited + seconds(left - end), all);
+      backoff_.note({off_core + loop_->waited + seconds(left - end), all, round_trip, particles});
       if (failure) std::rethrow_exception(failure);
       return;
     }
@@ -233,6 +244,25 @@ class Team {
       waited += seconds(Clock::now() - start);
     }
 
+    /// Measures how long a cache line takes to the second thread and back, the least of some times [s].
+    /// @pre the region is closed  @return 0 if that thread is not there at once
+    double measureRoundTrip() {
+      double least = 1.0;
+      for (int ball = 1; ball <= kBalls;) {
+        const auto start = Clock::now();
+        for (const int end = ball + kBallsAtOnce; ball < end; ball += 2) {
+          ball_.store(ball, std::memory_order_release);
+          if (!catches(ball + 1)) {
+            ball_.store(0, std::memory_order_release);
+            return 0.0;
+          }
+        }
+        least = std::min(least, 2.0 / kBallsAtOnce * seconds(Clock::now() - start));
+      }
+      ball_.store(0, std::memory_order_release);
+      return least;
+    }
+
     /// Work of the other threads until the region is closed.
     void serve(int thread) {
       unsigned seen = announced_.load(std::memory_order_acquire) - 1;
@@ -246,9 +276,23 @@ class Team {
         help(thread);
         spin = 0;
       }
+      for (int ball = 1; thread == 1 && ball < kBalls && catches(ball); ball += 2)
+        ball_.store(ball + 1, std::memory_order_release);
     }
 
    private:
+    static constexpr int kBalls = 32,
+                         kBallsAtOnce = 16;  ///< those of one time; odd ones go, even ones return
+
+    /// Waits a little for a ball. @return whether it came
+    bool catches(int ball) {
+      for (int spin = 0; spin < kPatience; ++spin) {
+        if (ball_.load(std::memory_order_acquire) == ball) return true;
+        pause(0);
+      }
+      return false;
+    }
+
     static constexpr int kMostUnits = 32768;
     static constexpr int kPatience = 2000;  ///< about 20 to 50 us
 
@@ -303,6 +347,7 @@ class Team {
     std::atomic<int> unit_{1}, blocks_{0};
     alignas(64) std::atomic<int> unfinished_{0};      ///< number of units
     alignas(64) std::atomic<unsigned> announced_{0};  ///< number of the current loop
+    alignas(64) std::atomic<int> ball_{0};            ///< see measureRoundTrip()
   };
 
   int threads_;
