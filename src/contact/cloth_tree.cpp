@@ -182,23 +182,33 @@ inline bool ClothTree::isSmooth(const Tangents& t, const Axes& axes, float least
   return 4.0f * a * b >= mixed * mixed;
 }
 
+/// The largest `least` with which they are smooth: the smaller root of the condition there.
+inline float ClothTree::lambda(const Tangents& t, const Axes& axes) {
+  const float a = t.warp.along(axes.first).low, b = t.weft.along(axes.second).low;
+  const Range::Ends one = t.warp.along(axes.second), other = t.weft.along(axes.first);
+  const float mixed = std::max(std::abs(one.low + other.low), std::abs(one.high + other.high));
+  return 0.5f * (a + b - std::hypot(a - b, mixed));
+}
+
 /// Tells whether parts that fill a rectangle are smooth together, and keeps it if so.
 bool ClothTree::isSmooth(const std::array<int, 4>& parts, int count) {
   Axes axes;
-  if (!findAxes(parts, count, axes)) return false;
+  if (!findAxes(parts, count, tangentsOf(parts, count), axes)) return false;
   smooth_.push_back({parts, count, axes});
   return true;
 }
 
-/// Finds orthonormal axes near the mean tangents of parts. @return whether the parts are smooth by them
-bool ClothTree::findAxes(const std::array<int, 4>& parts, int count, Axes& axes) const {
+ClothTree::Tangents ClothTree::tangentsOf(const std::array<int, 4>& parts, int count) const {
   Tangents tangents = tangents_[parts[0]];
-  bool rough = rough_[parts[0]];
-  for (int k = 1; k < count; ++k) {
-    tangents.add(tangents_[parts[k]]);
-    rough = rough || rough_[parts[k]];
-  }
-  if (rough) return false;
+  for (int k = 1; k < count; ++k) tangents.add(tangents_[parts[k]]);
+  return tangents;
+}
+
+/// Finds orthonormal axes near the mean tangents of parts. @return whether the parts are smooth by them
+bool ClothTree::findAxes(const std::array<int, 4>& parts, int count, const Tangents& tangents,
+                         Axes& axes) const {
+  const auto isRough = [this](int part) { return rough_[part] != 0; };
+  if (std::any_of(parts.begin(), parts.begin() + count, isRough)) return false;
   axes.first = tangents.warp.middle().normalized();
   if (!(tangents.warp.along(axes.first).low >= least_)) return false;
   const Float4 weft = tangents.weft.middle();
@@ -211,13 +221,22 @@ bool ClothTree::findAxes(const std::array<int, 4>& parts, int count, Axes& axes)
 /// to 2 √3 δ, the second by 2 (√3 + 2 · 1.2 · 2 √3) δ = 20 δ, (t_i · e_j) by 25 δ and λ by 50 δ. Parts with
 /// longer tangents keep their distances too, since by the old axes λ falls by √2 δ, but a new forNear()
 /// might visit them.
-bool ClothTree::areSmooth(const ActiveMesh& mesh, const Field& start, const Field& nodes, double spare) {
-  if (50.0 * largestTurn(mesh, start, nodes) <= spare) return true;
+bool ClothTree::keepsSmooth(const ActiveMesh& mesh, const Field& start, const Field& nodes,
+                            double spare) const {
+  return 50.0 * largestTurn(mesh, start, nodes) <= spare;
+}
+
+double ClothTree::spareAt(const ActiveMesh& mesh, const Field& nodes) {
   placeNodes(nodes);
   fitTangents(mesh, tangents_);
-  Axes axes;
-  return std::all_of(smooth_.begin(), smooth_.end(),
-                     [&](const Smooth& smooth) { return findAxes(smooth.parts, smooth.count, axes); });
+  float least = 1.0f;
+  for (const Smooth& smooth : smooth_) {
+    const Tangents tangents = tangentsOf(smooth.parts, smooth.count);
+    Axes axes;
+    if (!findAxes(smooth.parts, smooth.count, tangents, axes)) return -1.0;
+    least = std::min(least, lambda(tangents, axes));
+  }
+  return std::max(0.0f, (1.0f - kRounding) * least - kSmooth);
 }
 
 /// Tells whether two parts beside each other, or one part, lie in a smooth rectangle of up to 2 × 2 parts.

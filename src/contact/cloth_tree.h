@@ -55,9 +55,13 @@ class ClothTree {
     least_ = kSmooth;
   }
 
-  /// Tells whether forNear() without spare would find the rectangles of the last forNear() smooth at other
-  /// positions [m]. @param start,spare positions [m] and spare of the last one
-  bool areSmooth(const ActiveMesh& mesh, const Field& start, const Field& nodes, double spare);
+  /// Tells whether forNear() without spare is sure to find rectangles smooth at some positions, because no
+  /// tangent has turned much. @param start,spare positions at which they had this spare [m, -]
+  bool keepsSmooth(const ActiveMesh& mesh, const Field& start, const Field& nodes, double spare) const;
+
+  /// What λ of the rectangles of the last forNear() has beyond the least at other positions [m]; below 0 if
+  /// forNear() without spare would not find them all smooth.
+  double spareAt(const ActiveMesh& mesh, const Field& nodes);
 
   /// Tells whether visit(a, b) is true for all patches a that touch a cell, and patches b whose boxes
   /// come within `margin` of that of a [m]. Pairs in one smooth rectangle are left out if their parts
@@ -147,7 +151,8 @@ class ClothTree {
     std::fill(squares_.begin(), squares_.end(), Square::Unknown);
   }
   bool isSmooth(const std::array<int, 4>& parts, int count);
-  bool findAxes(const std::array<int, 4>& parts, int count, Axes& axes) const;
+  Tangents tangentsOf(const std::array<int, 4>& parts, int count) const;
+  bool findAxes(const std::array<int, 4>& parts, int count, const Tangents& tangents, Axes& axes) const;
   /// Tells whether two parts of one level have a common corner.
   bool isBeside(int a, int b) const {
     const Part &one = parts_[a], &other = parts_[b];
@@ -157,6 +162,7 @@ class ClothTree {
   bool isSmoothSquare(int level, int i, int j);
   bool isInside(int level, int i, int j) const;
   static bool isSmooth(const Tangents& tangents, const Axes& axes, float least);
+  static float lambda(const Tangents& tangents, const Axes& axes);
 
   bool touchesCell(const Part& part, const Cell& cell) const {
     const int i = part.i << part.level, j = part.j << part.level, size = 1 << part.level;

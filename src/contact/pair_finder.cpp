@@ -113,7 +113,7 @@ PairFinder::PairFinder(const Grid& grid, double thickness)
   margins_.reserve(grid.particles());
   rows_.reserve(grid.particles() + 2);
   deviation_.reserve(grid.particles());
-  for (Field* field : {&motion_, &clear_at_}) field->reserve(grid.particles());
+  for (Field* field : {&motion_, &clear_at_, &smooth_at_}) field->reserve(grid.particles());
   for (auto* list : {&nodes_, &lines_, &sorted_}) list->reserve(grid.particles());
   groups_.reserve(grid.particles());
 }
@@ -141,9 +141,15 @@ void PairFinder::find(const ActiveMesh& mesh, const Field& nodes, const ConstArr
 /// Tells whether a search cannot find anything: nothing was near clear_at_, the ways of all nodes are within
 /// the clearance there, and what was smooth is so.
 bool PairFinder::isClear(const ActiveMesh& mesh, const Field& nodes, const Reach& reach) {
-  clear_ = clear_ && staysWithin(reach, nodes, clear_at_, clearance()) &&
-           tree_.areSmooth(mesh, clear_at_, nodes, kSpare);
+  clear_ = clear_ && staysWithin(reach, nodes, clear_at_, clearance()) && areSmooth(mesh, nodes);
   return clear_;
+}
+
+bool PairFinder::areSmooth(const ActiveMesh& mesh, const Field& nodes) {
+  if (tree_.keepsSmooth(mesh, smooth_at_, nodes, spare_)) return true;
+  spare_ = tree_.spareAt(mesh, nodes);
+  smooth_at_ = nodes;
+  return spare_ >= 0.0;
 }
 
 /// Searches for pairs that are near, or may come near in the next steps, if the nodes are slow enough.
@@ -162,7 +168,8 @@ bool PairFinder::becomesClear(const ActiveMesh& mesh, const Field& nodes, const 
   search(mesh, nodes, {motion_, deviation_}, kGroupReach * thickness_, kSpare);
   clear_ = nodes_.empty() && lines_.empty();
   if (clear_) {
-    clear_at_ = nodes;
+    clear_at_ = smooth_at_ = nodes;
+    spare_ = kSpare;
   } else {
     wait_ = kWait;
   }

@@ -75,6 +75,7 @@ class PairFinder {
   void search(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, double thickness,
               double spare = 0.0);
   bool isClear(const ActiveMesh& mesh, const Field& nodes, const Reach& reach);
+  bool areSmooth(const ActiveMesh& mesh, const Field& nodes);
   bool becomesClear(const ActiveMesh& mesh, const Field& nodes, const Reach& reach);
   /// Distance from clear_at_ within which nothing meets [m].
   double clearance() const { return 0.1 * std::min(grid_.dx, grid_.dy); }
@@ -101,6 +102,8 @@ class PairFinder {
   double most_ = 0.0;   ///< bound of the motion of the patches in addPatches() relative to each other [m]
   bool clear_ = false;  ///< no pair is near while all nodes stay near clear_at_
   Field clear_at_;      ///< [m]
+  Field smooth_at_;     ///< the last positions at which the spare of smooth parts was measured [m]
+  double spare_ = 0.0;  ///< that spare [-]
   int wait_ = 0;        ///< number of searches until clear_ is tried again
   Field motion_;        ///< scratch of other searches than that of find(), as the next two
   std::vector<double> deviation_;
