@@ -24,6 +24,14 @@ PEER_SCENES = ROOT / "bench/peers/scenes"
 CACHE = ROOT / "build/bench_cache"
 STRATEGIES = ("finest", "coarsest", "refine", "coarsen", "amrc")
 SIZES = ("full", "quick", "smoke")
+
+
+def thresholds(angle, strain):
+    """Settings that let cells split above an angle [rad] or strain [-], and merge below half of it."""
+    return {"adapt.refine_above": angle, "adapt.coarsen_below": 0.5 * angle,
+            "adapt.refine_above_strain": strain, "adapt.coarsen_below_strain": 0.5 * strain}
+
+
 HEADER = "# bench "
 HEADER_KEYS = ("chart", "choices", "from", "quick", "smoke", "reference", "note")
 FABRICS = ROOT / "config/fabrics"

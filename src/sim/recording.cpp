@@ -119,6 +119,10 @@ bool Replay::next(Simulation& simulation, int& length) {
     ++line_;
     if (line.rfind("end ", 0) == 0) {
       end_ = line.substr(4);
+      for (; std::getline(recording_, line);) {
+        ++line_;
+        if (!line.empty()) fail("follows the end of the recording");
+      }
       return false;
     }
     if (apply(simulation, line, length)) return true;

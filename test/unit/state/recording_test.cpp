@@ -89,6 +89,8 @@ TEST(Recording, SaysWhatDoesNotFit) {
   expect(with("adapt.interval", "adapt.levels"), "unknown option 'adapt.levels'");
   expect(with("\nreset", "\ndevice 0 1 2"), "too short");
   expect(with("\nreset", "\nreset 1"), "has '1' after its end");
+  expect(text + "step 1\n", "follows the end");
+  EXPECT_EQ(messageOf(text + "\n\n", run.scene), "");
   Scene other = run.scene;
   other.cloth.fabric.areal_density *= 2.0;
   EXPECT_NE(messageOf(text, other).find("must be that of the scene"), std::string::npos);
