@@ -1,13 +1,15 @@
 #include "ros/node/record_writer.h"
 
+#include <fcntl.h>
 #include <ros/console.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <utility>
 
@@ -58,10 +60,14 @@ void RecordWriter::run() {
 
 /// Writes all lines until the end. @return what went wrong; empty: nothing
 std::string RecordWriter::writeAll() {
-  const std::string refused = refusal();
-  if (!refused.empty()) return refused;
-  const std::unique_ptr<std::FILE, Close> file(std::fopen(path_.c_str(), "w"));
+  std::error_code none;  // what does not exist is made; a FIFO would block
+  if (std::filesystem::exists(path_, none) && !std::filesystem::is_regular_file(path_, none))
+    return "is there and is no regular file";
+  const std::unique_ptr<std::FILE, Close> file(std::fopen(path_.c_str(), "a+e"));
   if (file == nullptr) return std::strerror(errno);
+  const std::string refused = refusal(*file);
+  if (!refused.empty()) return refused;
+  if (ftruncate(fileno(file.get()), 0) != 0) return std::strerror(errno);
   std::string lines;
   for (bool more = true; more;) {
     more = take(lines);
@@ -72,17 +78,14 @@ std::string RecordWriter::writeAll() {
   return "";
 }
 
-/// Tells why the file may not be replaced; empty: it may.
-std::string RecordWriter::refusal() const {
-  std::error_code error;  // none: what does not exist is made
-  if (std::filesystem::exists(path_, error) && !std::filesystem::is_regular_file(path_, error)) {
-    return "is there and is no regular file";
-  }
-  std::ifstream file(path_);
+/// Locks the file as long as it is open. @return why it may not be replaced; empty: it may
+std::string RecordWriter::refusal(std::FILE& file) {
+  // File systems without locks do not refuse.
+  if (flock(fileno(&file), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+    return "another program is writing it";
   std::string begin(sizeof(kBegin) - 1, ' ');
-  if (!file || file.peek() == std::ifstream::traits_type::eof()) return "";
-  file.read(&begin[0], static_cast<std::streamsize>(begin.size()));
-  return begin == kBegin ? "" : "is there and is no recording";
+  begin.resize(std::fread(&begin[0], 1, begin.size(), &file));
+  return begin.empty() || begin == kBegin ? "" : "is there and is no recording";
 }
 
 /// Waits for lines. @return false: these are the last ones

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <cstdio>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -27,7 +28,7 @@ class RecordWriter {
  private:
   void run();
   std::string writeAll();
-  std::string refusal() const;
+  static std::string refusal(std::FILE& file);
   bool take(std::string& lines);
 
   std::string path_;

@@ -56,6 +56,20 @@ TEST_F(RecordWriterTest, LeavesOtherFilesAlone) {
   EXPECT_EQ(content(), "the user's");
 }
 
+TEST_F(RecordWriterTest, LeavesTheFileOfAnotherWriterAlone) {
+  {
+    RecordWriter first(file_);
+    first.write("haptic_cloth recording 1");
+    for (int k = 0; k < 300 && content().empty(); ++k) usleep(100000);
+    RecordWriter second(file_);
+    second.write("haptic_cloth recording 1");
+    for (int k = 0; k < 300 && second.end("end 2"); ++k) usleep(100000);  // it has ended by itself
+    first.write("step 1");
+    first.end("end 1");
+  }
+  EXPECT_EQ(content(), "haptic_cloth recording 1\nstep 1\nend 1\n");
+}
+
 /// To open a FIFO that nobody reads would block for ever, and then so would the end of the writer.
 TEST_F(RecordWriterTest, LeavesAFifoAlone) {
   ASSERT_EQ(mkfifo(file_.c_str(), 0600), 0);
