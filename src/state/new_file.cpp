@@ -80,9 +80,14 @@ class FolderLocks {
 }  // namespace
 
 fs::path linkedFile(const fs::path& file) {
+  constexpr int kMostLinks = 40;  // as in the Linux kernel
   std::error_code error;
   const fs::path real = fs::canonical(file, error);
-  return error ? fs::absolute(file) : real;
+  if (!error) return real;
+  fs::path path = fs::absolute(file);  // of a new file, to which links may lead
+  for (int k = 0; k < kMostLinks && fs::is_symlink(path, error); ++k)
+    path = path.parent_path() / fs::read_symlink(path, error);
+  return path;
 }
 
 void checkNewFile(const fs::path& file) {
@@ -92,8 +97,10 @@ void checkNewFile(const fs::path& file) {
   const fs::file_status status = fs::status(path, error);
   if (fs::exists(status) && !fs::is_regular_file(status)) refuse("must be a regular file");
   const fs::path folder = path.parent_path();
-  if (access(folder.c_str(), W_OK | X_OK) != 0)
-    refuse("cannot be written: " + folder.string() + ": " + std::strerror(errno));
+  const bool is_folder = fs::is_directory(folder, error);
+  if (!is_folder && !error) error = std::make_error_code(std::errc::not_a_directory);
+  if (is_folder && access(folder.c_str(), W_OK | X_OK) != 0) error.assign(errno, std::generic_category());
+  if (error) refuse("cannot be written: " + folder.string() + ": " + error.message());
 }
 
 void NewFile::Buffer::open(int descriptor) {

@@ -25,6 +25,8 @@ constexpr std::uint64_t kMostParticles = 1 << 24;
 
 void requireName(const std::string& file) {
   if (file.empty()) throw InputError("state file", "", "", "must have a name");
+  if (file.find('\0') != std::string::npos)
+    throw InputError("state file", "", "", "must have a name without null bytes");
 }
 
 /// Regular file that is open for reading. Opening and reading it never wait for another process.

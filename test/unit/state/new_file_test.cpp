@@ -165,5 +165,30 @@ TEST_F(NewFileTest, OnlyRegularFilesAreReplaced) {
   EXPECT_NO_THROW(checkNewFile(file("new")));
 }
 
+TEST_F(NewFileTest, SaysWhyAFileCannotBe) {
+  const auto message = [](const fs::path& name) -> std::string {
+    try {
+      checkNewFile(name);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "may be written";
+  };
+  write("a", "old");
+  EXPECT_NE(message(file("a/b")).find("Not a directory"), std::string::npos) << message(file("a/b"));
+  EXPECT_NE(message(file("none/b")).find("No such file or directory"), std::string::npos);
+}
+
+TEST_F(NewFileTest, ALinkToAFileThatIsNotThereYetStays) {
+  fs::create_symlink("second", file("first"));
+  fs::create_symlink("target", file("second"));
+  NewFile made(file("first"));
+  made.stream() << "new";
+  made.finish();
+  made.publish();
+  EXPECT_TRUE(fs::is_symlink(file("first")));
+  EXPECT_EQ(contents().at("target"), "new");
+}
+
 }  // namespace
 }  // namespace haptic_cloth
