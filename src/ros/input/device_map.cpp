@@ -5,6 +5,9 @@
 namespace haptic_cloth {
 namespace {
 
+/// With scales beyond these a limit of the force could not be computed to rounding.
+constexpr Range kScale{1e-6, 1e5};
+
 std::string tooHigh(const char* what, const char* unit, double felt, double limit, const char* parameter,
                     double value) {
   char text[300];
@@ -21,12 +24,12 @@ std::string tooHigh(const char* what, const char* unit, double felt, double limi
 Options optionsOf(DeviceOptions& device) {
   return {
       {"kind", field(device.kind, deviceKindNames()), kNoRange, "", "pose in and force out, or the reverse"},
-      {"position_unit", field(device.position_unit), kFinitePositive, "m",
+      {"position_unit", field(device.position_unit), kScale, "m",
        "one unit of the driver's positions; 0.001 for millimetres"},
-      {"position_scale", field(device.position_scale), kFinitePositive, "",
+      {"position_scale", field(device.position_scale), kScale, "",
        "motion of the probe per motion of the hand"},
-      {"force_scale", field(device.force_scale), kFinitePositive, "",
-       "force on the hand per force on the probe", Live{0.01, 10.0}},
+      {"force_scale", field(device.force_scale), kScale, "", "force on the hand per force on the probe",
+       Live{0.01, 10.0}},
       {"offset", field(device.offset), kPosition, "m", "position of the driver's origin"},
       {"orientation", field(device.orientation), kNoRange, "", "of the driver's axes"},
       {"force_axes", field(device.force_axes), kNoRange, "",

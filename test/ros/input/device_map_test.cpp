@@ -357,9 +357,10 @@ TEST(DeviceOptions, BadOnesAreNamed) {
   };
   EXPECT_EQ(messageOf("{position_unit: 0.001, use_tf: false, orientation: [0.70710678, 0, 0, 0.70710678]}"),
             "");
-  EXPECT_NE(messageOf("{position_unit: 0}").find("device/position_unit = 0: must be finite and > 0"),
+  EXPECT_NE(messageOf("{position_unit: 0}").find("device/position_unit = 0: must be in 1e-6 to 100000"),
             std::string::npos);
-  EXPECT_NE(messageOf("{force_scale: -1}").find("device/force_scale"), std::string::npos);
+  for (const std::string scale : {"-1", "1e300", "1e-9"})
+    EXPECT_NE(messageOf("{force_scale: " + scale + "}").find("must be in 1e-6 to 100000"), std::string::npos);
   EXPECT_NE(messageOf("{orientation: [0, 0, 0, 0.9]}").find("device/orientation"), std::string::npos);
   EXPECT_NE(messageOf("{orientation: [0, 0, 1]}").find("must be a list of 4 finite numbers"),
             std::string::npos);

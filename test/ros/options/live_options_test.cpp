@@ -126,7 +126,7 @@ TEST(LiveOptions, ImpossibleOnesAreRefusedByNameValueAndRule) {
   expect({{"solver/max_iterations", 2.5}}, "solver/max_iterations = 2.5: must be a whole number");
   expect({{"solver/time_budget", infinity}}, "solver.time_budget = inf: must be at most 1e12");
   expect({{"probe/coupling_stiffness", 0.0}}, "probe.coupling_stiffness = 0: must be > 0");
-  expect({{"devices/probe/force_scale", 0}}, "devices/probe/force_scale = 0: must be finite and > 0");
+  expect({{"devices/probe/force_scale", 0}}, "devices/probe/force_scale = 0: must be in 1e-6 to 100000");
   expect({{"devices/probe/force_scale", std::string("x")}},
          "devices/probe/force_scale = x: must be a number");
   expect({{"haptics/max_force", infinity}}, "haptics/max_force = inf: must be finite and > 0");
