@@ -89,8 +89,9 @@ DiagnosticStatus solverStatus(const SolverStats& stats, bool paused, double now)
     const std::string& given_up = stats.quality.given_up;
     judge(status, DiagnosticStatus::OK, given_up.empty() ? "running" : "running with " + given_up);
   }
-  add(status, "steps per second", stats.wall > 0.0 ? stats.steps / stats.wall : 0.0);
-  add(status, "real-time factor", stats.real_time_factor);
+  const bool stands = paused || !(stats.wall > 0.0);  // then the statistics are those of earlier steps
+  add(status, "steps per second", stands ? 0.0 : stats.steps / stats.wall);
+  add(status, "real-time factor", stands ? 0.0 : stats.real_time_factor);
   add(status, "simulated time [s]", stats.time);
   add(status, "quality rung", static_cast<std::uint64_t>(stats.quality.rung));
   add(status, "given up", stats.quality.given_up.empty() ? std::string("nothing") : stats.quality.given_up);

@@ -32,13 +32,14 @@ std::atomic<std::uint64_t>* InputCounters::of(PoseVerdict verdict) {
 
 DeviceInput::DeviceInput(const NodeOptions& options, std::size_t number, const tf2_ros::Buffer& transforms,
                          SharedState& shared)
-    : device_(options.probes[number].device),
+    : name_(options.scene.probes[number].name),
+      device_(options.probes[number].device),
       frames_(options.frame_id, transforms),
       shared_(shared.probes[number]),
       live_(shared.live_for_poses),
       gate_(options.max_pose_age, options.probes[number].haptics.pose_timeout),
       units_(device_.workspace_radius),
-      notice_("poses of " + options.scene.probes[number].name, frames_.clothFrame()) {}
+      notice_("poses of " + name_, frames_.clothFrame()) {}
 
 void DeviceInput::accept(const geometry_msgs::PoseStamped& pose, const std::string& sender) {
   StampedPose taken;
@@ -92,7 +93,8 @@ std::atomic<std::uint64_t>* DeviceInput::refused(const geometry_msgs::PoseStampe
 
 void DeviceInput::warnOf(const std::string& sender) const {
   if (counters_.other_sender > 0) return;  // only one warning; the diagnostics continue to count
-  ROS_WARN_STREAM("poses of " << sender << " are dropped as long as " << gate_.sender() << " sends, too");
+  ROS_WARN_STREAM("poses of " << name_ << " from " << sender << " are dropped as long as " << gate_.sender()
+                              << " sends, too");
 }
 
 void DeviceInput::takeOrientation(const geometry_msgs::Quaternion& orientation) {
@@ -108,7 +110,7 @@ void DeviceInput::checkUnits(const Vec3& position, double received) {
   const UnitDoubt doubt = units_.look(device_.position_unit * position, received);
   if (doubt == UnitDoubt::None) return;
   counters_.doubt = doubt;
-  ROS_WARN_STREAM(toText(doubt));
+  ROS_WARN_STREAM("poses of " << name_ << ": " << toText(doubt));
 }
 
 }  // namespace haptic_cloth

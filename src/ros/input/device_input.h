@@ -62,6 +62,7 @@ class DeviceInput {
   /// Remembers the orientation if it is a unit quaternion.
   void takeOrientation(const geometry_msgs::Quaternion& orientation);
 
+  std::string name_;  ///< of the probe
   DeviceOptions device_;
   FrameLookup frames_;
   SharedProbe& shared_;

@@ -274,6 +274,13 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
   EXPECT_EQ(value(solverStatus(solver, false, 10.0), "quality rung"), "2");
   EXPECT_EQ(value(solverStatus(solver, false, 10.0), "step length [s]"), "0.004");
   EXPECT_EQ(value(solverStatus(solver, false, 10.0), "slipped [s]"), "0.5");
+  solver.steps = 100;
+  solver.wall = 1.0;
+  solver.real_time_factor = 1.0;
+  for (const std::string rate : {"steps per second", "real-time factor"}) {
+    EXPECT_NE(value(solverStatus(solver, false, 10.0), rate), "0");
+    EXPECT_EQ(value(solverStatus(solver, true, 10.0), rate), "0");  // paused
+  }
 
   // A failed step is a warning for 5 s (docs/architecture.md, time limits); the counts remain.
   for (const auto& [why, word] : {std::pair{Termination::NotFinite, "not finite"},
