@@ -38,7 +38,8 @@ Vec3 betweenLines(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 }
 
 /// The way is walked from distance to distance: the direction between the nearest points separates both parts
-/// until one of their nodes has passed the other part along it.
+/// until one of their nodes has passed the other part along it. Rounding can tilt that of a small distance so
+/// far that it separates nothing.
 bool staysApartOnWay(const std::array<int, 4>& nodes, bool lines, const Field& from, const Field& to) {
   constexpr double kShare = 0.9;   // of the distance that a step may use up
   constexpr double kLeast = 1e-6;  // distance over that at the start from which on they count as meeting
@@ -60,6 +61,7 @@ bool staysApartOnWay(const std::array<int, 4>& nodes, bool lines, const Field& f
       for (int b = firsts; b < 4; ++b) {
         const double apart = between.dot(x[a] - x[b]) / distance,
                      closing = between.dot(way[b] - way[a]) / distance;
+        if (!(apart > 0.5 * distance)) return false;
         if (closing > 0.0) step = std::min(step, (apart - (1.0 - kShare) * distance) / closing);
       }
     }

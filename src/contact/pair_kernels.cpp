@@ -211,6 +211,20 @@ HAPTIC_CLOTH_INLINE Lanes smallestAlong(const PairPack& pack, int l, const Const
   return pack.lines ? smaller(at[0], at[1]) - second : at[0] - larger(at[1], second);
 }
 
+/// Largest factor of d that uses up the distance but for `left`, whatever the direction of the motion.
+HAPTIC_CLOTH_INLINE Lanes cautiousStep(const PairPack& pack, int l, const Lanes& left, const ConstArrays& d) {
+  const AtNodes by = gatherNodes(pack.nodes, l, d);
+  const int firsts = pack.lines ? 2 : 1;
+  Lanes square{};
+  for (int a = 0; a < firsts; ++a) {
+    for (int b = firsts; b < 4; ++b) {
+      const Lanes3 apart = by.of[a] - by.of[b];
+      square = larger(square, dot(apart, apart));
+    }
+  }
+  return larger(load(pack.distance + l) - left, Lanes{}) / larger(squareRoot(square), all(kTiny));
+}
+
 /// Measures the packs of a stack that are not far. @return bound of the excess of its distances [m]
 HAPTIC_CLOTH_INLINE double measureStack(PairPack* stack, PairBound* bounds, const PairContext& context,
                                         const ConstArrays& x) {
@@ -322,12 +336,20 @@ double largestPairStep(PairPack* packs, PairBound* bounds, int begin, int end, c
           larger((1.0 - limits.share) * load(pack.distance + l), limits.least_ranges * load(pack.range + l));
       // The nearest node along the normal counts of the first part, the farthest of the second.
       const int firsts = pack.lines ? 2 : 1;
+      Lanes least_apart = all(1e300);
       for (int a = 0; a < firsts; ++a) {
         for (int b = firsts; b < 4; ++b) {
-          const Lanes apart = larger(at[a] - at[b] - left, Lanes{}), closing = by[b] - by[a];
+          const Lanes between = at[a] - at[b], closing = by[b] - by[a];
+          const Lanes apart = larger(between - left, Lanes{});
           step = smaller(step, ifPositive(closing, apart / larger(closing, all(kTiny)), all(1e300)));
+          least_apart = smaller(least_apart, between);
         }
       }
+      // Rounding can tilt the normal of a small distance so far that it separates nothing.
+      least_apart = ifPositive(load(pack.range + l), least_apart, all(1e300));
+      const Lanes enough = 0.5 * ifPositive(load(pack.range + l), load(pack.distance + l), Lanes{});
+      if (!allLess(enough, least_apart))
+        step = smaller(step, ifLess(enough, least_apart, all(1e300), cautiousStep(pack, l, left, d)));
     }
     most = least(step);
   }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 namespace haptic_cloth {
@@ -70,6 +71,39 @@ TEST(PairOnWay, MeetsWhereTheDistanceVanishes) {
     EXPECT_FALSE(way.staysApart()) << "seed " << seed;
   }
   EXPECT_GT(apart, 200);
+}
+
+/// Parts of 2.5 mm that meet inside both of them. Where they begin near each other, rounding of the places,
+/// 0.1 m from the origin, tilts the direction between them: it must not lead the walk past the meeting.
+TEST(PairOnWay, MeetsHoweverNearItBegins) {
+  constexpr double kLength = 2.5e-3;  // [m]
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> share(0.0, 1.0);
+  const auto vector = [&] { return Vec3(normal(random), normal(random), normal(random)); };
+  int near = 0;
+  for (int k = 0; k < 40000; ++k) {
+    const bool lines = k % 2 == 0;
+    const Vec3 u = kLength * vector().normalized(), v = kLength * vector().normalized();
+    const double s = share(random), t = (lines ? 1.0 : 1.0 - s) * share(random);
+    const Vec3 corner = -s * u - t * v;
+    const std::vector<Vec3> at_meeting =
+        lines ? std::vector<Vec3>{-s * u, (1.0 - s) * u, -t * v, (1.0 - t) * v}
+              : std::vector<Vec3>{Vec3::Zero(), corner, corner + u, corner + v};
+    const Vec3 place = 0.1 * vector();
+    const double meeting = 0.1 + 0.8 * share(random), size = kLength * std::pow(10.0, -6.0 * share(random));
+    std::vector<Vec3> from, to;
+    for (const Vec3& at : at_meeting) {
+      const Vec3 motion = size * vector();
+      from.push_back(place + at - meeting * motion);
+      to.push_back(place + at + (1.0 - meeting) * motion);
+    }
+    const Way way = wayOf(lines, from, to);
+    near += way.distanceAt(0.0) < 1e-4 * kLength ? 1 : 0;
+    EXPECT_FALSE(way.staysApart()) << (lines ? "lines" : "node and triangle") << ", begins at "
+                                   << way.distanceAt(0.0) << " m";
+  }
+  EXPECT_GT(near, 10000);
 }
 
 TEST(PairOnWay, GoesAroundABorder) {
