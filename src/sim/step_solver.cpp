@@ -74,7 +74,7 @@ MinimizerReport StepSolver::solve(const std::vector<HeldNode>& held) {
     const bool covered = reach_.covers(objective_);
     apart = contacts_.unlistedStayApart(cloth_.mesh(), cloth_.nodes(), objective_.nodes(),
                                         !reach_.coversPairs(objective_));
-    if ((covered && apart) || last.why == Termination::TimeBudget) break;
+    if (covered && apart) break;
   }
   if (report.why == Termination::NotFinite) return report;
   // The cloth might have passed through itself where it was not looked at.

@@ -559,9 +559,30 @@ TEST(SelfContact, PinsStopBeforeTheyMeet) {
   EXPECT_TRUE(std::isfinite(simulation.energy().total()));
 }
 
-/// Pins pull the hems of a sheet from rest to 1.4 m/s, and no time is left to solve a step again with a
-/// wider search. Such steps go on in part; if they failed, the sheet would stand still for ever.
-TEST(SelfContact, StepsCutShortGoOnInPart) {
+/// What steps did whose solves have one iteration each, because no time is left.
+struct CutShort {
+  int in_part = 0, failed = 0;
+
+  CutShort(Simulation& simulation, int steps) {
+    for (int k = 0; k < steps; ++k) {
+      const StepReport report = simulation.step();
+      EXPECT_EQ(simulation.crossings().pairs, 0) << "step " << k;
+      const bool whole = report.minimizer.motion_made == 1.0;
+      EXPECT_EQ(report.minimizer.why, whole ? Termination::TimeBudget : Termination::OutOfReach);
+      in_part += !whole && !report.failed ? 1 : 0;
+      failed += report.failed ? 1 : 0;
+    }
+  }
+};
+
+void giveNoTime(Scene& scene) {
+  scene.solver.time_step = 0.008;
+  scene.solver.minimizer.time_budget = 1e-9;  // one iteration
+}
+
+/// Pins pull the hems of a sheet from rest to 1.4 m/s: more than the first search looks for. If such steps
+/// failed, the sheet would stand still for ever.
+TEST(SelfContact, StepsCutShortGoOn) {
   LinearFabric linear;
   linear.rigidity = 4e-6;
   linear.compression = 0.1;
@@ -571,21 +592,28 @@ TEST(SelfContact, StepsCutShortGoOnInPart) {
   pin(scene, 32, 32, 0, 8);
   scene.cloth.pins[0].velocity = Vec3(1.4, 0.0, 0.0);
   scene.cloth.pins[1].velocity = Vec3(-1.4, 0.0, 0.0);
-  scene.solver.time_step = 0.008;
-  scene.solver.minimizer.time_budget = 1e-9;  // one iteration
+  giveNoTime(scene);
   Simulation simulation(scene);
-  int in_part = 0, failed = 0;
-  for (int k = 0; k < 75; ++k) {
-    const StepReport report = simulation.step();
-    ASSERT_EQ(simulation.crossings().pairs, 0) << "step " << k;
-    const bool whole = report.minimizer.motion_made == 1.0;
-    EXPECT_EQ(report.minimizer.why, whole ? Termination::TimeBudget : Termination::OutOfReach);
-    in_part += !whole && !report.failed ? 1 : 0;
-    failed += report.failed ? 1 : 0;
-  }
-  EXPECT_GT(in_part, 0);
-  EXPECT_LT(failed, 5);
+  EXPECT_EQ(CutShort(simulation, 75).failed, 0);
   EXPECT_LT(particle(simulation, 32, 4).x() - particle(simulation, 0, 4).x(), 0.02);
+}
+
+/// Hems turn by 37 degrees in a step, so parts may have met wherever the search looks: such a step is made
+/// in part.
+TEST(SelfContact, StepsCutShortGoOnInPart) {
+  Scene scene = sheetScene(makeFabric(LinearFabric()), 33, 33, 0.08, 0.08);
+  pin(scene, 0, 0, 0, 32);
+  pin(scene, 32, 32, 0, 32);
+  scene.gravity = Vec3::Zero();
+  scene.cloth.pins[0].turn = Vec3(80.0, 0.0, 0.0);
+  scene.cloth.pins[1].turn = Vec3(-80.0, 80.0, 0.0);
+  scene.cloth.pins[1].centre = scene.cloth.pose.position + Vec3(0.04, 0.0, 0.0);
+  scene.cloth.pins[0].centre = scene.cloth.pose.position - Vec3(0.04, 0.0, 0.0);
+  giveNoTime(scene);
+  Simulation simulation(scene);
+  const CutShort run(simulation, 20);
+  EXPECT_GT(run.in_part, 0);
+  EXPECT_EQ(run.failed, 0);
 }
 
 /// Layers of a hairpin 1.5 thicknesses apart have room to move by a quarter of that, not by three
