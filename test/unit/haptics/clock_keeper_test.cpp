@@ -279,7 +279,8 @@ TEST(QualityLadder, ShowsStrainsOfAMeshThatGoesByStrainAlone) {
   AdaptOptions adapt;
   adapt.refine_above = 5.0;  // beyond any turning angle
   const std::vector<Quality> ladder = qualityLadder(SolverOptions(), adapt, 4);
-  EXPECT_EQ(ladder[3].given_up, "tolerance 1, steps to 4 ms, mesh thresholds x 2");
+  EXPECT_EQ(ladder[2].given_up, "tolerance 1, steps to 2 ms, mesh thresholds x 2");
+  EXPECT_EQ(ladder[3].given_up, "tolerance 1, steps to 2 ms, mesh thresholds x 4");
   EXPECT_EQ(ladder[4].given_up, "tolerance 1, steps to 4 ms, mesh thresholds x 4");
   EXPECT_EQ(ladder[4].solver.minimizer.max_iterations, SolverOptions().minimizer.max_iterations);
 }
