@@ -114,7 +114,7 @@ class Team {
             failure = std::current_exception();
           }
           loop_->closed.store(true, std::memory_order_release);
-          if (!kShareAll) round_trip = loop_->measureRoundTrip();
+          if (!kShareAll && omp_get_num_threads() > 1) round_trip = loop_->measureRoundTrip();
           end = Clock::now();
         } else {
           loop_->serve(omp_get_thread_num());
