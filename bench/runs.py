@@ -16,14 +16,6 @@ from child import Child
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SIMULATE = ROOT / "build/devel/lib/haptic_cloth/simulate"
 SCENES = ROOT / "bench/scenes"
-# The settings of config/scenes/haptic_1khz.yaml, without its time budget.
-SWIFT = {"solver.tolerance": 1.0, "solver.max_iterations": 10, "adapt.interval": 9,
-         "adapt.refine_above": 1.6, "adapt.coarsen_below": 0.8,
-         "adapt.refine_above_strain": 0.02, "adapt.coarsen_below_strain": 0.01}
-PEER_SCENES = ROOT / "bench/peers/scenes"
-CACHE = ROOT / "build/bench_cache"
-STRATEGIES = ("finest", "coarsest", "refine", "coarsen", "amrc")
-SIZES = ("full", "quick", "smoke")
 
 
 def thresholds(angle, strain):
@@ -32,6 +24,12 @@ def thresholds(angle, strain):
             "adapt.refine_above_strain": strain, "adapt.coarsen_below_strain": 0.5 * strain}
 
 
+# The settings of config/scenes/haptic_1khz.yaml, without its time budget.
+SWIFT = {"solver.tolerance": 1.0, "solver.max_iterations": 10, "adapt.interval": 9, **thresholds(1.6, 0.02)}
+PEER_SCENES = ROOT / "bench/peers/scenes"
+CACHE = ROOT / "build/bench_cache"
+STRATEGIES = ("finest", "coarsest", "refine", "coarsen", "amrc")
+SIZES = ("full", "quick", "smoke")
 HEADER = "# bench "
 HEADER_KEYS = ("chart", "choices", "from", "quick", "smoke", "reference", "note")
 FABRICS = ROOT / "config/fabrics"
