@@ -173,21 +173,24 @@ inline ClothTree::Range::Ends ClothTree::Range::along(const Float4& axis) const 
   return ends;
 }
 
+/// Largest |t_1 · e_2 + t_2 · e_1| over the ranges of the tangents.
+inline float ClothTree::largestMixed(const Tangents& t, const Axes& axes) {
+  const Range::Ends one = t.warp.along(axes.second), other = t.weft.along(axes.first);
+  return std::max(std::abs(one.low + other.low), std::abs(one.high + other.high));
+}
+
 /// Tells whether λ is at least `least` over the ranges of the tangents.
 inline bool ClothTree::isSmooth(const Tangents& t, const Axes& axes, float least) {
   const float a = t.warp.along(axes.first).low - least, b = t.weft.along(axes.second).low - least;
   if (!(a >= 0.0f) || !(b >= 0.0f)) return false;
-  const Range::Ends one = t.warp.along(axes.second), other = t.weft.along(axes.first);
-  const float mixed = std::max(std::abs(one.low + other.low), std::abs(one.high + other.high));
+  const float mixed = largestMixed(t, axes);
   return 4.0f * a * b >= mixed * mixed;
 }
 
 /// The largest `least` with which they are smooth: the smaller root of the condition there.
 inline float ClothTree::lambda(const Tangents& t, const Axes& axes) {
   const float a = t.warp.along(axes.first).low, b = t.weft.along(axes.second).low;
-  const Range::Ends one = t.warp.along(axes.second), other = t.weft.along(axes.first);
-  const float mixed = std::max(std::abs(one.low + other.low), std::abs(one.high + other.high));
-  return 0.5f * (a + b - std::hypot(a - b, mixed));
+  return 0.5f * (a + b - std::hypot(a - b, largestMixed(t, axes)));
 }
 
 /// Tells whether parts that fill a rectangle are smooth together, and keeps it if so.

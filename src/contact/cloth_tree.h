@@ -59,8 +59,9 @@ class ClothTree {
   /// tangent has turned much. @param start,spare positions at which they had this spare [m, -]
   bool keepsSmooth(const ActiveMesh& mesh, const Field& start, const Field& nodes, double spare) const;
 
-  /// What λ of the rectangles of the last forNear() has beyond the least at other positions [m]; below 0 if
-  /// forNear() without spare would not find them all smooth.
+  /// Spare of the rectangles of the last forNear() at other positions: the smallest λ less the least [-].
+  /// Below 0 if forNear() without spare would not find them all smooth.
+  /// @param nodes positions [m]
   double spareAt(const ActiveMesh& mesh, const Field& nodes);
 
   /// Tells whether visit(a, b) is true for all patches a that touch a cell, and patches b whose boxes
@@ -162,6 +163,7 @@ class ClothTree {
   bool isSmoothSquare(int level, int i, int j);
   bool isInside(int level, int i, int j) const;
   static bool isSmooth(const Tangents& tangents, const Axes& axes, float least);
+  static float largestMixed(const Tangents& tangents, const Axes& axes);
   static float lambda(const Tangents& tangents, const Axes& axes);
 
   bool touchesCell(const Part& part, const Cell& cell) const {

@@ -202,13 +202,19 @@ HAPTIC_CLOTH_INLINE double measure(PairPack& pack, PairBound& bound, double trav
   return least(excess);
 }
 
-/// How far the first part of each pair stands off the second along the normal, at least [m].
-HAPTIC_CLOTH_INLINE Lanes smallestAlong(const PairPack& pack, int l, const ConstArrays& x) {
+/// Smallest distance of the first part of each pair from the second along a direction [m].
+/// @param at places of the nodes along it [m]
+HAPTIC_CLOTH_INLINE Lanes smallestApart(const PairPack& pack, const Lanes* at) {
+  const Lanes second = larger(at[2], at[3]);
+  return pack.lines ? smaller(at[0], at[1]) - second : at[0] - larger(at[1], second);
+}
+
+/// The same along the normals, for the nodes at `x`.
+HAPTIC_CLOTH_INLINE Lanes smallestApart(const PairPack& pack, int l, const ConstArrays& x) {
   const Lanes3 normal = load3(pack.normal, l);
   Lanes at[4];
   for (int c = 0; c < 4; ++c) at[c] = dot(normal, gather(x, pack.nodes[c], l));
-  const Lanes second = larger(at[2], at[3]);
-  return pack.lines ? smaller(at[0], at[1]) - second : at[0] - larger(at[1], second);
+  return smallestApart(pack, at);
 }
 
 /// Largest factor of d that uses up the distance but for `left`, whatever the direction of the motion.
@@ -336,20 +342,17 @@ double largestPairStep(PairPack* packs, PairBound* bounds, int begin, int end, c
           larger((1.0 - limits.share) * load(pack.distance + l), limits.least_ranges * load(pack.range + l));
       // The nearest node along the normal counts of the first part, the farthest of the second.
       const int firsts = pack.lines ? 2 : 1;
-      Lanes least_apart = all(1e300);
       for (int a = 0; a < firsts; ++a) {
         for (int b = firsts; b < 4; ++b) {
-          const Lanes between = at[a] - at[b], closing = by[b] - by[a];
-          const Lanes apart = larger(between - left, Lanes{});
+          const Lanes apart = larger(at[a] - at[b] - left, Lanes{}), closing = by[b] - by[a];
           step = smaller(step, ifPositive(closing, apart / larger(closing, all(kTiny)), all(1e300)));
-          least_apart = smaller(least_apart, between);
         }
       }
       // Rounding can tilt the normal of a small distance so far that it separates nothing.
-      least_apart = ifPositive(load(pack.range + l), least_apart, all(1e300));
-      const Lanes enough = 0.5 * ifPositive(load(pack.range + l), load(pack.distance + l), Lanes{});
-      if (!allLess(enough, least_apart))
-        step = smaller(step, ifLess(enough, least_apart, all(1e300), cautiousStep(pack, l, left, d)));
+      const Lanes enough = 0.5 * load(pack.distance + l),
+                  apart = ifPositive(load(pack.range + l), smallestApart(pack, at), all(1e300));
+      if (!allLess(enough, apart))
+        step = smaller(step, ifLess(enough, apart, all(1e300), cautiousStep(pack, l, left, d)));
     }
     most = least(step);
   }
@@ -361,9 +364,8 @@ int firstPassing(const PairPack* packs, const PairBound* bounds, int begin, int 
     if (gapNow(bounds[p], way.travelled) > way.longest) continue;
     const PairPack& pack = packs[p];
     for (int l = 0; l < kPack; l += kLanes) {
-      Lanes apart = ifPositive(load(pack.range + l), smallestAlong(pack, l, way.from), all(1.0));
-      apart = ifPositive(load(pack.range + l), smaller(apart, smallestAlong(pack, l, way.to)), apart);
-      if (!allLess(Lanes{}, apart)) return p;
+      const Lanes apart = smaller(smallestApart(pack, l, way.from), smallestApart(pack, l, way.to));
+      if (!allLess(Lanes{}, ifPositive(load(pack.range + l), apart, all(1.0)))) return p;
     }
   }
   return end;

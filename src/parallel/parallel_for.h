@@ -29,7 +29,7 @@ using Sums = Eigen::Array<double, 6, 1>;
 /// one thread; their number doubles with each such region in a row.
 class Backoff {
  public:
-  /// What a region has shown.
+  /// Measurements of a region.
   struct Region {
     double lost;        ///< time in which the caller waited or had no core [s]
     double all;         ///< time that the region took [s]

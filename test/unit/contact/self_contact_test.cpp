@@ -559,7 +559,7 @@ TEST(SelfContact, PinsStopBeforeTheyMeet) {
   EXPECT_TRUE(std::isfinite(simulation.energy().total()));
 }
 
-/// What steps did whose solves have one iteration each, because no time is left.
+/// Outcome of steps whose solves have one iteration each, because no time is left.
 struct CutShort {
   int in_part = 0, failed = 0;
 
