@@ -15,6 +15,7 @@ from child import Child
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SIMULATE = ROOT / "build/devel/lib/haptic_cloth/simulate"
+PAGES = ROOT / "docs/experiments"
 SCENES = ROOT / "bench/scenes"
 
 
@@ -333,7 +334,7 @@ def wait_policy():
 def add_arguments(parser):
     """Adds the arguments that all scripts have in common."""
     parser.add_argument("--simulate", metavar="PATH", default=SIMULATE, help="the program (default: %(default)s)")
-    parser.add_argument("--out", metavar="DIR", type=pathlib.Path, default=ROOT / "docs/experiments",
+    parser.add_argument("--out", metavar="DIR", type=pathlib.Path, default=PAGES,
                         help="where tables and data go (default: %(default)s)")
     parser.add_argument("--cache", metavar="DIR", type=pathlib.Path, default=CACHE,
                         help="where runs go and references stay (default: %(default)s)")
@@ -356,6 +357,9 @@ def run_main(name, main):
 
 
 def size_of(arguments):
+    """Size of the scenes. Those of --smoke measure nothing, so they must not replace the pages."""
+    if arguments.smoke and arguments.out.resolve() == PAGES:
+        raise BenchError("--smoke measures nothing: name a folder other than %s with --out" % PAGES)
     return "smoke" if arguments.smoke else "quick" if arguments.quick else "full"
 
 
