@@ -119,12 +119,8 @@ set_tests_properties(readme_example PROPERTIES PASS_REGULAR_EXPRESSION "force on
 foreach(bench chart resolution coarse_start time_order table1 peers_table savings force_error realtime active_limit
     threads scaling)
   set(scratch "${PROJECT_BINARY_DIR}/bench_${bench}")
-  set(picture)
-  if(bench STREQUAL table1)
-    set(picture --image "${scratch}/table1.png")
-  endif()
   add_test(NAME bench_${bench}_smoke COMMAND "${PROJECT_SOURCE_DIR}/bench/${bench}" --smoke
-    --simulate $<TARGET_FILE:simulate> --cache "${scratch}" --out "${scratch}" ${picture})
+    --simulate $<TARGET_FILE:simulate> --cache "${scratch}" --out "${scratch}")
 endforeach()
 if(TARGET kernel_times)
   add_test(NAME bench_kernels_smoke COMMAND "${PROJECT_SOURCE_DIR}/bench/kernels" --smoke
