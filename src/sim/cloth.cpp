@@ -40,6 +40,7 @@ Cloth::Cloth(const Scene& scene)
   if (internal_.hasMemory()) history_.emplace(grid_);
   nodes_.reserve(grid_.particles());
   velocities_.reserve(grid_.particles());
+  middle_.reserve(grid_.particles());
   weight_.reserve(grid_.particles());
   integrator_.prepare(state_);
   gatherNodes();
@@ -65,6 +66,13 @@ void Cloth::takeMesh() {
   internal_.resize();
   gatherNodes();
   updateNormals();
+}
+
+void Cloth::updateNormals() {
+  const double half = 0.5 * integrator_.stepLength();
+  middle_.resize(mesh_.nodes());
+  for (int n = 0; n < mesh_.nodes(); ++n) middle_.set(n, nodes_[n] + half * velocities_[n]);
+  internal_.setNormals(middle_);
 }
 
 double Cloth::changeMesh(Adaptation& adaptation, long tick) {

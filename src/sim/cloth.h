@@ -63,8 +63,8 @@ class Cloth {
   /// the energy that they add counts as created by it.
   void setPositions(const std::vector<Vec3>& positions) { state_.position = positions; }
 
-  /// Turns the surface normals to the current positions.
-  void updateNormals() { internal_.setNormals(nodes_); }
+  /// Turns the surface normals to where the velocities lead the nodes by the middle of the step.
+  void updateNormals();
 
   /// Makes the planned changes of the mesh and hands the state over. @return energy created [J]
   double changeMesh(Adaptation& adaptation, long tick);
@@ -111,6 +111,7 @@ class Cloth {
   ParticleState state_;
   MovingPins pins_;
   Field nodes_, velocities_;  ///< state_ by node
+  Field middle_;              ///< nodes in the middle of the step, scratch of updateNormals() [m]
   TimeIntegrator integrator_;
   std::vector<double> weight_;
   InternalEnergy internal_;

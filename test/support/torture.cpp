@@ -168,15 +168,18 @@ class Run {
     if (wanted_.after) wanted_.after(world_, result_.steps - 1);
   }
 
-  /// Bending energy that the next step creates by turning the surface normals [J]. It is measured
-  /// on a copy, because the step makes its mesh decisions with the old normals.
+  /// Bending energy that the next step creates by turning the surface normals to its middle [J]. It is
+  /// measured on a copy, because the step makes its mesh decisions with the old normals.
   double madeByTurning() const {
     InternalEnergy internal = cloth().internal();
     const auto bending = [&] {
       return internal.evaluate(internal.gather().firstTriple(), internal.size(), cloth().nodes()).bend;
     };
-    const double before = bending();
-    internal.setNormals(cloth().nodes());
+    const double before = bending(), half = 0.5 * length(result_.steps) * world_.scene().solver.time_step;
+    Field middle = cloth().nodes();
+    for (int n = 0; n < cloth().mesh().nodes(); ++n)
+      middle.set(n, middle[n] + half * cloth().velocities()[n]);
+    internal.setNormals(middle);
     return std::max(0.0, bending() - before);
   }
 
