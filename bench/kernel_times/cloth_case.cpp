@@ -111,6 +111,17 @@ ClothCase::Iterations ClothCase::minimize(Objective& potential, int iterations) 
   return {report.iterations, report.evaluations, report.seconds, cpu};
 }
 
+void ClothCase::lookAtMesh() {
+  const AdaptOptions& adapt = scene().adapt;
+  const TurnEstimate::View view = world_->turnView();
+  TurnEstimate& turns = world_->turns_;
+  turns.begin(view, std::min(adapt.refine_above, adapt.coarsen_below));
+  adaptation_.plan(
+      0, nodes(), {}, cloth().leaves(), mesh(), cloth().state(),
+      [&](const Cell& cell, int parts, double enough) { return turns.turn(view, cell, parts, enough); },
+      [](const Cell&, int, double) { return true; });
+}
+
 ClothCase::Iterations ClothCase::iterate(int iterations) { return minimize(objective(), iterations); }
 
 ClothCase::Iterations ClothCase::iterateVectors(int iterations) {

@@ -161,9 +161,7 @@ void addStep(ClothCase& cloth, std::vector<Pass>& passes) {
     passes.push_back({name, "step", -1.0, -1.0, std::move(run)});
   };
   add("look at the mesh", [&cloth] {
-    const auto nothing_hidden = [](const Cell&, int) { return 0.0; };
-    cloth.adaptation().plan(0, cloth.nodes(), cloth.internal(), {}, cloth.cloth().leaves(), cloth.mesh(),
-                            cloth.cloth().state(), nothing_hidden, [](const Cell&, double) { return true; });
+    cloth.lookAtMesh();
     return 0.0;
   });
   add("normals", [&internal, &x] {

@@ -51,9 +51,9 @@ struct AdaptOptions {
   StartMesh start = StartMesh::Finest;  ///< initial mesh of `Amrc`; the other strategies fix theirs
   int levels = 2;                       ///< L: the coarsest cell is 2^L finest cells wide
   int interval = 3;                     ///< time steps between two mesh decisions; a longer step decides once
-  double refine_above = 0.60;           ///< cells split above this turning angle at a triple [rad]
+  double refine_above = 0.70;           ///< cells split above this turning angle at a triple [rad]
   /// Four siblings merge below this turning angle, measured on their parent [rad].
-  double coarsen_below = 0.30;
+  double coarsen_below = 0.35;
   /// Cells split if tensile strain differs by more than this between their corners [-].
   double refine_above_strain = 0.005;
   /// Four siblings merge if it differs by less than this on their parent [-].

@@ -37,6 +37,21 @@ void ContactSet::collect(const ActiveMesh& mesh, const Field& nodes, const std::
   gather_.rebuild(samples_, mesh.nodes());
 }
 
+bool ContactSet::maySink(const ActiveMesh& mesh, const Field& nodes, const Cell& cell, double moved) const {
+  constexpr double kSinks = 0.5;  // [ranges of the law]
+  if (moved <= kSinks * law_.range()) return false;
+  const int half = cell.span() / 2;
+  for (int k = 0; k < obstacles(); ++k) {
+    for (const int j : {cell.j, cell.j + half, cell.j + cell.span()}) {
+      for (const int i : {cell.i, cell.i + half, cell.i + cell.span()}) {
+        const int n = mesh.node[grid_.particle(i, j)];
+        if (n >= 0 && obstacle(k).distance(nodes[n]).value < law_.range() + moved) return true;
+      }
+    }
+  }
+  return false;
+}
+
 ContactSet::Energy ContactSet::evaluate(int begin, int end, const Field& nodes) {
   const int samples = samples_.size();
   Energy energy = forces_.evaluate(std::min(begin, samples), std::min(end, samples), nodes);

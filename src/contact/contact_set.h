@@ -91,6 +91,9 @@ class ContactSet {
     return !self_ || self_->hasRoom(mesh, nodes, cell, moved);
   }
 
+  /// Tells whether the surface in a cell could sink into an obstacle if it moved by `moved` [m].
+  bool maySink(const ActiveMesh& mesh, const Field& nodes, const Cell& cell, double moved) const;
+
   /// Starts a step, in which all parts may turn out to be smooth; see ClothTree.
   void forgetRough() {
     if (self_) self_->forgetRough();

@@ -15,7 +15,7 @@ Adaptation::Adaptation(const AdaptOptions& options, const Grid& grid)
       splits_(grid.cells(), 0),
       merge_transfer_(grid) {
   for (auto* list : {&leaves_, &marked_, &merged_, &split_}) list->reserve(grid.cells());
-  for (auto* list : {&curvature_, &strain_[kWarp], &strain_[kWeft]}) list->reserve(grid.particles());
+  for (auto& strains : strain_) strains.reserve(grid.particles());
   edges_.reserve(grid.particles());
 }
 
@@ -44,29 +44,29 @@ bool Adaptation::startDecision(long tick) {
   return true;
 }
 
-bool Adaptation::plan(long tick, const Field& nodes, const InternalEnergy& internal, const FineRegions& fine,
-                      const LeafMesh& leaves, const ActiveMesh& mesh, const ParticleState& state,
-                      const HiddenTurn& hidden, const Room& room) {
-  measureCurvature(nodes, internal, mesh);
+bool Adaptation::plan(long tick, const Field& nodes, const FineRegions& fine, const LeafMesh& leaves,
+                      const ActiveMesh& mesh, const ParticleState& state, const Turn& turn,
+                      const Room& room) {
   measureStrain(nodes, mesh);
   leaves.leaves(leaves_);
   marked_.clear();
   merged_.clear();
   for (const Cell& cell : leaves_) {
     if (!refines() || cell.level == 0) continue;
-    const bool varies = turning(cell, 1, mesh) > options_.refine_above ||
-                        strainDifference(cell, 1, mesh) > options_.refine_above_strain;
-    if (varies || touches(fine, cell, state.position) || hidden(cell, 1) > options_.refine_above)
+    const bool strains = strainDifference(cell, 1, mesh) > options_.refine_above_strain ||
+                         shortening(cell, state.position) > options_.refine_above_strain;
+    if (strains || touches(fine, cell, state.position) ||
+        turn(cell, 1, options_.refine_above) > options_.refine_above)
       marked_.push_back(cell);
   }
   for (const Cell& cell : leaves_) {
     if (!coarsens() || !hasParent(cell)) continue;
     const Cell parent{cell.i, cell.j, cell.level + 1};
-    if (mayMerge(parent, tick, fine, leaves, mesh, state, hidden, room)) merged_.push_back(parent);
+    if (mayMerge(parent, tick, fine, leaves, mesh, state, turn, room)) merged_.push_back(parent);
   }
   findSplits(leaves);
   for (const Cell& cell : split_)
-    crowded_[grid_.cell(cell.i, cell.j)] = !room(cell, movedBySplit(grid_, cell, state.position));
+    crowded_[grid_.cell(cell.i, cell.j)] = !room(cell, 1, movedBySplit(grid_, cell, state.position));
   merged_.erase(std::remove_if(merged_.begin(), merged_.end(),
                                [&](const Cell& parent) { return touchesSplit(parent, leaves); }),
                 merged_.end());
@@ -103,15 +103,6 @@ bool Adaptation::touches(const FineRegions& fine, const Cell& cell,
   });
 }
 
-void Adaptation::measureCurvature(const Field& nodes, const InternalEnergy& internal,
-                                  const ActiveMesh& mesh) {
-  curvature_.assign(mesh.nodes(), 0.0);
-  for (int t = 0; t < static_cast<int>(mesh.triples.size()); ++t) {
-    double& largest = curvature_[mesh.triples[t].c];
-    largest = std::max(largest, std::abs(internal.curvature(t, nodes)));
-  }
-}
-
 void Adaptation::measureStrain(const Field& nodes, const ActiveMesh& mesh) {
   for (const int direction : {kWarp, kWeft}) {
     std::vector<double>& strains = strain_[direction];
@@ -129,21 +120,8 @@ void Adaptation::measureStrain(const Field& nodes, const ActiveMesh& mesh) {
   }
 }
 
-/// Turning angle over a cell [rad], from the particles at its corners (parts 1) or at the corners
-/// of its four children (parts 2).
-double Adaptation::turning(const Cell& cell, int parts, const ActiveMesh& mesh) const {
-  double largest = 0.0;
-  const int step = cell.span() / parts;
-  for (int j = 0; j <= parts; ++j) {
-    for (int i = 0; i <= parts; ++i) {
-      largest =
-          std::max(largest, curvature_[mesh.node[grid_.particle(cell.i + i * step, cell.j + j * step)]]);
-    }
-  }
-  return largest * length(cell);
-}
-
-/// Largest difference of strain among the same particles, in one direction.
+/// Largest difference of strain, in one direction, among the particles at a cell's corners (parts 1) or at
+/// the corners of its four children (parts 2).
 double Adaptation::strainDifference(const Cell& cell, int parts, const ActiveMesh& mesh) const {
   double difference = 0.0;
   const int step = cell.span() / parts;
@@ -159,6 +137,18 @@ double Adaptation::strainDifference(const Cell& cell, int parts, const ActiveMes
     difference = std::max(difference, most - least);
   }
   return difference;
+}
+
+/// Strain by which the middle lines of a cell are shorter than its sides, which are not parallel if it is
+/// twisted. A split would store the energy of that strain at once.
+double Adaptation::shortening(const Cell& cell, const std::vector<Vec3>& positions) const {
+  const auto c = cell.corners(grid_);
+  const auto between = [&](int a0, int b0, int a1, int b1) {
+    const Vec3 side = positions[b0] - positions[a0], opposite = positions[b1] - positions[a1];
+    const double sides = side.norm() + opposite.norm();
+    return sides > 0.0 ? 1.0 - (side + opposite).norm() / sides : 0.0;
+  };
+  return std::max(between(c[0], c[1], c[2], c[3]), between(c[0], c[2], c[1], c[3]));
 }
 
 /// Tells whether a cell may merge with siblings; only the lower left one of four answers yes.
@@ -181,7 +171,7 @@ void Adaptation::mergeCells(long tick, LeafMesh& leaves, ActiveMesh& mesh, Parti
 }
 
 bool Adaptation::mayMerge(const Cell& parent, long tick, const FineRegions& fine, const LeafMesh& leaves,
-                          const ActiveMesh& mesh, const ParticleState& state, const HiddenTurn& hidden,
+                          const ActiveMesh& mesh, const ParticleState& state, const Turn& turn,
                           const Room& room) const {
   const int half = parent.span() / 2;
   for (const int j : {parent.j, parent.j + half}) {
@@ -189,10 +179,11 @@ bool Adaptation::mayMerge(const Cell& parent, long tick, const FineRegions& fine
       if (tick - born_[grid_.cell(i, j)] < options_.minimum_age) return false;
     }
   }
-  return leaves.canMerge(parent) && turning(parent, 2, mesh) < options_.coarsen_below &&
-         strainDifference(parent, 2, mesh) < options_.coarsen_below_strain &&
-         !touches(fine, parent, state.position) && hidden(parent, 2) < options_.coarsen_below &&
-         room(parent, movedByMerge(grid_, parent, state.position));
+  return leaves.canMerge(parent) && strainDifference(parent, 2, mesh) < options_.coarsen_below_strain &&
+         shortening(parent, state.position) < options_.coarsen_below_strain &&
+         !touches(fine, parent, state.position) &&
+         turn(parent, 2, options_.coarsen_below) < options_.coarsen_below &&
+         room(parent, 2, movedByMerge(grid_, parent, state.position));
 }
 
 /// Lists the leaves that apply() will split: the marked ones, and for balance coarser neighbours.

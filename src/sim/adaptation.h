@@ -7,7 +7,6 @@
 #include <functional>
 #include <vector>
 
-#include "energy/internal_energy.h"
 #include "haptic_cloth/options.h"
 #include "mesh/active_mesh.h"
 #include "mesh/transfer.h"
@@ -21,10 +20,9 @@ struct FineRegion {
 };
 using FineRegions = std::vector<FineRegion>;
 
-/// Mesh decisions from curvature, strain and hidden load. The bending cost of a triple, ½ B κ² A,
-/// enters as the turning angle κ l over the cell, so one threshold suits any fabric, size and
-/// resolution. The stretch cost enters as the difference of strain over a cell, which a larger cell
-/// cannot represent. Slack threads (strain below zero) count as unstrained.
+/// Mesh decisions from turning angles and strain. The stretch cost enters as the difference of strain
+/// over a cell, which a larger cell cannot represent, and as the strain that its split would create.
+/// Slack threads (strain below zero) count as unstrained in the first.
 class Adaptation {
  public:
   Adaptation(const AdaptOptions& options, const Grid& grid);
@@ -59,20 +57,19 @@ class Adaptation {
   /// Tells whether decisions can change the mesh.
   bool changesMesh() const { return refines() || coarsens(); }
 
-  /// Turning angle [rad] under the load that a cell hides: of a leaf (parts 1) or of the parent of
-  /// four leaves (parts 2).
-  using HiddenTurn = std::function<double(const Cell& cell, int parts)>;
+  /// Turning angle of a leaf (parts 1) or of the parent of four leaves (parts 2) [rad]; see
+  /// TurnEstimate::turn().
+  using Turn = std::function<double(const Cell& cell, int parts, double enough)>;
 
-  /// Tells whether the surface of a leaf or of the parent of four has room to move by a distance [m]
-  /// without meeting another part of the cloth.
-  using Room = std::function<bool(const Cell& cell, double moved)>;
+  /// Tells whether the surface of a leaf that splits (parts 1) or of a parent whose leaves merge (parts 2)
+  /// has room to move by a distance [m].
+  using Room = std::function<bool(const Cell& cell, int parts, double moved)>;
 
   /// Decides all splits and merges from the current mesh.
   /// @param nodes positions of the nodes [m]
   /// @return whether apply() has anything to do
-  bool plan(long tick, const Field& nodes, const InternalEnergy& internal, const FineRegions& fine,
-            const LeafMesh& leaves, const ActiveMesh& mesh, const ParticleState& state,
-            const HiddenTurn& hidden, const Room& room);
+  bool plan(long tick, const Field& nodes, const FineRegions& fine, const LeafMesh& leaves,
+            const ActiveMesh& mesh, const ParticleState& state, const Turn& turn, const Room& room);
 
   /// Makes the planned changes: rebuilds `mesh` and hands the state over.
   void apply(long tick, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
@@ -81,18 +78,16 @@ class Adaptation {
   static constexpr long kNever = -1;
   static constexpr long kLongAgo = LONG_MIN / 4;  ///< beyond any minimum_age before any tick
 
-  void measureCurvature(const Field& nodes, const InternalEnergy& internal, const ActiveMesh& mesh);
   void measureStrain(const Field& nodes, const ActiveMesh& mesh);
-  double turning(const Cell& cell, int parts, const ActiveMesh& mesh) const;
   double strainDifference(const Cell& cell, int parts, const ActiveMesh& mesh) const;
+  double shortening(const Cell& cell, const std::vector<Vec3>& positions) const;
   void mergeCells(long tick, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
   void splitCells(long tick, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
   bool hasParent(const Cell& cell) const;
   bool refines() const;
   bool coarsens() const;
   bool mayMerge(const Cell& parent, long tick, const FineRegions& fine, const LeafMesh& leaves,
-                const ActiveMesh& mesh, const ParticleState& state, const HiddenTurn& hidden,
-                const Room& room) const;
+                const ActiveMesh& mesh, const ParticleState& state, const Turn& turn, const Room& room) const;
   template <class Visit>
   void forNeighbours(const Cell& cell, const Visit& visit) const;
   void findSplits(const LeafMesh& leaves);
@@ -102,7 +97,6 @@ class Adaptation {
 
   AdaptOptions options_;
   Grid grid_;
-  std::vector<double> curvature_;  ///< largest |κ| at a node [1/m]
   /// Mean strain of a node's edges by direction, 0 if slack [-].
   std::array<std::vector<double>, 2> strain_;
   std::vector<int> edges_;  ///< edges at each node, scratch of measureStrain()

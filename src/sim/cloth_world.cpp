@@ -32,7 +32,7 @@ ClothWorld::ClothWorld(const Scene& scene)
       probes_(static_cast<int>(scene_.probes.size())),
       grasps_(probes_.count(), cloth_.grid()),
       adaptation_(scene_.adapt, cloth_.grid()),
-      load_(scene_.cloth.fabric, cloth_.grid(), scene_.gravity),
+      turns_(scene_.cloth.fabric, cloth_.grid(), scene_.gravity),
       sleep_(cloth_.grid(), scene_.solver.cost == Cost::Condensed ? scene_.solver.sleep_speed : 0.0),
       solver_(scene_, cloth_, contacts_, probes_, sleep_, team_),
       energy_(cloth_, solver_.objective()),
@@ -104,19 +104,20 @@ bool ClothWorld::planMesh() {
                  size = scene_.probes[k].radius + 0.5 * scene_.probes[k].length;
     if (probe.present) fine_.push_back({probe.proxy, size + reach + ahead});
   }
-  const LoadEstimate::View view = loadView();
-  load_.begin(view, std::min(scene_.adapt.refine_above, scene_.adapt.coarsen_below));
+  const TurnEstimate::View view = turnView();
+  turns_.begin(view, std::min(scene_.adapt.refine_above, scene_.adapt.coarsen_below));
   bool asked = false;  // most decisions change nothing
   return adaptation_.plan(
-      ticks_, cloth_.nodes(), cloth_.internal(), fine_, cloth_.leaves(), cloth_.mesh(), cloth_.state(),
-      [&](const Cell& cell, int parts) { return load_.turn(view, cell, parts); },
-      [&](const Cell& cell, double moved) {
+      ticks_, cloth_.nodes(), fine_, cloth_.leaves(), cloth_.mesh(), cloth_.state(),
+      [&](const Cell& cell, int parts, double enough) { return turns_.turn(view, cell, parts, enough); },
+      [&](const Cell& cell, int parts, double moved) {
+        if (parts == 2 && contacts_.maySink(cloth_.mesh(), cloth_.nodes(), cell, moved)) return false;
         if (!std::exchange(asked, true)) contacts_.beginChange(cloth_.mesh(), cloth_.nodes());
         return contacts_.hasRoom(cloth_.mesh(), cloth_.nodes(), cell, moved);
       });
 }
 
-LoadEstimate::View ClothWorld::loadView() {
+TurnEstimate::View ClothWorld::turnView() {
   touches_.clear();
   for (int k = 0; k < probes_.count(); ++k) {
     const ProbeReport& probe = probes_.reports()[k];
@@ -287,7 +288,7 @@ void ClothWorld::serialize(Archive& archive) {
   cloth_.serialize(archive);
   if (archive.loads()) solver_.resize();
   adaptation_.serialize(archive, ticks_);
-  load_.serialize(archive);
+  turns_.serialize(archive);
   archive("rest", sleep_);
   archive("contacts", contacts_);
   probes_.serialize(archive);

@@ -13,10 +13,10 @@
 #include "sim/force_error.h"
 #include "sim/grasps.h"
 #include "sim/idle_tracker.h"
-#include "sim/load_estimate.h"
 #include "sim/probes.h"
 #include "sim/sleep_tracker.h"
 #include "sim/step_solver.h"
+#include "sim/turn_estimate.h"
 #include "state/archive.h"
 
 namespace haptic_cloth {
@@ -69,7 +69,7 @@ class ClothWorld {
   double created() const { return energy_.created(); }
 
   /// Inputs of the next mesh decision's load estimate; valid until the next call.
-  LoadEstimate::View loadView();
+  TurnEstimate::View turnView();
 
  private:
   friend class ClothCase;  // bench/kernel_times measures single passes
@@ -93,7 +93,7 @@ class ClothWorld {
   Probes probes_;
   Grasps grasps_;
   Adaptation adaptation_;
-  LoadEstimate load_;
+  TurnEstimate turns_;
   SleepTracker sleep_;
   StepSolver solver_;
   EnergyBalance energy_;
@@ -102,7 +102,7 @@ class ClothWorld {
   long steps_ = 0, ticks_ = 0;
   Vec3 support_force_ = Vec3::Zero();
   FineRegions fine_;                          ///< scratch of planMesh()
-  std::vector<LoadEstimate::Touch> touches_;  ///< scratch of loadView()
+  std::vector<TurnEstimate::Touch> touches_;  ///< scratch of turnView()
   std::vector<char> ejected_, jumped_;        ///< scratch of accept(): one flag for each node
 };
 

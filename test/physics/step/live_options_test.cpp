@@ -136,8 +136,8 @@ TEST(LiveOptions, WhatIsRefusedChangesNothing) {
   expect("solver.tolerance = nan: must be >= 0", [](Scene& s) { s.solver.minimizer.tolerance = kNaN; });
   expect("solver.max_iterations = 0: must be >= 1", [](Scene& s) { s.solver.minimizer.max_iterations = 0; });
   expect("air_damping = -1: must be >= 0", [](Scene& s) { s.air_damping = -1.0; });
-  expect("adapt.coarsen_below = 0.7: must be below adapt.refine_above = 0.6", [](Scene& s) {
-    s.adapt.coarsen_below = 0.7;
+  expect("adapt.coarsen_below = 0.8: must be below adapt.refine_above = 0.7", [](Scene& s) {
+    s.adapt.coarsen_below = 0.8;
     s.solver.minimizer.tolerance = 0.5;  // valid by itself, but in the same set
   });
   expect("solver.time_step: cannot change", [](Scene& s) { s.solver.time_step = 2e-3; });

@@ -66,7 +66,7 @@ class Shadow {
  public:
   explicit Shadow(const ClothWorld& world)
       : adaptation_(world.scene().adapt, world.cloth().grid()),
-        load_(world.scene().cloth.fabric, world.cloth().grid(), world.scene().gravity) {}
+        turns_(world.scene().cloth.fabric, world.cloth().grid(), world.scene().gravity) {}
 
   void setOptions(const AdaptOptions& options) { adaptation_.setOptions(options); }
 
@@ -77,12 +77,16 @@ class Shadow {
   std::optional<Change> change(ClothWorld& world, const FineRegions& fine = {}) {
     if (!adaptation_.startDecision(world.ticks())) return std::nullopt;
     const Cloth& cloth = world.cloth();
-    const LoadEstimate::View view = world.loadView();
-    load_.begin(view, std::min(world.scene().adapt.refine_above, world.scene().adapt.coarsen_below));
+    const TurnEstimate::View view = world.turnView();
+    turns_.begin(view, std::min(world.scene().adapt.refine_above, world.scene().adapt.coarsen_below));
     if (!adaptation_.plan(
-            world.ticks(), cloth.nodes(), cloth.internal(), fine, cloth.leaves(), cloth.mesh(), cloth.state(),
-            [&](const Cell& cell, int parts) { return load_.turn(view, cell, parts); },
-            [](const Cell&, double) { return true; })) {
+            world.ticks(), cloth.nodes(), fine, cloth.leaves(), cloth.mesh(), cloth.state(),
+            [&](const Cell& cell, int parts, double enough) {
+              return turns_.turn(view, cell, parts, enough);
+            },
+            [&](const Cell& cell, int parts, double moved) {
+              return parts == 1 || !world.contacts().maySink(cloth.mesh(), cloth.nodes(), cell, moved);
+            })) {
       return std::nullopt;
     }
     const Fabric& fabric = world.scene().cloth.fabric;
@@ -110,7 +114,7 @@ class Shadow {
     for (int n = 0; n < mesh.nodes(); ++n) nodes.set(n, state.position[mesh.particle[n]]);
     mesh.interpolateGhosts(nodes);
     internal.resize();
-    internal.setNormals(nodes);
+    internal.setNormals(middle(world, mesh, state));
     for (const Cell& parent : adaptation_.merged()) history.merge(parent);
     for (const Cell& parent : adaptation_.split()) history.split(parent);
     internal.recall(nodes, history);
@@ -126,6 +130,19 @@ class Shadow {
   }
 
  private:
+  /// Where the velocities lead the nodes by the middle of a step.
+  static Field middle(const ClothWorld& world, const ActiveMesh& mesh, const ParticleState& state) {
+    const double half = 0.5 * world.scene().solver.time_step;
+    Field nodes;
+    nodes.resize(mesh.nodes());
+    for (int n = 0; n < mesh.nodes(); ++n) {
+      const int p = mesh.particle[n];
+      nodes.set(n, state.position[p] + half * state.velocity[p]);
+    }
+    mesh.interpolateGhosts(nodes);
+    return nodes;
+  }
+
   static double stored(const InternalEnergy& internal, const Field& nodes) {
     const InternalEnergy::Energy energy = internal.stored(nodes);
     return energy.stretch + energy.bend + energy.shear;
@@ -147,7 +164,7 @@ class Shadow {
   }
 
   Adaptation adaptation_;
-  LoadEstimate load_;
+  TurnEstimate turns_;
   std::vector<int> particles_;
 };
 

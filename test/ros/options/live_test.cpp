@@ -309,7 +309,7 @@ TEST_F(LiveTest, AnImpossibleValueIsRefusedAndTheOldOneStays) {
   refuse({{"probe/coupling_stiffness", -1.0}},
          "/haptic_cloth (live): probe.coupling_stiffness = -1: must be > 0");
   refuse({{"haptics/max_force", 1.0}, {"adapt/coarsen_below", 0.9}},
-         "/haptic_cloth (live): adapt.coarsen_below = 0.9: must be below adapt.refine_above = 0.6");
+         "/haptic_cloth (live): adapt.coarsen_below = 0.9: must be below adapt.refine_above = 0.7");
   refuse({{"haptics/rate", 0.0}}, "/haptic_cloth (live): haptics/rate = 0: must be in 1 to 10000");
   refuse({{"adapt/levels", 0}}, "/haptic_cloth (live): adapt/levels = 0: cannot change while the node runs");
   EXPECT_EQ(node_.param("/haptic_cloth/haptics/max_force", 3.3), 3.3) << "1 N never was in force";

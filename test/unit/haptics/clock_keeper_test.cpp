@@ -272,7 +272,7 @@ TEST(QualityLadder, BeginsWithTheSceneAndGetsCoarser) {
     EXPECT_NE(coarse.given_up, fine.given_up);
   }
   EXPECT_EQ(ladder[1].given_up, "tolerance 1, steps to 2 ms");
-  EXPECT_EQ(ladder[8].given_up, "tolerance 1, steps to 4 ms, mesh thresholds x 2.7, 10 iterations");
+  EXPECT_EQ(ladder[8].given_up, "tolerance 1, steps to 4 ms, mesh thresholds x 5, 10 iterations");
 }
 
 TEST(QualityLadder, ShowsStrainsOfAMeshThatGoesByStrainAlone) {
@@ -280,14 +280,14 @@ TEST(QualityLadder, ShowsStrainsOfAMeshThatGoesByStrainAlone) {
   adapt.refine_above = 5.0;  // beyond any turning angle
   const std::vector<Quality> ladder = qualityLadder(SolverOptions(), adapt, 4);
   EXPECT_EQ(ladder[2].given_up, "tolerance 1, steps to 2 ms, mesh thresholds x 2");
-  EXPECT_EQ(ladder[3].given_up, "tolerance 1, steps to 2 ms, mesh thresholds x 4");
-  EXPECT_EQ(ladder[4].given_up, "tolerance 1, steps to 4 ms, mesh thresholds x 4");
+  EXPECT_EQ(ladder[3].given_up, "tolerance 1, steps to 2 ms, mesh thresholds x 8");
+  EXPECT_EQ(ladder[4].given_up, "tolerance 1, steps to 2 ms, mesh thresholds x 32");
   EXPECT_EQ(ladder[4].solver.minimizer.max_iterations, SolverOptions().minimizer.max_iterations);
 }
 
 TEST(QualityLadder, KeepsThresholdsApartThatAreOneRoundingApart) {
   AdaptOptions adapt;
-  adapt.refine_above = 1.7232120318720756;  // 4/3 of both would be one number
+  adapt.refine_above = 1.7232120318720765;  // 5/3 of both would be one number
   adapt.coarsen_below = std::nextafter(adapt.refine_above, 0.0);
   for (const Quality& rung : qualityLadder(SolverOptions(), adapt, 4)) {
     EXPECT_LT(rung.adapt.coarsen_below, rung.adapt.refine_above) << rung.given_up;

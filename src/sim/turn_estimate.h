@@ -1,4 +1,4 @@
-/// Load that a straight cell hides, and how far the cell would bend under it.
+/// Turning angles of cells: those that the mesh shows, and those that straight cells hide.
 #pragma once
 
 #include <array>
@@ -12,7 +12,14 @@
 
 namespace haptic_cloth {
 
-/// Hidden turning angle of cells. A leaf is straight along its threads, whatever acts on it. A
+/// Turning angle of cells. The bending cost of a triple, ½ B κ² A, enters as the angle κ l over the
+/// cell, so one threshold suits any fabric, size and resolution.
+///
+/// Cloth that is pulled round a solid presses on it with T κ, κ its curvature. Cells that turn by φ
+/// make that tension wrong by about φ²/12, and with it friction. So the angle counts twice where
+/// T κ is more than any weight that the cloth could carry.
+///
+/// A leaf is straight along its threads, whatever acts on it. A
 /// particle that was merged away would feel the unbalanced load q [N/m²]: weight minus inertia and
 /// contact. With tension T and bending rigidity B the middle of a span of length L takes the
 /// curvature q / (T + 8B/L²), so the cell would turn by
@@ -33,12 +40,12 @@ namespace haptic_cloth {
 /// has a sixth of its strength when it returns, so cells farther away do not count.
 ///
 /// A cell that is compressed along its threads stays straight where finer cells would buckle, above
-/// the Euler load π² B/L² of a strip of its length. The compression over that load makes a turning
+/// the Euler load π² B/L² of a strip of its length. The compression over twice that load makes a turning
 /// angle as well. A tenth of the cell's weight is added to the load: as much may come from a solve
 /// that ends at its tolerance, and a fabric without bending rigidity has no Euler load. Compression
 /// counts for some time after it is over: a fold that forms has relieved its cells, but it would
 /// form differently if they merged.
-class LoadEstimate {
+class TurnEstimate {
  public:
   /// Probe that the cloth presses on.
   struct Touch {
@@ -47,7 +54,7 @@ class LoadEstimate {
     double force;   ///< [N]
   };
 
-  LoadEstimate(const Fabric& fabric, const Grid& grid, const Vec3& gravity);
+  TurnEstimate(const Fabric& fabric, const Grid& grid, const Vec3& gravity);
 
   /// Inputs of begin() and turn(); all must outlive these calls.
   struct View {
@@ -60,17 +67,18 @@ class LoadEstimate {
     const std::vector<double>& weight;
     double look_time;  ///< time between two mesh decisions [s]
     const std::vector<Touch>& touches;
-    /// Turn of a cell that misses kShare of the force, or is compressed by its Euler load [rad].
+    /// Turn of a cell that misses kShare of the force, or is compressed by twice its Euler load [rad].
     double split_turn;
   };
 
-  /// Measures tensions for later calls of turn(); to be called once for each mesh decision.
+  /// Measures tensions and curvatures for later calls of turn(); to be called once for each mesh decision.
   /// @param least smaller angles may count as zero [rad]
   void begin(const View& view, double least);
 
-  /// Turning angle of a leaf (parts 1) or of the parent of four leaves (parts 2) [rad]. @pre
-  /// begin() for the same mesh
-  double turn(const View& view, const Cell& cell, int parts) const;
+  /// Turning angle of a leaf (parts 1) or of the parent of four leaves (parts 2) [rad].
+  /// @param enough larger angles may come out smaller, but not below this [rad]
+  /// @pre begin() for the same mesh
+  double turn(const View& view, const Cell& cell, int parts, double enough) const;
 
   /// Saves or loads the compression of the particles.
   void serialize(Archive& archive);
@@ -79,6 +87,8 @@ class LoadEstimate {
   using Points = std::array<Vec3, 9>;
 
   void followCompression(const View& view, int direction);
+  void measureCurvature(const View& view);
+  double visible(const View& view, const Cell& cell, int parts) const;
   double turnUnder(double load, double tension, double length) const;
   double bend(const View& view, const Cell& cell, int parts) const;
   double missing(const View& view, const Cell& cell, int parts) const;
@@ -98,7 +108,8 @@ class LoadEstimate {
   std::array<std::vector<double>, 2> tension_;  ///< mean of a node's edges by direction [N/m]
   /// Compression of each particle by direction, which falls slowly [N/m].
   std::array<std::vector<double>, 2> compression_;
-  std::vector<int> edges_;  ///< edges at each node in one direction, scratch
+  std::vector<double> curvature_;  ///< largest |κ| at a node, doubled where it counts twice [1/m]
+  std::vector<int> edges_;         ///< edges at each node in one direction, scratch
 };
 
 }  // namespace haptic_cloth

@@ -1,4 +1,4 @@
-#include "sim/load_estimate.h"
+#include "sim/turn_estimate.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ double rigidity(const Loop& bending) {
 
 }  // namespace
 
-LoadEstimate::LoadEstimate(const Fabric& fabric, const Grid& grid, const Vec3& gravity)
+TurnEstimate::TurnEstimate(const Fabric& fabric, const Grid& grid, const Vec3& gravity)
     : grid_(grid),
       density_(fabric.areal_density),
       gravity_(referenceAcceleration(gravity)),
@@ -28,10 +28,11 @@ LoadEstimate::LoadEstimate(const Fabric& fabric, const Grid& grid, const Vec3& g
       range_(fabric.thickness) {
   for (auto& tension : tension_) tension.reserve(grid.particles());
   for (auto& compression : compression_) compression.assign(grid.particles(), kNone);
+  curvature_.reserve(grid.particles());
   edges_.reserve(grid.particles());
 }
 
-double LoadEstimate::turnUnder(double load, double tension, double length) const {
+double TurnEstimate::turnUnder(double load, double tension, double length) const {
   constexpr double kSag = 2.5;  // in thicknesses
   const double bending = 8.0 * (rigidity_[kWarp] + rigidity_[kWeft]) / (length * length);
   const double stiffness = tension + bending + 0.5 * density_ * gravity_ * length;
@@ -39,12 +40,12 @@ double LoadEstimate::turnUnder(double load, double tension, double length) const
   return sag > kSag * range_ ? turn : 0.0;
 }
 
-void LoadEstimate::serialize(Archive& archive) {
+void TurnEstimate::serialize(Archive& archive) {
   archive("compression.warp", compression_[kWarp]);
   archive("compression.weft", compression_[kWeft]);
 }
 
-void LoadEstimate::begin(const View& view, double least) {
+void TurnEstimate::begin(const View& view, double least) {
   least_ = least;
   const ActiveMesh& mesh = view.mesh;
   for (const int direction : {kWarp, kWeft}) {
@@ -63,11 +64,12 @@ void LoadEstimate::begin(const View& view, double least) {
     for (int n = 0; n < mesh.nodes(); ++n) tensions[n] /= std::max(1, edges_[n]);
     followCompression(view, direction);
   }
+  measureCurvature(view);
 }
 
 /// Compression of each particle: rises at once, so that cells split before they buckle, and falls
 /// slowly, so that they do not merge while a fold forms.
-void LoadEstimate::followCompression(const View& view, int direction) {
+void TurnEstimate::followCompression(const View& view, int direction) {
   constexpr double kFalls = 0.07;  // time constant [s]
   const double share = 1.0 - std::exp(-view.look_time / kFalls);
   for (int p = 0; p < grid_.particles(); ++p) {
@@ -82,14 +84,46 @@ void LoadEstimate::followCompression(const View& view, int direction) {
   }
 }
 
-double LoadEstimate::turn(const View& view, const Cell& cell, int parts) const {
-  return std::max({bend(view, cell, parts), missing(view, cell, parts), buckle(view, cell, parts)});
+/// Curvature of the nodes. It counts twice where tension presses the cloth on a solid harder than weight
+/// could.
+void TurnEstimate::measureCurvature(const View& view) {
+  constexpr double kPress = 2.0, kCounts = 2.0;  // over the weight of the cloth; times
+  curvature_.assign(view.mesh.nodes(), 0.0);
+  for (int t = 0; t < static_cast<int>(view.mesh.triples.size()); ++t) {
+    const Triple& triple = view.mesh.triples[t];
+    const double curvature = std::abs(view.internal.curvature(t, view.nodes));
+    const double pressure = tension_[triple.direction][triple.c] * curvature;
+    const double counts = pressure > kPress * density_ * gravity_ ? kCounts : 1.0;
+    curvature_[triple.c] = std::max(curvature_[triple.c], counts * curvature);
+  }
+}
+
+double TurnEstimate::turn(const View& view, const Cell& cell, int parts, double enough) const {
+  double largest = visible(view, cell, parts);
+  for (const auto hidden : {&TurnEstimate::bend, &TurnEstimate::missing, &TurnEstimate::buckle}) {
+    if (largest > enough) break;
+    largest = std::max(largest, (this->*hidden)(view, cell, parts));
+  }
+  return largest;
+}
+
+/// Turning angle over a cell, from the nodes at its corners or at the corners of its four children.
+double TurnEstimate::visible(const View& view, const Cell& cell, int parts) const {
+  const int step = cell.span() / parts;
+  double largest = 0.0;
+  for (int j = 0; j <= parts; ++j) {
+    for (int i = 0; i <= parts; ++i) {
+      const int particle = grid_.particle(cell.i + i * step, cell.j + j * step);
+      largest = std::max(largest, curvature_[view.mesh.node[particle]]);
+    }
+  }
+  return largest * cell.span() * std::max(grid_.dx, grid_.dy);
 }
 
 /// Turning angle of a cell if it could bend. The load is that on cloth which no obstacle carries,
 /// at most the weight of the cloth: a larger load is an impact, over before a cell bends. Above an
 /// uneven obstacle part of the cell will have to carry itself soon.
-double LoadEstimate::bend(const View& view, const Cell& cell, int parts) const {
+double TurnEstimate::bend(const View& view, const Cell& cell, int parts) const {
   const double length = cell.span() * std::max(grid_.dx, grid_.dy);
   if (turnUnder(density_ * gravity_, 0.0, length) <= least_) return 0.0;
   const Under below = under(view, cell, points(view, cell, parts));
@@ -105,7 +139,7 @@ double LoadEstimate::bend(const View& view, const Cell& cell, int parts) const {
 }
 
 /// Turning angle for the load of the cell that the force on a probe would lack.
-double LoadEstimate::missing(const View& view, const Cell& cell, int parts) const {
+double TurnEstimate::missing(const View& view, const Cell& cell, int parts) const {
   constexpr double kShare = 0.02, kLeast = 0.01;  // no device renders less force [N]
   if (view.touches.empty()) return 0.0;
   const double finest = std::max(grid_.dx, grid_.dy), length = cell.span() * finest;
@@ -117,15 +151,16 @@ double LoadEstimate::missing(const View& view, const Cell& cell, int parts) cons
 }
 
 /// Turning angle for the compression of a cell over the load at which finer cells would buckle.
-double LoadEstimate::buckle(const View& view, const Cell& cell, int parts) const {
+double TurnEstimate::buckle(const View& view, const Cell& cell, int parts) const {
   constexpr double kEuler = 9.8696;  // π²
+  constexpr double kOver = 2.0;      // over that load
   constexpr double kHeld = 0.1;      // of the cell's weight; solves leave as much unbalanced
   const int step = cell.span() / parts;
   double largest = 0.0;
   for (const int direction : {kWarp, kWeft}) {
     const double length = cell.span() * (direction == kWarp ? grid_.dx : grid_.dy);
     const double bears =
-        kEuler * rigidity_[direction] / (length * length) + kHeld * density_ * gravity_ * length;
+        kOver * (kEuler * rigidity_[direction] / (length * length) + kHeld * density_ * gravity_ * length);
     for (int line = 0; line <= parts; ++line) {
       double compression = 0.0;
       for (int k = 0; k <= parts; ++k) {
@@ -141,7 +176,7 @@ double LoadEstimate::buckle(const View& view, const Cell& cell, int parts) const
 }
 
 /// Smallest force on a probe that a wave from the cell reaches; infinite if there is none [N].
-double LoadEstimate::leastForce(const View& view, const Cell& cell) const {
+double TurnEstimate::leastForce(const View& view, const Cell& cell) const {
   constexpr double kWaves = 3.0;
   const double reach = 0.71 * cell.span() * std::max(grid_.dx, grid_.dy);  // distance from the
                                                                            // centre to a corner
@@ -157,7 +192,7 @@ double LoadEstimate::leastForce(const View& view, const Cell& cell) const {
 
 /// Largest weight of the nodes of a cell and of half a cell around it: waves travel that far before
 /// the mesh is fine enough for them. @pre not a finest cell
-double LoadEstimate::weightAround(const View& view, const Cell& cell) const {
+double TurnEstimate::weightAround(const View& view, const Cell& cell) const {
   const int half = cell.span() / 2, size = cell.span();
   double largest = 0.0;
   for (int j = std::max(0, cell.j - half); j <= std::min(grid_.rows - 1, cell.j + size + half); j += half) {
@@ -171,7 +206,7 @@ double LoadEstimate::weightAround(const View& view, const Cell& cell) const {
 }
 
 /// Corners, middles of the sides and centre of a cell, row by row.
-LoadEstimate::Points LoadEstimate::points(const View& view, const Cell& cell, int parts) const {
+TurnEstimate::Points TurnEstimate::points(const View& view, const Cell& cell, int parts) const {
   Points x;
   const int half = cell.span() / 2;
   for (int j = 0; j <= 2; ++j) {
@@ -189,7 +224,7 @@ LoadEstimate::Points LoadEstimate::points(const View& view, const Cell& cell, in
 
 /// Position of obstacles under the cell. Uneven: one is within reach and does not lie evenly under
 /// it.
-LoadEstimate::Under LoadEstimate::under(const View& view, const Cell& cell, const Points& points) const {
+TurnEstimate::Under TurnEstimate::under(const View& view, const Cell& cell, const Points& points) const {
   constexpr double kEven = 0.5, kTouches = 1.5;  // in ranges of contact
   // Largest distance of a place in the cell to the nearest point, in cell lengths.
   constexpr double kApart = 0.36;
