@@ -8,11 +8,11 @@ namespace {
 
 /// Time in which the lag must fall by a time step, or the rung is too slow [s].
 constexpr double kPatience = 0.03;
-/// Share of wall time that is lost at a rung that is far too slow. On a drape one rung makes steps 1.1 to 1.8
-/// times as fast and two make them 1.5 to 2.6 times as fast (quality_ladder.cpp), so one alone would not do.
+/// Share of wall time that is lost at a rung that is far too slow. On a drape one rung makes steps 1.1 to 1.9
+/// times as fast and two make them 1.5 to 3.1 times as fast (quality_ladder.cpp), so one alone would not do.
 constexpr double kMuch = 0.5;
-/// Load below which a better rung is tried: one costs up to 1.7 times the next (quality_ladder.cpp), and a
-/// sixth is left for what varies.
+/// Load below which a better rung is tried: one costs up to 1.9 times the next (quality_ladder.cpp), and a
+/// twentieth is left for what varies.
 constexpr double kRoom = 0.5;
 /// The time that a step takes grows with this power of its length. Measured: from 0.3 to 0.7, up to 0.95 on
 /// coarse meshes (docs/decisions/0028-the-node-keeps-the-clock.md).

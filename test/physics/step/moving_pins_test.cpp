@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "haptic_cloth/error.h"
+#include "sim/cloth_world.h"
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
@@ -31,6 +32,25 @@ Scene weightlessSheet(int columns, int rows, double length, double width) {
 
 void run(Simulation& simulation, double time) {
   while (simulation.time() < time - 1e-9) ASSERT_FALSE(simulation.step().failed);
+}
+
+/// A cell that turns by a in each step. Its velocities are the last step's way, so they lead to a position
+/// turned by a/2 to third order in a.
+TEST(MovingPins, NormalsAreThoseOfTheMiddleOfAStep) {
+  constexpr double kRate = 20.0;  // [rad/s]
+  Scene scene = weightlessSheet(2, 2, 0.02, 0.02);
+  pin(scene, 0, 1, 0, 1);
+  scene.cloth.pins[0].turn = Vec3(0.0, kRate, 0.0);
+  scene.cloth.pins[0].centre = scene.cloth.pose.position;
+  ClothWorld world(scene);
+  const double turn = kRate * scene.solver.time_step;
+  world.step();  // begins at rest
+  for (int step = 1; step <= 50; ++step) {
+    world.step();
+    const Vec3 normal = world.cloth().internal().normal(0);
+    const Vec3 middle = Eigen::AngleAxisd((step + 0.5) * turn, Vec3::UnitY()) * Vec3::UnitZ();
+    ASSERT_LE((normal - middle).norm(), tolerance(std::pow(turn, 3))) << step;
+  }
 }
 
 class TurnedSheet : public testing::TestWithParam<Integrator> {};

@@ -147,7 +147,7 @@ TEST(LiveOptions, ASetIsJudgedAsAWhole) {
   const LiveValues lower{{"adapt/refine_above", 0.2}, {"adapt/coarsen_below", 0.1}};
   EXPECT_EQ(refusal(options, lower), "");
   EXPECT_NE(refusal(options, {{"adapt/refine_above", 0.2}})
-                .find("adapt.coarsen_below = 0.3: must be below adapt.refine_above = 0.2"),
+                .find("adapt.coarsen_below = 0.35: must be below adapt.refine_above = 0.2"),
             std::string::npos);
   const LiveValues partly{{"air_damping", 3.0}, {"adapt/refine_above", 0.2}};
   EXPECT_NE(refusal(options, partly), "") << "not even what would be good by itself";

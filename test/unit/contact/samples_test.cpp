@@ -1,7 +1,7 @@
-/// Contact samples of coarse cells.
+/// Contact samples of coarse cells, and their room beside obstacles.
 /// Criteria: the energy of a cell tilted over a plane is ∫ψ(gap) dA. The trapezoidal rule of
 /// spacing δ has an error of at most δ²/12 · max|d²ψ/ds²| · A, with d²ψ/ds² = slope² · stiffness.
-/// Numbers of samples are counted.
+/// Numbers of samples are counted. The limits of room are those of docs/model.md (The adaptive mesh).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -65,6 +65,32 @@ TEST(Samples, OfAVeryFineGridStandNoCloserThanThePressureAsks) {
   const Tilted cell = tilted(6, 2.5e-5);  // 1.6 mm in 64 parts, 7 times half the range
   EXPECT_LT(std::abs(cell.energy), tolerance(cell.bound));
   EXPECT_LE(cell.samples, 64 + 2 * kPack);
+}
+
+TEST(ContactSet, ACoarseCellThatMovesMaySinkIntoAnObstacle) {
+  // One that moves by no more than half the range cannot pass the law's layer.
+  const Grid grid{3, 3, 1, 0.01, 0.01};
+  const LeafMesh leaves(grid, {}, 0);
+  const ActiveMesh mesh(leaves, 0.15);
+  Obstacle floor;
+  floor.shape = Shape::Plane;
+  Team team(1);
+  const ContactSet contacts(grid, {floor}, {}, {kRange, 1e-3, 1e-3}, team);
+  const auto maySink = [&](double gap, double moved) {
+    Field nodes;
+    nodes.clear(mesh.nodes());
+    for (int n = 0; n < mesh.nodes(); ++n) {
+      const int p = mesh.particle[n];
+      // Only the middle of one side is so near.
+      const double height = grid.column(p) == 2 && grid.row(p) == 1 ? gap : 0.1;
+      nodes.set(n, Vec3(0.01 * grid.column(p), 0.01 * grid.row(p), height));
+    }
+    return contacts.maySink(mesh, nodes, Cell{0, 0, 1}, moved);
+  };
+  EXPECT_FALSE(maySink(0.0, 0.49 * kRange));
+  EXPECT_TRUE(maySink(0.0, 0.51 * kRange));
+  EXPECT_TRUE(maySink(1.99 * kRange, kRange));
+  EXPECT_FALSE(maySink(2.01 * kRange, kRange));
 }
 
 }  // namespace
