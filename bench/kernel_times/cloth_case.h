@@ -43,7 +43,7 @@ class ClothCase {
   const Field& nodes() const { return nodes_; }    ///< the same, by node
   const Field& motion() const { return motion_; }  ///< the direction, by node
   const Motion& motionTerms() const { return terms_; }
-  void lookAtMesh();  ///< decides about the mesh, and changes nothing
+  void lookAtMesh();  ///< decides about the mesh without changing it
   const std::vector<double>& reach() const { return reach_; }
   Vector& scratch() { return scratch_; }
   Field& gradient() { return gradient_; }

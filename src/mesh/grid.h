@@ -1,6 +1,7 @@
 /// Finest grid of particles and index arithmetic of its nested levels.
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 namespace haptic_cloth {
@@ -27,6 +28,9 @@ struct Cell {
   int i, j, level;
 
   int span() const { return 1 << level; }
+
+  /// Longer side in the flat cloth [m].
+  double length(const Grid& grid) const { return span() * std::max(grid.dx, grid.dy); }
 
   /// Tells whether the two triangles of this leaf meet along the line from corner 0 to corner 3; else
   /// they meet from 1 to 2. The children of a leaf divide its triangles; mirror images have mirrored

@@ -90,14 +90,12 @@ void Adaptation::forNeighbours(const Cell& cell, const Visit& visit) const {
   }
 }
 
-double Adaptation::length(const Cell& cell) const { return cell.span() * std::max(grid_.dx, grid_.dy); }
-
 bool Adaptation::touches(const FineRegions& fine, const Cell& cell,
                          const std::vector<Vec3>& positions) const {
   if (fine.empty()) return false;
   const auto c = cell.corners(grid_);
   const Vec3 centre = 0.25 * (positions[c[0]] + positions[c[1]] + positions[c[2]] + positions[c[3]]);
-  const double reach = 0.71 * length(cell);
+  const double reach = 0.71 * cell.length(grid_);
   return std::any_of(fine.begin(), fine.end(), [&](const FineRegion& region) {
     return (centre - region.centre).norm() < region.radius + reach;
   });

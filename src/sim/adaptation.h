@@ -93,7 +93,6 @@ class Adaptation {
   void findSplits(const LeafMesh& leaves);
   bool touchesSplit(const Cell& parent, const LeafMesh& leaves) const;
   bool touches(const FineRegions& fine, const Cell& cell, const std::vector<Vec3>& positions) const;
-  double length(const Cell& cell) const;
 
   AdaptOptions options_;
   Grid grid_;

@@ -117,14 +117,14 @@ double TurnEstimate::visible(const View& view, const Cell& cell, int parts) cons
       largest = std::max(largest, curvature_[view.mesh.node[particle]]);
     }
   }
-  return largest * cell.span() * std::max(grid_.dx, grid_.dy);
+  return largest * cell.length(grid_);
 }
 
 /// Turning angle of a cell if it could bend. The load is that on cloth which no obstacle carries,
 /// at most the weight of the cloth: a larger load is an impact, over before a cell bends. Above an
 /// uneven obstacle part of the cell will have to carry itself soon.
 double TurnEstimate::bend(const View& view, const Cell& cell, int parts) const {
-  const double length = cell.span() * std::max(grid_.dx, grid_.dy);
+  const double length = cell.length(grid_);
   if (turnUnder(density_ * gravity_, 0.0, length) <= least_) return 0.0;
   const Under below = under(view, cell, points(view, cell, parts));
   if (below == Under::Even) return 0.0;
@@ -142,7 +142,7 @@ double TurnEstimate::bend(const View& view, const Cell& cell, int parts) const {
 double TurnEstimate::missing(const View& view, const Cell& cell, int parts) const {
   constexpr double kShare = 0.02, kLeast = 0.01;  // no device renders less force [N]
   if (view.touches.empty()) return 0.0;
-  const double finest = std::max(grid_.dx, grid_.dy), length = cell.span() * finest;
+  const double finest = std::max(grid_.dx, grid_.dy), length = cell.length(grid_);
   const double area = length * length - finest * finest;  // the finest mesh lacks its share, too
   const double turn_by_load = area / (kShare * std::max(kLeast, leastForce(view, cell))) * view.split_turn;
   if (density_ * gravity_ * turn_by_load <= least_) return 0.0;
@@ -178,8 +178,8 @@ double TurnEstimate::buckle(const View& view, const Cell& cell, int parts) const
 /// Smallest force on a probe that a wave from the cell reaches; infinite if there is none [N].
 double TurnEstimate::leastForce(const View& view, const Cell& cell) const {
   constexpr double kWaves = 3.0;
-  const double reach = 0.71 * cell.span() * std::max(grid_.dx, grid_.dy);  // distance from the
-                                                                           // centre to a corner
+  const double reach = 0.71 * cell.length(grid_);  // distance from the
+                                                   // centre to a corner
   Vec3 centre = Vec3::Zero();
   for (const int corner : cell.corners(grid_)) centre += 0.25 * view.nodes[view.mesh.node[corner]];
   double least = std::numeric_limits<double>::infinity();
@@ -230,7 +230,7 @@ TurnEstimate::Under TurnEstimate::under(const View& view, const Cell& cell, cons
   constexpr double kApart = 0.36;
   Vec3 velocity = Vec3::Zero();
   for (const int corner : cell.corners(grid_)) velocity += 0.25 * view.velocities[view.mesh.node[corner]];
-  const double length = cell.span() * std::max(grid_.dx, grid_.dy);
+  const double length = cell.length(grid_);
   const double looks = 2.0 * cell.level;  // decisions needed to reach the finest cells, times two
   const double reach = range_ + looks * view.look_time * velocity.norm();
   Under under = Under::Nothing;

@@ -9,12 +9,12 @@
 /// farther off, or this would prove nothing. A board does not drape: however coarse its mesh was
 /// before it met an obstacle, it ends where the finest mesh does, within half of the finest
 /// spacing. (Two converged solves of the finest mesh at 1 and 0.5 ms end up to 0.6 spacings apart
-/// in such drapes.) A cell that is compressed splits at twice the Euler load of its length
-/// plus a tenth of its weight (docs/decisions/0031), so a sheet that stands on its corners as one cell folds
-/// down like the finest mesh, with the bound for a coarse start above. (The finest mesh itself moves by 0.2
-/// mm there with half the step.) A drape of suiting from the finest mesh has the corner folds of the finest
-/// mesh: it ends nearer to that than the finest mesh with half the step does. Without that rule for cells of
-/// levels 1 and 2 it ended 2.5 times as far.
+/// in such drapes.) A cell that is compressed splits at twice the sum of the Euler load of
+/// its length and a tenth of its weight (docs/decisions/0031), so a sheet that stands on its corners as one
+/// cell folds down like the finest mesh, with the bound for a coarse start above. (The finest mesh itself
+/// moves by 0.2 mm there with half the step.) A drape of suiting from the finest mesh has the corner folds of
+/// the finest mesh: it ends nearer to that than the finest mesh with half the step does. Without that rule
+/// for cells of levels 1 and 2 it ended 2.5 times as far.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -17,36 +17,62 @@
 namespace haptic_cloth {
 namespace {
 
-TEST(TurnEstimate, CompressionRisesAtOnceAndFallsSlowly) {
-  constexpr int kSide = 5;
-  constexpr double kSize = 0.1, kSqueezed = 1e-3;
-  LinearFabric linear;
-  linear.rigidity = 1e-5;
-  Scene scene = sheetScene(makeFabric(linear), kSide, kSide, kSize, kSize);
-  setStrategy(scene, Strategy::Amrc, 2);
-  scene.gravity = Vec3::Zero();
-  ClothWorld world(scene);
-  TurnEstimate turns(scene.cloth.fabric, world.cloth().grid(), scene.gravity);
+/// Square weightless sheet of linear fabric, whose nodes a test puts where it likes.
+class TurnOfASheet : public testing::Test {
+ protected:
+  static constexpr int kSide = 5;
+  static constexpr double kSize = 0.1,
+                          kLength = 2.0 * kSize / (kSide - 1);  ///< of the sheet, of a parent [m]
 
-  const Cell parent{0, 0, 1};
-  const auto turnWhenSqueezed = [&](double squeezed) {
-    const TurnEstimate::View flat = world.turnView();
+  TurnOfASheet()
+      : linear_(linear()),
+        scene_(scene(linear_)),
+        world_(scene_),
+        turns_(scene_.cloth.fabric, world_.cloth().grid(), scene_.gravity) {}
+
+  /// Turning angle of the parent of four finest cells. @param place of a node, from its place in the flat
+  /// sheet
+  template <class Place>
+  double turn(const Place& place) {
+    const TurnEstimate::View flat = world_.turnView();
     Field nodes = flat.nodes;
-    for (int n = 0; n < flat.mesh.nodes(); ++n) {
-      const Vec3 x = flat.nodes[n];
-      nodes.set(n, Vec3((1.0 - squeezed) * x.x(), x.y(), x.z()));
-    }
+    for (int n = 0; n < flat.mesh.nodes(); ++n) nodes.set(n, place(flat.nodes[n]));
     const TurnEstimate::View view{flat.mesh,   flat.internal,  flat.contacts, nodes,          flat.velocities,
                                   flat.weight, flat.look_time, flat.touches,  flat.split_turn};
-    turns.begin(view, 0.0);
-    return turns.turn(view, parent, 2, std::numeric_limits<double>::infinity());
-  };
+    turns_.begin(view, 0.0);
+    return turns_.turn(view, Cell{0, 0, 1}, 2, std::numeric_limits<double>::infinity());
+  }
 
-  const double length = 2.0 * kSize / (kSide - 1);
-  const double bears = EIGEN_PI * EIGEN_PI * linear.rigidity / (length * length) +
-                       0.1 * linear.areal_density * 9.80665 * length;
-  const double full = scene.adapt.refine_above * linear.stiffness * kSqueezed / (2.0 * bears);
-  const double look_time = scene.adapt.interval * scene.solver.time_step;
+  const LinearFabric linear_;
+  const Scene scene_;
+
+ private:
+  static LinearFabric linear() {
+    LinearFabric linear;
+    linear.rigidity = 1e-5;
+    return linear;
+  }
+
+  static Scene scene(const LinearFabric& linear) {
+    Scene scene = sheetScene(makeFabric(linear), kSide, kSide, kSize, kSize);
+    setStrategy(scene, Strategy::Amrc, 2);
+    scene.gravity = Vec3::Zero();
+    return scene;
+  }
+
+  ClothWorld world_;
+  TurnEstimate turns_;
+};
+
+TEST_F(TurnOfASheet, CompressedRisesAtOnceAndFallsSlowly) {
+  constexpr double kSqueezed = 1e-3;
+  const auto turnWhenSqueezed = [&](double squeezed) {
+    return turn([&](const Vec3& x) { return Vec3((1.0 - squeezed) * x.x(), x.y(), x.z()); });
+  };
+  const double bears = EIGEN_PI * EIGEN_PI * linear_.rigidity / (kLength * kLength) +
+                       0.1 * linear_.areal_density * 9.80665 * kLength;
+  const double full = scene_.adapt.refine_above * linear_.stiffness * kSqueezed / (2.0 * bears);
+  const double look_time = scene_.adapt.interval * scene_.solver.time_step;
   EXPECT_NEAR(turnWhenSqueezed(0.0), 0.0, tolerance(1e-9) * full);
   const double first = turnWhenSqueezed(kSqueezed);
   EXPECT_NEAR(first, full, tolerance(1e-6) * full);
@@ -57,33 +83,17 @@ TEST(TurnEstimate, CompressionRisesAtOnceAndFallsSlowly) {
   EXPECT_NEAR(turnWhenSqueezed(kSqueezed), first, tolerance(1e-9) * full);
 }
 
-TEST(TurnEstimate, CountsTwiceWhereClothIsPulledRoundASolid) {
+TEST_F(TurnOfASheet, PulledRoundASolidCountsTwice) {
   // A parabola of curvature κ; its slopes add less than 0.4 N/m to the tension, 13 % of the limit 2 ρ g/κ.
-  constexpr int kSide = 5;
-  constexpr double kSize = 0.1, kCurvature = 1.0;
-  LinearFabric linear;
-  linear.rigidity = 1e-5;
-  Scene scene = sheetScene(makeFabric(linear), kSide, kSide, kSize, kSize);
-  setStrategy(scene, Strategy::Amrc, 2);
-  scene.gravity = Vec3::Zero();
-  ClothWorld world(scene);
+  constexpr double kCurvature = 1.0;
   const auto turnUnder = [&](double tension) {
-    TurnEstimate turns(scene.cloth.fabric, world.cloth().grid(), scene.gravity);
-    const TurnEstimate::View flat = world.turnView();
-    Field nodes = flat.nodes;
-    for (int n = 0; n < flat.mesh.nodes(); ++n) {
-      const Vec3 x = flat.nodes[n];
-      nodes.set(n, Vec3((1.0 + tension / linear.stiffness) * x.x(), x.y(), 0.5 * kCurvature * x.x() * x.x()));
-    }
-    const TurnEstimate::View view{flat.mesh,   flat.internal,  flat.contacts, nodes,          flat.velocities,
-                                  flat.weight, flat.look_time, flat.touches,  flat.split_turn};
-    turns.begin(view, 0.0);
-    return turns.turn(view, Cell{0, 0, 1}, 2, std::numeric_limits<double>::infinity());
+    return turn([&](const Vec3& x) {
+      return Vec3((1.0 + tension / linear_.stiffness) * x.x(), x.y(), 0.5 * kCurvature * x.x() * x.x());
+    });
   };
-  const double limit = 2.0 * linear.areal_density * 9.80665 / kCurvature;  // of tension [N/m]
-  const double turn = kCurvature * 2.0 * kSize / (kSide - 1);
-  EXPECT_NEAR(turnUnder(0.8 * limit), turn, tolerance(1e-9));
-  EXPECT_NEAR(turnUnder(1.05 * limit), 2.0 * turn, tolerance(1e-9));
+  const double limit = 2.0 * linear_.areal_density * 9.80665 / kCurvature;  // of tension [N/m]
+  EXPECT_NEAR(turnUnder(0.8 * limit), kCurvature * kLength, tolerance(1e-9));
+  EXPECT_NEAR(turnUnder(1.05 * limit), 2.0 * kCurvature * kLength, tolerance(1e-9));
 }
 
 }  // namespace
