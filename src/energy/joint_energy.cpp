@@ -44,7 +44,8 @@ JointEnergy::Slope JointEnergy::slopeAt(int element, const Field& x) const {
     return {now > 0.0 ? Vec3(span / (now * edge.length)) : Vec3::Zero(), Vec3::Zero()};
   }
   if (kind == Kind::Triple) return {laws_.normal(mesh_.triples[k].c), Vec3::Zero()};
-  const ShearSlope slope = shearSlope(corners(mesh_.patches[k], x));
+  const Patch& patch = mesh_.patches[k];
+  const ShearSlope slope = Shear(corners(patch, x), patch.area).slope();
   return {slope.rising, slope.falling};
 }
 
@@ -59,7 +60,8 @@ JointEnergy::Slope JointEnergy::slopeChange(int element, const Field& x, const F
     return {(change - axis.dot(change) * axis) / (now * edge.length), Vec3::Zero()};
   }
   if (kind == Kind::Triple) return {Vec3::Zero(), Vec3::Zero()};
-  const ShearSlope change = shearSlopeChange(corners(mesh_.patches[k], x), corners(mesh_.patches[k], d));
+  const Patch& patch = mesh_.patches[k];
+  const ShearSlope change = Shear(corners(patch, x), patch.area).slopeChange(corners(patch, d));
   return {change.rising, change.falling};
 }
 

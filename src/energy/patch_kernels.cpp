@@ -32,12 +32,12 @@ HAPTIC_CLOTH_INLINE Lanes angleOf(const Lanes& t, const Lanes& sine, const Lanes
   return angle;
 }
 
-/// Shear of a cell. With D = u·v and the area S = |u × v|: tan γ = D/S, dγ/du = (v - D/u² u)/S,
-/// dγ/dv = (u - D/v² v)/S.
+/// Shear of cells (shear.h). With T² = S² + c² and R = u² v² + c²: tan γ = D/T,
+/// dγ/du = (v - D v²/R u)/T, dγ/dv = (u - D u²/R v)/T.
 struct ShearLanes {
-  Lanes3 u, v;                        ///< twice the mean sides
-  Lanes uu, vv, both, product, size;  ///< u², v², u² v², D, S
-  Lanes inverse;                      ///< 1/(S u² v²), zero for a cell without extent
+  Lanes3 u, v;                 ///< twice the mean sides
+  Lanes uu, vv, product;       ///< u², v², D
+  Lanes inverse_size, scaled;  ///< 1/T, D/R; zero where there is no cell
   Lanes angle;
 };
 
@@ -49,13 +49,14 @@ HAPTIC_CLOTH_INLINE ShearLanes shearOf(const PatchPack& pack, int l, const Const
   shear.v = rising - falling;
   shear.uu = dot(shear.u, shear.u);
   shear.vv = dot(shear.v, shear.v);
-  shear.both = shear.uu * shear.vv;
   shear.product = dot(shear.u, shear.v);
-  const Lanes least = (kLeastCosine * kLeastCosine) * shear.both,
-              square = shear.both - shear.product * shear.product;
-  shear.size = squareRoot(larger(square, least));
-  shear.inverse = ifPositive(shear.both, 1.0 / (shear.size * shear.both), Lanes{});
-  shear.angle = angleOf(shear.product * (shear.inverse * shear.both), shear.product, square);
+  const Lanes flat = (4.0 * kFlat) * load(pack.area + l), both = shear.uu * shear.vv;
+  const Lanes square_size = larger(both - shear.product * shear.product, Lanes{}) + flat * flat,
+              size = squareRoot(square_size), all_square = both + flat * flat;
+  const Lanes inverse = ifPositive(flat, 1.0 / (size * all_square), Lanes{});
+  shear.inverse_size = inverse * all_square;
+  shear.scaled = inverse * size * shear.product;
+  shear.angle = angleOf(shear.product * shear.inverse_size, shear.product, square_size);
   return shear;
 }
 
@@ -75,13 +76,12 @@ double evaluateShears(PatchPack* packs, int begin, int end, const LawView& law, 
     PatchPack& pack = packs[p];
     for (int l = 0; l < kPack; l += kLanes) {
       const ShearLanes cell = shearOf(pack, l, x);
-      const Lanes inverse_size = cell.inverse * cell.both, scaled = cell.inverse * cell.size * cell.product;
       const LawLanes shear = evaluate(law, cell.angle, steps ? steps + p : nullptr, l);
-      const Lanes3 du = inverse_size * (cell.v - (scaled * cell.vv) * cell.u),
-                   dv = inverse_size * (cell.u - (scaled * cell.uu) * cell.v);
+      const Lanes3 du = cell.inverse_size * (cell.v - (cell.scaled * cell.vv) * cell.u),
+                   dv = cell.inverse_size * (cell.u - (cell.scaled * cell.uu) * cell.v);
       const Lanes3 by_rising = du + dv, by_falling = du - dv;
       const Lanes area = load(pack.area + l), force = area * shear.force;
-      energy += ifPositive(cell.both, area * shear.potential, Lanes{});
+      energy += area * shear.potential;
       const int slot = first + kPack * (p - begin) + l;
       store(slots, slot, force * by_rising);
       store(slots, slot + stride, force * by_falling);

@@ -67,7 +67,7 @@ bool ShearEnergy::touches(const PatchPack& pack, const char* flags) {
 void ShearEnergy::addEnergy(const Patch& patch, int k, const Loop& law, double play, const Surface& at,
                             ElasticEnergy& sum) const {
   const auto x = corners(patch, at.x);
-  sum.shear += patch.area * law.stored(play, shearAngle(x));
+  sum.shear += patch.area * law.stored(play, Shear(x, patch.area).angle());
   if (twist_ > 0.0) sum.bend += evaluateTwist(x, at.normals.patch(k), twist_, patch.area).energy;
 }
 

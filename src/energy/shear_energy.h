@@ -26,7 +26,9 @@ class ShearEnergy : public ElementEnergy<ShearEnergy, Patch, PatchPack> {
   void recall(const Followed<Patch>& change, const Surface& at, ForceHistory& history);
 
   double area(int patch) const { return list_[patch].area; }
-  double deformation(int patch, const Surface& at) const { return shearAngle(corners(list_[patch], at.x)); }
+  double deformation(int patch, const Surface& at) const {
+    return Shear(corners(list_[patch], at.x), list_[patch].area).angle();
+  }
   void deformations(int pack, const Surface& at, double* values) const;
   static bool touches(const PatchPack& pack, const char* flags);
   void addEnergy(const Patch& patch, int k, const Loop& law, double play, const Surface& at,

@@ -74,8 +74,9 @@ struct ShearResult : ShearSlope {
 /// @param shear law: angle [rad] → Curve::Point of force [N/m]
 template <class Law>
 inline ShearResult evaluateShear(const std::array<Vec3, 4>& x, double area, const Law& shear) {
-  const Curve::Point law = shear(shearAngle(x));
-  return {shearSlope(x), area * law.potential, area * law.force, area * law.slope};
+  const Shear cell(x, area);
+  const Curve::Point law = shear(cell.angle());
+  return {cell.slope(), area * law.potential, area * law.force, area * law.slope};
 }
 
 }  // namespace haptic_cloth

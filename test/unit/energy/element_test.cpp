@@ -172,6 +172,41 @@ TEST(ShearTest, DegenerateCellIsFinite) {
   EXPECT_TRUE(folded.rising.allFinite() && folded.falling.allFinite());
 }
 
+/// Cloth on a line: the sides along weft have no length, or that of a rounding error.
+TEST(ShearTest, RoundingStoresNoEnergyInCollapsedCell) {
+  const double side = 2e-3, area = side * side, rounding = 1e-13 * side;
+  const auto energy = [&](double weft) {
+    const Vec3 u(side, 0, 0), v(weft, 0, 0);
+    return evaluateShear({Vec3::Zero(), u, v, u + v}, area, Curve::linear(10.0)).energy;
+  };
+  EXPECT_EQ(energy(0.0), 0.0);
+  // tan γ = D/c = 1e-13/kFlat; the energy at 90° is that of γ = π/2.
+  const double sheared = energy(side), share = 1e-13 / kFlat / (0.5 * M_PI);
+  EXPECT_LT(energy(rounding), tolerance(1.01 * share * share) * sheared);
+  EXPECT_NEAR(sheared, 0.5 * 10.0 * area * 0.25 * M_PI * M_PI, tolerance(1e-6) * sheared);
+}
+
+TEST(ShearTest, SlopesAreDerivativesInFlatAndCollapsedCells) {
+  // Sides along weft: slanted by 1e-3, so the rounding of S is 1e-10 of it; of the length at which c counts.
+  const double area = 1.0;
+  for (const auto& [weft, h] : {std::pair(Vec3(1.0, 1e-3, 0.0), 1e-7), {Vec3(1e-9, 2e-9, 0.0), 1e-13}}) {
+    const Vec3 u(1, 0, 0);
+    const std::array<Vec3, 4> x{Vec3::Zero(), u, weft, u + weft};
+    const Shear cell(x, area);
+    for (int c = 0; c < 3; ++c) {
+      std::array<Vec3, 4> more = x, less = x, d{};
+      d.fill(Vec3::Zero());
+      d[3] = Vec3::Unit(c);
+      more[3][c] += h;
+      less[3][c] -= h;
+      const double slope = (Shear(more, area).angle() - Shear(less, area).angle()) / (2.0 * h);
+      EXPECT_NEAR(cell.slope().rising[c], slope, tolerance(1e-3) * cell.slope().rising.norm() + 1e-3) << c;
+      const Vec3 change = (Shear(more, area).slope().rising - Shear(less, area).slope().rising) / (2.0 * h);
+      EXPECT_LT((cell.slopeChange(d).rising - change).norm(), tolerance(1e-2) * change.norm() + 1.0) << c;
+    }
+  }
+}
+
 TEST(ShearTest, PureShearGivesItsAngle) {
   // Sides of unit length at 90° - γ: the energy is ½ G γ² A.
   const double angle = 0.3;

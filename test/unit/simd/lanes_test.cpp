@@ -242,19 +242,19 @@ TEST(ShearLanes, AngleIsTheInverseSine) {
     slots.clear(2 * kPack);
     kernels().evaluateShears(&pack, 0, 1, law.view(), nullptr, x.arrays(), slots.arrays(), 0, kPack);
     for (int l = 0; l < kPack; ++l) {
-      const double s = sines[first + l], angle = std::asin(s);
+      const double s = sines[first + l], flat = std::hypot(std::sqrt(1.0 - s * s), kFlat),
+                   angle = std::atan2(s, flat);
       const auto one =
           evaluateShear({corners[4 * l], corners[4 * l + 1], corners[4 * l + 2], corners[4 * l + 3]}, 1.0,
                         Curve::linear(1.0));
       // The energy is half the square of the angle. An error ε of the sine gives an error ε/cos of
-      // the angle, at worst √2ε.
-      const double doubt = tolerance(4 * kEpsilon) / std::max(std::sqrt(1.0 - s * s), 1e-8);
+      // the angle, where cos is at least kFlat.
+      const double doubt = tolerance(4 * kEpsilon) / flat;
       ASSERT_TRUE(slots[l].allFinite() && slots[kPack + l].allFinite()) << s;
       EXPECT_NEAR(std::sqrt(2.0 * energies[l]), std::abs(angle), doubt) << s;
       // The slope is an offset over the cosine, which the error of the sine leaves uncertain by
       // ε/cos².
-      const double cosine_doubt =
-          tolerance(4 * kEpsilon) / std::max(1.0 - s * s, kLeastCosine * kLeastCosine);
+      const double cosine_doubt = tolerance(4 * kEpsilon) / (flat * flat);
       EXPECT_LT((slots[l] - angle * one.rising).norm(), 1.6 * cosine_doubt * (1.0 + one.rising.norm())) << s;
       const Vec3 slope(pack.rising_x[l], pack.rising_y[l], pack.rising_z[l]);
       EXPECT_LT((slope - one.rising).norm(),
