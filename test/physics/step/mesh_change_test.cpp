@@ -332,7 +332,8 @@ void expectNoChatter(Scene scene, const std::string& name) {
   scene.air_damping = 2.0;
   scene.solver.time_step = 4e-3;
   Simulation simulation(scene);
-  ASSERT_TRUE(settle(simulation, 1e-3, 6.0).at_rest) << name;
+  // The hanging sheet rests after 4.3 to 6.5 s in 16 starts that are 1 µm apart.
+  ASSERT_TRUE(settle(simulation, 1e-3, 10.0).at_rest) << name;
   EXPECT_LT(simulation.activeParticles(), 41 * 41) << name;
   int changes = 0;
   for (int n = 0; n < 1000; ++n) {
