@@ -9,7 +9,9 @@
 
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/machine.h"
+#include "scene/scene_identity.h"
 #include "scene/scene_options.h"
+#include "state/archive.h"
 #include "state/byte_hash.h"
 #include "state/number_text.h"
 
@@ -29,11 +31,20 @@ std::string join(const char* word, int number, std::initializer_list<const doubl
   return line;
 }
 
-/// Hash of a new simulation: of everything in its scene that a state must fit, and of its start.
+/// Hash of everything in the scene of a new simulation that a state must fit, and of its start. It is the
+/// same on each instruction set.
 std::string sceneHash(const Simulation& start) {
-  const std::string state = start.saveState();
+  Archive archive;
+  serializeIdentity(archive, start.scene());
+  std::vector<Vec3> positions;
+  start.positions(positions);
+  std::vector<double> start_positions;
+  for (const Vec3& x : positions) start_positions.insert(start_positions.end(), x.data(), x.data() + 3);
+  archive.similar("positions", start_positions);
+  archive.same("active", start.activeParticles());
+  const std::string identity = archive.sealed();
   ByteHash hash;
-  hash.add(state.data(), state.size());
+  hash.add(identity.data(), identity.size());
   return hexadecimalText(hash.value());
 }
 
@@ -152,7 +163,8 @@ bool Replay::apply(Simulation& simulation, const std::string& line, int& length)
       if (!(text >> number)) fail("is too short");
       char* rest = nullptr;
       first[c] = std::strtod(number.c_str(), &rest);
-      if (rest == number.c_str() || *rest != '\0') fail("has '" + number + "' for a number");
+      const bool whole = rest != number.c_str() && *rest == '\0';
+      if (!whole || !std::isfinite(first[c])) fail("has '" + number + "' for a number");
     }
   };
   const auto index = [&](std::size_t count) {

@@ -35,6 +35,17 @@ void append(std::string& bytes, const T& value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
 }
 
+/// Rounds values to multiples of about 1e-11 of the largest, so that those of machines that round
+/// differently become the same, with hardly an exception.
+void roundTogether(std::vector<double>& values) {
+  constexpr int kBits = 36;
+  double largest = 0.0;
+  for (const double value : values) largest = std::max(largest, std::abs(value));
+  if (!(largest > 0.0) || !std::isfinite(largest)) return;
+  const double unit = std::ldexp(1.0, std::ilogb(largest) - kBits);
+  for (double& value : values) value = std::round(value / unit) * unit;
+}
+
 }  // namespace
 
 std::size_t Archive::headerSize() { return sizeof(kStateMagic) - 1 + sizeof(Envelope); }
@@ -149,7 +160,11 @@ void Archive::compare(const std::string& name, Type type, const void* data, std:
 
 void Archive::similar(const std::string& name, const std::vector<double>& values) {
   constexpr double kRounding = 1e-9;
-  if (!loads_) return write(name, Type::Double, values.data(), values.size());
+  if (!loads_) {
+    std::vector<double> rounded = values;
+    roundTogether(rounded);
+    return write(name, Type::Double, rounded.data(), rounded.size());
+  }
   const Header header = read(name);
   std::vector<double> found(header.type == Type::Double ? header.count : 0);
   if (!found.empty())

@@ -117,7 +117,7 @@ class Archive {
   }
 
   /// Same for computed values, with a tolerance of 1e-9 of the largest: other machines may round
-  /// differently.
+  /// differently. What is saved is rounded, too.
   void similar(const std::string& name, const std::vector<double>& values);
 
   /// @throws InputError when loading, if not `right`

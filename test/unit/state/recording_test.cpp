@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "haptic_cloth/error.h"
+#include "haptic_cloth/machine.h"
 #include "support/state_cases.h"
 
 namespace haptic_cloth {
@@ -85,6 +86,9 @@ TEST(Recording, SaysWhatDoesNotFit) {
   expect(with("\nstep 3", "\nstop"), "unknown word 'stop'");
   expect(with("device 0 ", "device 1 "), "no such number");
   expect(with("device 0 ", "device 0 x"), "for a number");
+  expect(with("device 0 ", "device 0 nan "), "for a number");
+  const std::string here = std::string("instructions ") + instructionSet();
+  EXPECT_EQ(messageOf(with(here, "instructions other"), run.scene), "") << "only the end may differ there";
   expect(with("adapt.interval 6", "adapt.interval 0"), "adapt.interval");
   expect(with("adapt.interval", "adapt.levels"), "unknown option 'adapt.levels'");
   expect(with("\nreset", "\ndevice 0 1 2"), "too short");
