@@ -40,7 +40,7 @@ void judge(DiagnosticStatus& status, int level, const std::string& message) {
   status.message = message;
 }
 
-using DropReason = std::pair<const char*, std::uint64_t>;
+using DropReason = std::pair<const char*, const std::atomic<std::uint64_t>*>;
 
 const char* failureText(Termination why) {
   if (why == Termination::OutOfReach)
@@ -48,18 +48,20 @@ const char* failureText(Termination why) {
   return "a step failed: its result was not finite; the last good state was restored";
 }
 
-/// Reasons for dropping messages, each with its count.
+/// Reasons for dropping messages, each with its counter.
 std::array<DropReason, 6> dropReasons(const InputCounters& counters) {
-  return {DropReason{"not finite", counters.not_finite}, {"unknown frame", counters.unknown_frame},
-          {"out of order", counters.out_of_order},       {"late", counters.late},
-          {"other sender", counters.other_sender},       {"too far", counters.too_far}};
+  return {DropReason{"not finite", &counters.not_finite}, {"unknown frame", &counters.unknown_frame},
+          {"out of order", &counters.out_of_order},       {"late", &counters.late},
+          {"other sender", &counters.other_sender},       {"too far", &counters.too_far}};
 }
 
-const char* mostDropped(const InputCounters& counters) {
-  const auto reasons = dropReasons(counters);
-  return std::max_element(reasons.begin(), reasons.end(),
-                          [](const DropReason& a, const DropReason& b) { return a.second < b.second; })
-      ->first;
+/// Why the last message was dropped. @pre one was
+std::string lastDropped(const InputCounters& counters) {
+  const auto* const last = counters.last_counter.load();
+  for (const auto& [reason, counter] : dropReasons(counters)) {
+    if (counter == last) return reason;
+  }
+  return "unknown";
 }
 
 const char* graspText(GraspState grasp) {
@@ -163,7 +165,7 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
   } else if (dropped > 0 && now - counters.last_dropped < (stale ? kNow : kLately)) {
     const std::string and_so = stale ? "; no force" : "";
     judge(status, DiagnosticStatus::WARN,
-          std::to_string(dropped) + " " + message + "s dropped, most " + mostDropped(counters) + and_so);
+          std::to_string(dropped) + " " + message + "s dropped, the last: " + lastDropped(counters) + and_so);
   } else if (stale) {
     judge(status, DiagnosticStatus::WARN, "the " + message + "s stopped; no force");
   } else if (doubt != UnitDoubt::None) {
@@ -178,8 +180,8 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
   add(status, "grasp", std::string(graspText(grasp)));
   add(status, "received", counters.received.load());
   add(status, "dropped", dropped);
-  for (const auto& [reason, count] : dropReasons(counters)) {
-    add(status, std::string("dropped: ") + reason, count);
+  for (const auto& [reason, counter] : dropReasons(counters)) {
+    add(status, std::string("dropped: ") + reason, counter->load());
   }
   add(status, "force off: " + message + "s stopped", felt.input_stops);
   add(status, "force off: solver stalled", felt.snapshot_stops);
@@ -201,6 +203,7 @@ DiagnosticStatus obstacleStatus(const std::string& name, const ObstacleCounters&
   add(status, "dropped", dropped);
   add(status, "dropped: not finite", counters.not_finite.load());
   add(status, "dropped: unknown frame", counters.unknown_frame.load());
+  add(status, "dropped: too far", counters.too_far.load());
   add(status, "taken: bad quaternion", counters.bad_quaternion.load());
   return status;
 }

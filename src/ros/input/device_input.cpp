@@ -6,14 +6,6 @@
 #include "ros/node/steady_clock.h"
 
 namespace haptic_cloth {
-namespace {
-
-/// Largest distance from the origin of the cloth's frame [m]: the circumference of the earth.
-/// Beyond it, squares and quotients could overflow a double.
-constexpr double kFarthest = 4e7;
-
-}  // namespace
-
 std::atomic<std::uint64_t>* InputCounters::of(PoseVerdict verdict) {
   switch (verdict) {
     case PoseVerdict::NotFinite:
@@ -61,7 +53,7 @@ void DeviceInput::accept(const geometry_msgs::PoseStamped& pose, const std::stri
     return;
   }
   const Pose there = composed(*frame, {placed(device_, position), placed(device_, orientation_)});
-  if (!(there.position.norm() < kFarthest)) {
+  if (!(there.position.norm() < kFarthestPose)) {
     counters_.drop(counters_.too_far, received);
     return;
   }

@@ -23,7 +23,8 @@ struct InputCounters {
   std::atomic<std::uint64_t> other_sender{0}, too_far{0};
   std::atomic<std::uint64_t> bad_quaternion{0};  ///< poses taken with the last good orientation
   std::atomic<UnitDoubt> doubt{UnitDoubt::None};
-  std::atomic<double> last_dropped{-1e30};  ///< steady clock [s]
+  std::atomic<double> last_dropped{-1e30};                               ///< steady clock [s]
+  std::atomic<const std::atomic<std::uint64_t>*> last_counter{nullptr};  ///< of the last dropped message
   std::uint64_t dropped() const {
     return not_finite + unknown_frame + out_of_order + late + other_sender + too_far;
   }
@@ -34,6 +35,7 @@ struct InputCounters {
   /// @param when steady clock [s]
   void drop(std::atomic<std::uint64_t>& counter, double when) {
     ++counter;
+    last_counter = &counter;
     last_dropped = when;
   }
 };

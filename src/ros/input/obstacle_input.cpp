@@ -16,8 +16,8 @@ void ObstacleInput::accept(const geometry_msgs::PoseStamped& pose, double receiv
     return;
   }
   const Pose there = composed(*frame, toPose(pose.pose));
-  if (!there.position.allFinite()) {
-    counters_.drop(counters_.not_finite, received);
+  if (!(there.position.norm() < kFarthestPose)) {
+    counters_.drop(counters_.too_far, received);
     return;
   }
   if (isUnit(pose.pose.orientation)) {

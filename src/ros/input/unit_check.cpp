@@ -11,6 +11,7 @@ constexpr double kFastest = 10.0;  ///< faster than any hand that holds a device
 constexpr double kWindow = 0.02;
 constexpr double kLongWindow = 0.5;  ///< after a longer silence the speed is unknown [s]
 constexpr int kFastWindows = 3;      ///< in a row; a single one may be a tool put down elsewhere
+constexpr int kFarPositions = 3;     ///< in a row; a single one may be a fault of the driver
 
 }  // namespace
 
@@ -21,7 +22,8 @@ UnitDoubt UnitCheck::look(const Vec3& position, double received) {
     window_begin_ = received;
   }
   if (doubt_ != UnitDoubt::None) return doubt_;
-  if (tooFar(position)) {
+  far_positions_ = tooFar(position) ? far_positions_ + 1 : 0;
+  if (far_positions_ >= kFarPositions) {
     doubt_ = UnitDoubt::TooFar;
   } else if (tooFast(position, received)) {
     doubt_ = UnitDoubt::TooFast;

@@ -9,8 +9,8 @@ namespace haptic_cloth {
 
 enum class UnitDoubt { None, TooFar, TooFast };
 
-/// Checks every position. The first doubt remains, because a resting hand does not make the unit
-/// right.
+/// Checks every position. A single stray one raises no doubt. The first doubt remains, because a resting
+/// hand does not make the unit right.
 class UnitCheck {
  public:
   /// @param workspace_radius of the device [m]; 0: unknown
@@ -31,6 +31,7 @@ class UnitCheck {
   Vec3 window_start_ = Vec3::Zero();  ///< position
   double window_begin_ = 0.0;         ///< start of the window [s]
   int fast_windows_ = 0;              ///< fast windows in a row
+  int far_positions_ = 0;             ///< far positions in a row
 };
 
 /// Fault and remedy as text; empty without doubt.

@@ -218,6 +218,12 @@ TEST(UnitCheck, SpeedAloneIsEnoughButNotOneJump) {
   EXPECT_EQ(fast.look(Vec3(4.0, 0, 0), 10.0), UnitDoubt::TooFast) << "the doubt stays";
 }
 
+TEST(UnitCheck, OneStrayPositionRaisesNoDoubt) {
+  UnitCheck check(0.075);
+  for (int k = 0; k < 1000; ++k)
+    EXPECT_EQ(check.look(Vec3(0, 0, k % 100 == 50 ? 7.0 : 0.0), k * 1e-3), UnitDoubt::None) << k;
+}
+
 TEST(UnitCheck, DiagnosticsNameTheRemedy) {
   InputCounters counters;
   counters.received = 5;

@@ -323,13 +323,12 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
   EXPECT_EQ(value(probe(), "error of the force, estimated [N]"), "0.25");
   counters.received = 5;
   EXPECT_EQ(probe().level, DiagnosticStatus::OK);
-  counters.late = 2;
-  counters.last_dropped = 9.9;
+  for (int k = 0; k < 2; ++k) counters.drop(counters.late, 9.9);
   EXPECT_EQ(probe().level, DiagnosticStatus::WARN);
-  EXPECT_EQ(probe().message, "2 poses dropped, most late");
+  EXPECT_EQ(probe().message, "2 poses dropped, the last: late");
   felt.status = HapticStatus::PoseStale;
-  counters.unknown_frame = 3;
-  EXPECT_EQ(probe().message, "5 poses dropped, most unknown frame; no force") << "they have not stopped";
+  counters.drop(counters.unknown_frame, 9.9);
+  EXPECT_EQ(probe().message, "3 poses dropped, the last: unknown frame; no force") << "they have not stopped";
   counters.last_dropped = 9.0;
   EXPECT_EQ(probe().message, "the poses stopped; no force");
   felt.status = HapticStatus::Free;
@@ -352,13 +351,14 @@ TEST(Diagnostics, AnObstaclesDroppedPoseIsForgivenWhenPosesAreGoodAgain) {
   const auto level = [&](double now) { return obstacleStatus("table", table.counters(), now).level; };
   geometry_msgs::PoseStamped good;
   good.pose = toPose(Vec3(0.0, 0.0, 0.5));
-  geometry_msgs::PoseStamped not_finite = good, lost = good;
+  geometry_msgs::PoseStamped not_finite = good, lost = good, far = good;
   not_finite.pose.position.z = std::numeric_limits<double>::quiet_NaN();
+  far.pose.position.z = 1e300;
   lost.header.frame_id = "nowhere";
   table.accept(good, 100.0);
   EXPECT_EQ(level(100.0), DiagnosticStatus::OK);
   double time = 100.0;
-  for (const auto& bad : {not_finite, lost}) {
+  for (const auto& bad : {not_finite, lost, far}) {
     time += 100.0;
     table.accept(bad, time);
     EXPECT_EQ(level(time + 0.1), DiagnosticStatus::WARN);
@@ -366,8 +366,8 @@ TEST(Diagnostics, AnObstaclesDroppedPoseIsForgivenWhenPosesAreGoodAgain) {
     EXPECT_EQ(level(time + 4.9), DiagnosticStatus::WARN) << "what was dropped lately must be seen";
     EXPECT_EQ(level(time + 5.1), DiagnosticStatus::OK);
   }
-  EXPECT_EQ(table.counters().dropped(), 2u);
-  EXPECT_EQ(shared.read().number, 3u) << "the good ones were taken";
+  EXPECT_EQ(table.counters().dropped(), 3u);
+  EXPECT_EQ(shared.read().number, 4u) << "the good ones were taken";
 }
 
 TEST(HandModel, TheWillIsContinuousAndRepeats) {
