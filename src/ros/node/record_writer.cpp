@@ -42,6 +42,11 @@ bool RecordWriter::end(const std::string& line) {
   return true;
 }
 
+bool RecordWriter::isOpen() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return phase_ == Phase::Open;
+}
+
 void RecordWriter::write(const std::string& line) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (phase_ != Phase::Open || lines_.size() > kMost) return;

@@ -22,6 +22,9 @@ class RecordWriter {
   /// Appends a line.
   void write(const std::string& line);
 
+  /// Tells whether lines are still written.
+  bool isOpen();
+
   /// Appends the last line; later ones are ignored. @return false: it had ended before
   bool end(const std::string& line);
 

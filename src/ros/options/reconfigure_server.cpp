@@ -28,7 +28,9 @@ ReconfigureServer::ReconfigureServer(const NodeOptions& options, ros::NodeHandle
 
 bool ReconfigureServer::set(Request& request, Response& response) {
   try {
-    takeOver(changed(*live_.options, toValues(request.config), origin_));
+    NodeOptions now = *live_.options;
+    if (!shared_.recording) now.record.clear();  // a recording that has ended forbids nothing
+    takeOver(changed(now, toValues(request.config), origin_));
     report_.refused_last = false;
   } catch (const InputError& error) {
     ROS_WARN_STREAM("refused, nothing changed: " << error.what());

@@ -38,7 +38,9 @@ TEST_F(RecordWriterTest, WritesEveryLineUpToTheEnd) {
       writer.write("step " + std::to_string(k));
       expected += "step " + std::to_string(k) + '\n';
     }
+    EXPECT_TRUE(writer.isOpen());
     EXPECT_TRUE(writer.end(last));
+    EXPECT_FALSE(writer.isOpen());
     EXPECT_FALSE(writer.end("end 3"));
     writer.write("step 1");
     expected += last + '\n';
