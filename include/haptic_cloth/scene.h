@@ -91,8 +91,10 @@ struct Scene {
 };
 
 /// Reads a scene file. `overrides` are "a.b=VALUE" with VALUE in YAML, applied in order.
+/// @param overridden_by name of their source in messages
 /// @throws InputError naming file, key, value and rule.
-Scene loadScene(const std::string& file, const std::vector<std::string>& overrides = {});
+Scene loadScene(const std::string& file, const std::vector<std::string>& overrides = {},
+                const std::string& overridden_by = "--set");
 
 /// Reads a scene from YAML text.
 /// @param origin name of the source in messages ("~ (parameters)")

@@ -52,17 +52,17 @@ std::optional<std::size_t> parseIndex(const std::string& part) {
 
 /// Parts of one assignment "a.b=VALUE".
 struct Assignment {
-  std::string text;
+  std::string by, text;
   std::vector<std::string> parts;
   YAML::Node value;
 
   [[noreturn]] void fail(const std::string& rule) const {
-    throw InputError("--set", describe(YAML::Node(text)), "", rule);
+    throw InputError(by, describe(YAML::Node(text)), "", rule);
   }
 };
 
-Assignment parseAssignment(const std::string& text) {
-  Assignment assignment{text, {}, YAML::Node()};
+Assignment parseAssignment(const std::string& text, const std::string& by) {
+  Assignment assignment{by, text, {}, YAML::Node()};
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0) assignment.fail("must be KEY=VALUE");
   assignment.parts = splitKey(text.substr(0, equals));
@@ -72,7 +72,7 @@ Assignment parseAssignment(const std::string& text) {
   if (assignment.parts.size() > static_cast<std::size_t>(YamlLimits::kDepth)) {
     assignment.fail("must be KEY=VALUE with at most " + std::to_string(YamlLimits::kDepth) + " parts in KEY");
   }
-  assignment.value = parseText(text.substr(equals + 1), "--set: " + describe(YAML::Node(text)), false);
+  assignment.value = parseText(text.substr(equals + 1), by + ": " + describe(YAML::Node(text)), false);
   if (assignment.value.IsNull()) assignment.fail("must have a value behind the =");
   return assignment;
 }
@@ -98,6 +98,7 @@ YAML::Node replaced(const YAML::Node& node, const Assignment& assignment, std::s
     return copy;
   }
 
+  if (node.IsNull() && parseIndex(part)) assignment.fail(key + " must be a list that has an element " + part);
   if (node.IsScalar()) assignment.fail(key + " = " + describe(node) + " has no keys below it");
   key += (key.empty() ? "" : ".") + part;
   YAML::Node copy(YAML::NodeType::Map);
@@ -127,7 +128,7 @@ std::vector<std::string> splitKey(const std::string& key) {
 }
 
 YamlDocument::YamlDocument(const std::string& text, const std::string& origin, bool has_lines)
-    : root_(parseText(text, origin, has_lines)), source_{origin, has_lines, {}} {
+    : root_(parseText(text, origin, has_lines)), source_{origin, has_lines, {}, ""} {
   if (!root_.IsDefined() || root_.IsNull())
     throw InputError(origin, "", "", "is empty, must be a YAML mapping");
   if (!root_.IsMap()) throw InputError(origin, describe(root_), "", "must be a YAML mapping");
@@ -141,10 +142,11 @@ YamlDocument YamlDocument::fromText(const std::string& text, const std::string& 
   return YamlDocument(text, origin, false);
 }
 
-void YamlDocument::override(const std::string& assignment) {
+void YamlDocument::override(const std::string& assignment, const std::string& by) {
   std::string key;
-  root_.reset(replaced(root_, parseAssignment(assignment), 0, key));
+  root_.reset(replaced(root_, parseAssignment(assignment, by), 0, key));
   source_.overridden.push_back(key);
+  source_.overridden_by = by;
 }
 
 YamlValue YamlDocument::root() const {

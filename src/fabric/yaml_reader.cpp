@@ -77,7 +77,8 @@ std::string joined(const std::vector<std::string>& words) {
 std::string YamlSource::at(const std::string& key, int line) const {
   for (const std::string& prefix : overridden) {
     if (key.compare(0, prefix.size(), prefix) != 0) continue;
-    if (key.size() == prefix.size() || key[prefix.size()] == '.' || key[prefix.size()] == '[') return "--set";
+    if (key.size() == prefix.size() || key[prefix.size()] == '.' || key[prefix.size()] == '[')
+      return overridden_by;
   }
   return has_lines && line >= 0 ? file + ':' + std::to_string(line + 1) : file;
 }

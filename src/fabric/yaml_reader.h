@@ -19,9 +19,10 @@ namespace haptic_cloth {
 struct YamlSource {
   std::string file;                     ///< path, or a name such as "~ (parameters)"
   bool has_lines = false;               ///< line numbers are useful in messages
-  std::vector<std::string> overridden;  ///< keys whose values came from the command line
+  std::vector<std::string> overridden;  ///< keys whose values came from elsewhere
+  std::string overridden_by;            ///< name of that: "--set"
 
-  /// "scene.yaml:12", or "--set" for a key that was overridden. @param line 0-based, < 0: unknown
+  /// "scene.yaml:12", or overridden_by for a key that was overridden. @param line 0-based, < 0: unknown
   std::string at(const std::string& key, int line) const;
 };
 
@@ -88,7 +89,8 @@ class YamlDocument {
   static YamlDocument fromText(const std::string& text, const std::string& origin);
 
   /// Sets a value: "a.b=VALUE" (VALUE in YAML; "a.0.b" and "a[0].b" reach into lists).
-  void override(const std::string& assignment);
+  /// @param by name of its source in messages, one for all assignments
+  void override(const std::string& assignment, const std::string& by);
 
   YamlValue root() const;
 

@@ -176,8 +176,8 @@ void readProbes(const YamlMap& root, const ClothOptions& cloth, std::vector<Prob
 }
 
 Scene readScene(YamlDocument document, const std::string& base_directory,
-                const std::vector<std::string>& overrides) {
-  for (const std::string& assignment : overrides) document.override(assignment);
+                const std::vector<std::string>& overrides, const std::string& overridden_by) {
+  for (const std::string& assignment : overrides) document.override(assignment, overridden_by);
   const YamlMap root(document.root(), sceneKeys());
   Scene scene;
   readCloth(root, base_directory, scene.cloth);
@@ -195,14 +195,15 @@ Scene readScene(YamlDocument document, const std::string& base_directory,
 
 }  // namespace
 
-Scene loadScene(const std::string& file, const std::vector<std::string>& overrides) {
+Scene loadScene(const std::string& file, const std::vector<std::string>& overrides,
+                const std::string& overridden_by) {
   return readScene(YamlDocument::fromFile(file), std::filesystem::path(file).parent_path().string(),
-                   overrides);
+                   overrides, overridden_by);
 }
 
 Scene parseScene(const std::string& yaml, const std::string& origin, const std::string& base_directory,
                  const std::vector<std::string>& overrides) {
-  return readScene(YamlDocument::fromText(yaml, origin), base_directory, overrides);
+  return readScene(YamlDocument::fromText(yaml, origin), base_directory, overrides, "--set");
 }
 
 Vec3 pathPosition(const std::vector<PathPoint>& path, double time) {

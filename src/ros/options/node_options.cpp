@@ -31,7 +31,7 @@ NodeOptions parseNodeOptions(const XmlRpcValue& parameters, const std::string& o
   const XmlRpcValue scene = root.rest();
   options.scene = options.scene_file.empty()
                       ? parseScene(toYaml(scene, origin, ""), origin, options.scene_directory)
-                      : loadScene(options.scene_file, toOverrides(scene, origin));
+                      : loadScene(options.scene_file, toOverrides(scene, origin), origin);
   options.time_budget = options.scene.solver.minimizer.time_budget;
   readDevices(devices, options);
   settle(options);

@@ -49,6 +49,9 @@ TEST(NodeOptions, SceneByParametersOrByFile) {
   EXPECT_EQ(loaded.scene.cloth.particles[0], 17);
   EXPECT_EQ(loaded.scene.probes[0].coupling_stiffness, 250.0);
   EXPECT_EQ(loaded.probes[0].haptics.coupling_stiffness, 250.0);
+  file["solver"]["tolerance"] = -1.0;
+  EXPECT_EQ(messageOf(file).find("/cloth (parameters): solver.tolerance = -1: must be"), 0u)
+      << messageOf(file);
 }
 
 TEST(NodeOptions, AFabricBesideTheSceneIsFound) {

@@ -383,6 +383,8 @@ TEST(SceneOverrides, WrongOnesAreNamed) {
       {"obstacles.1.radius=3",
        "--set: obstacles.1.radius=3: 1 must be an index below 1, the length of obstacles"},
       {"obstacles.x=3", "--set: obstacles.x=3: x must be an index below 1, the length of obstacles"},
+      {"probe.path.0=[0, 0, 0, 1]",
+       "--set: probe.path.0=[0, 0, 0, 1]: probe.path must be a list that has an element 0"},
       {"obstacles.0.radius=0", "--set: obstacles[0].radius = 0: must be > 0"}};
   const std::string yaml = std::string(kCloth) + "obstacles: [{shape: sphere, radius: 1}]\n";
   for (const auto& [assignment, expected] : cases) EXPECT_EQ(message(yaml, {assignment}), expected);
