@@ -72,8 +72,8 @@ Options optionsOf(ProbeOptions& probe) {
        "a capsule's axis is z of the device"},
       {"radius", field(probe.radius), kLength, "m", "at least a fiftieth of the finest spacing", kFixed,
        kInState},
-      {"length", field(probe.length), kDistance, "m", "distance of the two centres of a capsule", kFixed,
-       kInState},
+      {"length", field(probe.length), kDistance, "m",
+       "distance of the two centres of a capsule, which must name it", kFixed, kInState},
       {"friction", field(probe.friction), kNotNegative, "", "Coulomb coefficient", kFixed, kInState}};
   for (Option& gain : couplingOptions(probe.coupling_stiffness, probe.coupling_damping)) {
     options.push_back(gain);
@@ -110,8 +110,8 @@ Options optionsOf(AdaptOptions& adapt) {
   return {{"strategy", field(adapt.strategy, strategyNames()), kNoRange, "", "changes the mesh may make",
            kFixed, kInState},
           // Work is counted from this mesh.
-          {"start", field(adapt.start, startNames()), kNoRange, "", "initial mesh; only of `amrc`", kFixed,
-           kInState},
+          {"start", field(adapt.start, startNames()), kNoRange, "",
+           "initial mesh of `amrc`; the other strategies have their own", kFixed, kInState},
           {"levels", field(adapt.levels), kLevels, "", "the coarsest cell is 2^levels finest cells wide",
            kFixed, kInState},
           {"interval", field(adapt.interval), atLeast(1), "",

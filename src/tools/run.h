@@ -39,7 +39,7 @@ struct RunTotals {
   long iterations = 0;
   long evaluations = 0;
   int failed_steps = 0;
-  int min_active = 0, max_active = 0;  ///< particles
+  int min_active = 0, max_active = 0;  ///< particles; those at hand if there was no step
   double mean_active = 0.0;            ///< particles
   long refined = 0, coarsened = 0;     ///< cells split, groups of four merged
   double max_penetration = 0.0;        ///< [m]

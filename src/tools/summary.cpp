@@ -97,7 +97,7 @@ std::string briefReport(const Simulation& simulation, const RunTotals& totals) {
   std::ostringstream text;
   text << std::setprecision(4);
   text << "simulated " << simulation.time() - totals.start_time << " s ";
-  if (totals.start_time > 0.0) text << "to " << simulation.time() << " s ";
+  if (totals.start_time > 0.0) text << "(from " << totals.start_time << " to " << simulation.time() << " s) ";
   text << "in " << totals.wall_time << " s (real-time factor " << realTimeFactor(simulation, totals) << ", "
        << simulation.threads() << " threads)" << (totals.at_rest ? ", at rest" : "") << "\n"
        << paceText(totals) << "steps " << totals.steps << ", failed " << totals.failed_steps
