@@ -84,7 +84,9 @@ int SampleFinder::capacity() const {
 void SampleFinder::find(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
                         const std::vector<Reach>& touching, SampleList& samples) {
   samples.clear();
+  const Ball ball = ballAround(nodes, reach);
   for (int solid = 0; solid < solids_.obstacles(); ++solid) {
+    if (solids_[solid].distance(ball.centre).value > ball.radius + law_.range()) continue;
     measure(solid, law_.range(), mesh, nodes, reach);
     addCells(mesh, nodes);
     addGroup(solid, samples);
@@ -102,6 +104,18 @@ bool SampleFinder::isClear(const ActiveMesh& mesh, const Field& nodes, int probe
   addProbePoints(mesh, nodes, still_, {probe, 0.0});
   selectNear(solids_.indexOf(probe));
   return near_.empty();
+}
+
+/// The ball around the box around the nodes.
+SampleFinder::Ball SampleFinder::ballAround(const Field& nodes, const std::vector<double>& reach) {
+  Vec3 low, high;
+  for (int c = 0; c < 3; ++c) {
+    const Eigen::Map<const Eigen::ArrayXd> values(nodes.coordinate(c).data(), nodes.size());
+    low[c] = values.minCoeff();
+    high[c] = values.maxCoeff();
+  }
+  const Eigen::Map<const Eigen::ArrayXd> reaches(reach.data(), nodes.size());
+  return {0.5 * (low + high), 0.5 * (high - low).norm() + reaches.maxCoeff()};
 }
 
 /// Adds points of the cells on which an obstacle does not press evenly. The other cells leave their

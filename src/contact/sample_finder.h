@@ -52,6 +52,13 @@ class SampleFinder {
     Distance operator[](int k) const { return {gaps[k], normals[k]}; }
   };
 
+  /// Ball around all nodes and as far as they may move [m].
+  struct Ball {
+    Vec3 centre;
+    double radius;
+  };
+  static Ball ballAround(const Field& nodes, const std::vector<double>& reach);
+
   void addCells(const ActiveMesh& mesh, const Field& nodes);
   void addNodes(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach);
   void addProbePoints(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
