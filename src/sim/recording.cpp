@@ -18,7 +18,7 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr char kTitle[] = "haptic_cloth recording 1";
+constexpr char kName[] = "haptic_cloth recording ", kVersion[] = "2";
 
 std::string join(const char* word, int number, std::initializer_list<const double*> vectors,
                  std::initializer_list<int> sizes) {
@@ -103,7 +103,7 @@ std::string step(int length) { return "step " + std::to_string(length); }
 std::string reset() { return "reset"; }
 
 std::string header(const Simulation& start) {
-  return std::string(kTitle) + "\nscene " + sceneHash(start) + "\ninstructions " + instructionSet();
+  return std::string(kName) + kVersion + "\nscene " + sceneHash(start) + "\ninstructions " + instructionSet();
 }
 
 std::string end(const Simulation& end) { return "end " + hexadecimalText(end.stateHash()); }
@@ -114,7 +114,12 @@ Replay::Replay(std::istream& recording, const std::string& origin, const Simulat
     : recording_(recording), origin_(origin) {
   std::string title, scene;
   std::getline(recording, title);
-  if (title != kTitle) throw InputError(origin, "", "", "must be a recording: it does not begin as one");
+  if (title.rfind(kName, 0) != 0)
+    throw InputError(origin, "", "", "must be a recording: it does not begin as one");
+  const std::string version = title.substr(sizeof(kName) - 1);
+  if (version != kVersion)
+    throw InputError(origin, "version", version,
+                     std::string("must be ") + kVersion + ", that of this program");
   std::string word, hash;
   line_ = 3;
   if (!(recording >> word >> hash) || word != "scene") fail("must name the scene");

@@ -80,6 +80,7 @@ TEST(Recording, SaysWhatDoesNotFit) {
   expect(text, "");
   EXPECT_EQ(messageOf(text, run.scene), "");
   expect("", "must be a recording");
+  expect(with("recording 2", "recording 1"), "version = 1: must be 2");
   expect(text.substr(0, text.rfind("end")), "cut off");
   expect(with("step 3", "step 2"), "its replay with");
   expect(with("\nstep 3", "\nstep 0"), "must have a length");
