@@ -1,6 +1,5 @@
 #include "ros/display/diagnostics.h"
 
-#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <utility>

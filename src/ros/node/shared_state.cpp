@@ -15,7 +15,8 @@ SharedProbe::SharedProbe(const NodeOptions& options, std::size_t number) {
   }
 }
 
-SharedState::SharedState(const NodeOptions& options) : obstacles(options.scene.obstacles.size()) {
+SharedState::SharedState(const NodeOptions& options)
+    : obstacles(options.scene.obstacles.size()), recording(!options.record.empty()) {
   for (std::size_t k = 0; k < options.probes.size(); ++k) probes.emplace_back(options, k);
 }
 

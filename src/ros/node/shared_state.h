@@ -171,7 +171,7 @@ struct SharedState {
 
   std::atomic<bool> stop{false};
   std::atomic<bool> paused{false};
-  std::atomic<bool> recording{false};
+  std::atomic<bool> recording;  ///< a recording was asked for and has not ended
   std::atomic<bool> frame_wanted{true};
   std::atomic<std::uint64_t> resets_wanted{0}, resets_done{0};
 };

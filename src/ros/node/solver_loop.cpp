@@ -34,13 +34,13 @@ SolverLoop::SolverLoop(const NodeOptions& options, SharedState& shared)
   recorder_.emplace(options.record);
   recorder_->write(recorded::header(simulation_));
   simulation_.record([this](const std::string& line) { recorder_->write(line); });
-  shared_.recording = true;
 }
 
 void SolverLoop::run() {
   while (!shared_.stop) {
     resetWhenAsked();
     shared_.tasks.work(*this);
+    shared_.recording = recorder_ && recorder_->isOpen();
     copyFrameWhenWanted();
     if (shared_.paused) {
       pacer_.restart();
@@ -86,7 +86,6 @@ void SolverLoop::loadState(const std::string& state, const std::string& origin) 
   simulation_.loadState(state, origin);
   simulation_.record(nullptr);
   if (recorder_ && recorder_->end(end)) ROS_WARN("the recording ends: a state was loaded");
-  shared_.recording = false;
   startAnew();
 }
 
@@ -170,7 +169,6 @@ void SolverLoop::record(const StepReport& report) {
   ++window_.steps;
   window_iterations_ += report.minimizer.iterations;
   if (now - window_start_ < kWindow) return;
-  shared_.recording = recorder_ && recorder_->isOpen();
   window_.taken = now;
   window_.wall = now - window_start_;
   window_.time = simulation_.time();
