@@ -67,6 +67,35 @@ TEST(Samples, OfAVeryFineGridStandNoCloserThanThePressureAsks) {
   EXPECT_LE(cell.samples, 64 + 2 * kPack);
 }
 
+/// Number of samples of a flat cell under a ball that is nearest to one corner of it. @param gap there [m]
+int samplesBeyondTheCorner(double gap, double reach) {
+  constexpr double kSide = 0.01;
+  const Grid grid{2, 2, 0, kSide, kSide};
+  const ActiveMesh mesh(LeafMesh(grid, {}, 0), 0.15);
+  Obstacle ball;
+  ball.shape = Shape::Sphere;
+  ball.radius = 0.02;
+  ball.pose.position = Vec3(1.0, 1.0, 0.0).normalized() * (kSide * std::sqrt(2.0) + ball.radius + gap);
+  Team team(1);
+  ContactSet contacts(grid, {ball}, {}, {kRange, 1e-3, 1e-3}, team);
+  Field nodes;
+  nodes.clear(mesh.nodes());
+  for (int n = 0; n < mesh.nodes(); ++n) {
+    const int p = mesh.particle[n];
+    nodes.set(n, Vec3(kSide * grid.column(p), kSide * grid.row(p), 0.0));
+  }
+  contacts.collect(mesh, nodes, std::vector<double>(mesh.nodes(), reach), {});
+  return contacts.size();
+}
+
+TEST(Samples, AnObstacleCountsUpToItsRangeAndTheReachOfTheCloth) {
+  // At the corner the ball around the cloth ends, too, so nothing there is left out too early.
+  EXPECT_GT(samplesBeyondTheCorner(0.99 * kRange, 0.0), 0);
+  EXPECT_EQ(samplesBeyondTheCorner(1.01 * kRange, 0.0), 0);
+  EXPECT_GT(samplesBeyondTheCorner(kRange + 0.99e-3, 1e-3), 0);
+  EXPECT_EQ(samplesBeyondTheCorner(kRange + 1.01e-3, 1e-3), 0);
+}
+
 TEST(ContactSet, ACoarseCellThatMovesMaySinkIntoAnObstacle) {
   // One that moves by no more than half the range cannot pass the law's layer.
   const Grid grid{3, 3, 1, 0.01, 0.01};

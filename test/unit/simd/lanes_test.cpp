@@ -242,19 +242,19 @@ TEST(ShearLanes, AngleIsTheInverseSine) {
     slots.clear(2 * kPack);
     kernels().evaluateShears(&pack, 0, 1, law.view(), nullptr, x.arrays(), slots.arrays(), 0, kPack);
     for (int l = 0; l < kPack; ++l) {
-      const double s = sines[first + l], flat = std::hypot(std::sqrt(1.0 - s * s), kFlat),
-                   angle = std::atan2(s, flat);
+      const double s = sines[first + l], cosine = std::sqrt(1.0 - s * s),
+                   angle = std::atan2(s, std::hypot(cosine, kFlat));
       const auto one =
           evaluateShear({corners[4 * l], corners[4 * l + 1], corners[4 * l + 2], corners[4 * l + 3]}, 1.0,
                         Curve::linear(1.0));
       // The energy is half the square of the angle. An error ε of the sine gives an error ε/cos of
-      // the angle, where cos is at least kFlat.
-      const double doubt = tolerance(4 * kEpsilon) / flat;
+      // the angle, at worst √2ε.
+      const double doubt = tolerance(4 * kEpsilon) / std::max(cosine, 1e-8);
       ASSERT_TRUE(slots[l].allFinite() && slots[kPack + l].allFinite()) << s;
       EXPECT_NEAR(std::sqrt(2.0 * energies[l]), std::abs(angle), doubt) << s;
       // The slope is an offset over the cosine, which the error of the sine leaves uncertain by
-      // ε/cos².
-      const double cosine_doubt = tolerance(4 * kEpsilon) / (flat * flat);
+      // ε/cos²; but no offset is divided by less than kFlat.
+      const double cosine_doubt = tolerance(4 * kEpsilon) / std::max(cosine * cosine, kFlat);
       EXPECT_LT((slots[l] - angle * one.rising).norm(), 1.6 * cosine_doubt * (1.0 + one.rising.norm())) << s;
       const Vec3 slope(pack.rising_x[l], pack.rising_y[l], pack.rising_z[l]);
       EXPECT_LT((slope - one.rising).norm(),
