@@ -35,15 +35,21 @@ void append(std::string& bytes, const T& value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
 }
 
-/// Rounds values to multiples of about 1e-11 of the largest, so that those of machines that round
-/// differently become the same, with hardly an exception.
-void roundTogether(std::vector<double>& values) {
-  constexpr int kBits = 36;
+double largestOf(const std::vector<double>& values) {
   double largest = 0.0;
   for (const double value : values) largest = std::max(largest, std::abs(value));
-  if (!(largest > 0.0) || !std::isfinite(largest)) return;
+  return largest;
+}
+
+/// Multiples of about 1e-11 of the largest value: those of machines that round differently become the same,
+/// with hardly an exception.
+std::vector<double> rounded(std::vector<double> values) {
+  constexpr int kBits = 36;
+  const double largest = largestOf(values);
+  if (!(largest > 0.0) || !std::isfinite(largest)) return values;
   const double unit = std::ldexp(1.0, std::ilogb(largest) - kBits);
   for (double& value : values) value = std::round(value / unit) * unit;
+  return values;
 }
 
 }  // namespace
@@ -161,20 +167,17 @@ void Archive::compare(const std::string& name, Type type, const void* data, std:
 void Archive::similar(const std::string& name, const std::vector<double>& values) {
   constexpr double kRounding = 1e-9;
   if (!loads_) {
-    std::vector<double> rounded = values;
-    roundTogether(rounded);
-    return write(name, Type::Double, rounded.data(), rounded.size());
+    const std::vector<double> kept = rounded(values);
+    return write(name, Type::Double, kept.data(), kept.size());
   }
   const Header header = read(name);
   std::vector<double> found(header.type == Type::Double ? header.count : 0);
   if (!found.empty())
     std::memcpy(found.data(), entries_.data() + header.begin, found.size() * sizeof(double));
-  double largest = 0.0, difference = 0.0;
-  for (std::size_t k = 0; k < values.size() && found.size() == values.size(); ++k) {
-    largest = std::max(largest, std::abs(values[k]));
+  double difference = 0.0;
+  for (std::size_t k = 0; k < values.size() && found.size() == values.size(); ++k)
     difference = std::max(difference, std::abs(values[k] - found[k]));
-  }
-  if (found.size() == values.size() && difference <= kRounding * largest) return;
+  if (found.size() == values.size() && difference <= kRounding * largestOf(values)) return;
   differs(name, header, "other values");
 }
 

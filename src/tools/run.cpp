@@ -17,10 +17,10 @@ void add(const StepReport& report, double wall_time, RunTotals& totals) {
   totals.iterations += report.minimizer.iterations;
   totals.evaluations += report.minimizer.evaluations;
   totals.failed_steps += report.failed ? 1 : 0;
-  const int active = report.active_particles;
-  totals.min_active = totals.steps == 1 ? active : std::min(totals.min_active, active);
-  totals.max_active = totals.steps == 1 ? active : std::max(totals.max_active, active);
-  totals.mean_active += (active - totals.mean_active) / totals.steps;
+  totals.min_active =
+      totals.steps == 1 ? report.active_particles : std::min(totals.min_active, report.active_particles);
+  totals.max_active = std::max(totals.max_active, report.active_particles);
+  totals.mean_active += (report.active_particles - totals.mean_active) / totals.steps;
   totals.refined += report.refined;
   totals.coarsened += report.coarsened;
   totals.max_penetration = std::max(totals.max_penetration, report.max_penetration);
@@ -35,8 +35,6 @@ RunRecord runSteps(Simulation& simulation, Rows rows, const NextStep& next, cons
   RunRecord record;
   record.probes.resize(simulation.scene().probes.size());
   record.totals.start_time = simulation.time();
-  record.totals.min_active = record.totals.max_active = simulation.activeParticles();
-  record.totals.mean_active = simulation.activeParticles();
   for (int length = 1; next(simulation, length);) {
     const auto start = std::chrono::steady_clock::now();
     const StepReport report = simulation.step(length);
@@ -49,6 +47,9 @@ RunRecord runSteps(Simulation& simulation, Rows rows, const NextStep& next, cons
     }
     if (after_step) after_step(simulation, record.totals);
   }
+  RunTotals& totals = record.totals;
+  if (totals.steps == 0)
+    totals.mean_active = totals.min_active = totals.max_active = simulation.activeParticles();
   return record;
 }
 
