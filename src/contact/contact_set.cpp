@@ -183,9 +183,14 @@ Vec3 ContactSet::obstacleForce() const {
   return sum;
 }
 
-double ContactSet::obstacleWork() const {
+double ContactSet::workOfSolids() const {
   double work = 0.0;
-  forSamples(kObstacles, [&](int k) { work -= forces_.gradient()[k].dot(samples_[k].carry); });
+  for (const SampleList::Group& group : samples_.groups()) {
+    if (solids_.isStill(group.solid)) continue;
+    const Eigen::Matrix3d to_middle = solids_.toMiddle(group.solid);
+    for (int k = kPack * group.begin; k < kPack * group.end; ++k)
+      work -= samples_[k].carry.dot(to_middle * forces_.gradient()[k]);
+  }
   return work;
 }
 

@@ -17,6 +17,12 @@ bool SolidSet::isStill(int solid) const {
   return now.position() == then.position() && now.rotation() == then.rotation();
 }
 
+Eigen::Matrix3d SolidSet::toMiddle(int solid) const {
+  Eigen::AngleAxisd turn(solids_[solid].rotation() * before_[solid].rotation().transpose());
+  turn.angle() *= -0.5;
+  return turn.toRotationMatrix();
+}
+
 /// Limits the motion of obstacles: none may pass through the cloth within a step. An obstacle that
 /// is sent farther lags behind.
 void SolidSet::advance() {

@@ -53,7 +53,7 @@ void EnergyBalance::update(const Scene& scene, const ClothObjective& solved, con
     supplied_ += stiffness * (made.device - solved.proxy(k)).dot(made.device - before.device) +
                  options.coupling_damping * solved.timeStep() * slip.dot(made.device_velocity);
   }
-  supplied_ += contacts.obstacleWork() + ejection_work_ + pin_work_;
+  supplied_ += contacts.workOfSolids() + ejection_work_ + pin_work_;
   ejection_work_ = contacts.ejectionWork();
 }
 

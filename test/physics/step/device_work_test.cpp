@@ -1,7 +1,8 @@
 /// Work of a device on its coupling, in the balance of energy.
 /// Criteria: a probe that touches nothing and follows its device does no work, whatever its speed, stiffness
 /// and the length of steps. Elsewhere work is force times way: the force on the hand is what spring and
-/// damper of the coupling pull with, up to what a solve leaves undone, its tolerance.
+/// damper of the coupling pull with, up to what a solve leaves undone, its tolerance. A probe that turns
+/// works by its torque.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -70,6 +71,41 @@ TEST(DeviceWork, IsForceTimesWay) {
     }
     // The unit of the residual is the weight that the sheet would have on the earth.
     const double left = scene.solver.minimizer.tolerance * simulation.mass() * 9.81 * 2.0 * kDepth;
+    EXPECT_GT(most, 100.0 * left) << "pressed";
+    EXPECT_NEAR(simulation.energy().work, work, tolerance(left)) << time_step;
+  }
+}
+
+TEST(DeviceWork, OfAProbeThatTurnsIsTorqueTimesTurn) {
+  constexpr double kRate = 0.5, kMost = 0.15;  // [rad/s], [rad]
+  for (const double time_step : {5e-4, 2e-3}) {
+    Scene scene = heldSheet(4000.0, time_step);
+    scene.air_damping = 20.0;  // so that the sheet follows without swinging
+    scene.solver.minimizer.tolerance = 1e-3;
+    scene.probes[0].radius = 5e-3;
+    scene.probes[0].length = 0.05;
+    Simulation simulation(scene);
+    const Quat lying = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitX());
+    DeviceState device;
+    device.position = Vec3(0.0, 0.0, scene.probes[0].radius + 1.5 * scene.cloth.fabric.thickness);
+    double work = 0.0, turned = 0.0, most = 0.0;
+    const auto turn = [&](double rate) {
+      const double before = turned;
+      turned += rate * time_step;
+      device.orientation = Quat(Eigen::AngleAxisd(turned, Vec3::UnitY())) * lying;
+      simulation.setDevice(0, device);
+      simulation.step();
+      work -= simulation.probe().torque.y() * (turned - before);
+      most = std::max(most, std::abs(work));
+    };
+    turn(0.0);
+    while (turned < kMost) turn(kRate);
+    while (turned > 0.0) turn(-kRate);
+    // The unit of the residual is the weight that the sheet would have on the earth; the ends of the capsule
+    // move there and back. The way of a point is shorter than its arc by the square of a step's turn.
+    const double way = kMost * scene.probes[0].length,
+                 left = scene.solver.minimizer.tolerance * simulation.mass() * 9.81 * way +
+                        std::pow(kRate * time_step, 2) * most;
     EXPECT_GT(most, 100.0 * left) << "pressed";
     EXPECT_NEAR(simulation.energy().work, work, tolerance(left)) << time_step;
   }
