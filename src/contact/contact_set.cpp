@@ -23,11 +23,11 @@ ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
   if (options.self) self_.emplace(grid, *options.self, options.slip_speed * options.time_step);
 }
 
-void ContactSet::advance(double time_step) {
+void ContactSet::advance(double time_step, const Field& nodes) {
   time_step_ = time_step;
   forces_.setSlip(slip_speed_ * time_step);
   if (self_) self_->setSlip(slip_speed_ * time_step);
-  solids_.advance();
+  solids_.advance(nodes);
 }
 
 void ContactSet::collect(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
@@ -174,6 +174,12 @@ Vec3 ContactSet::proxyDiagonal(int probe) const {
 Vec3 ContactSet::proxyChange(int probe) const {
   Vec3 sum = Vec3::Zero();
   forSamples(probe, [&](int k) { sum -= forces_.change()[k]; });
+  return sum;
+}
+
+Block ContactSet::stiffness() const {
+  Block sum = Block::Zero();
+  for (int k = 0; k < samples_.size(); ++k) sum += forces_.block(k);
   return sum;
 }
 

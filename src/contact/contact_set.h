@@ -41,8 +41,9 @@ class ContactSet {
   ContactSet(const ContactSet&) = delete;  // its parts refer to one another
   ContactSet& operator=(const ContactSet&) = delete;
 
-  /// Starts a step: moves the obstacles towards their targets. @param time_step its length [s]
-  void advance(double time_step);
+  /// Starts a step: moves the obstacles towards their targets.
+  /// @param time_step its length [s]  @param nodes of the cloth [m]
+  void advance(double time_step, const Field& nodes);
   void moveObstacle(int obstacle, const Pose& pose) { solids_.moveObstacle(obstacle, pose); }
   bool obstaclesMove() const { return solids_.obstaclesMove(); }  ///< see SolidSet
   int obstacles() const { return solids_.obstacles(); }
@@ -199,6 +200,9 @@ class ContactSet {
   /// @param nodes positions of that evaluation [m]
   Vec3 proxyTorque(int probe, const Field& nodes) const;
   Vec3 proxyDiagonal(int probe) const;
+
+  /// Stiffness of contact against a motion of the cloth as a whole at the last evaluation [N/m].
+  Block stiffness() const;
 
   /// Force of the obstacles on the cloth at the last evaluation [N].
   Vec3 obstacleForce() const;

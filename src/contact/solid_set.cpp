@@ -6,7 +6,9 @@
 namespace haptic_cloth {
 
 SolidSet::SolidSet(const std::vector<Obstacle>& obstacles, const std::vector<ProbeOptions>& probes)
-    : obstacles_(static_cast<int>(obstacles.size())), solids_(obstacles.begin(), obstacles.end()) {
+    : obstacles_(static_cast<int>(obstacles.size())),
+      solids_(obstacles.begin(), obstacles.end()),
+      paths_(obstacles.size(), 0.0) {
   for (const Obstacle& obstacle : obstacles) targets_.push_back(obstacle.pose);
   for (const ProbeOptions& probe : probes) solids_.emplace_back(probe);
   before_ = solids_;
@@ -25,7 +27,7 @@ Eigen::Matrix3d SolidSet::toMiddle(int solid) const {
 
 /// Limits the motion of obstacles: none may pass through the cloth within a step. An obstacle that
 /// is sent farther lags behind.
-void SolidSet::advance() {
+void SolidSet::advance(const Field& cloth) {
   constexpr double kShareOfWidth = 0.25;
   for (int k = 0; k < obstacles_; ++k) {
     Solid& solid = solids_[k];
@@ -34,7 +36,6 @@ void SolidSet::advance() {
     const Quat turned(solid.rotation());
     const double distance = (target.position - solid.position()).norm() +
                             solid.extent() * turned.angularDistance(target.orientation);
-    if (!(distance > 0.0)) continue;
     const double share = std::min(1.0, kShareOfWidth * solid.halfWidth() / distance);
     if (share < 1.0) {
       solid.place(solid.position() + share * (target.position - solid.position()));
@@ -43,6 +44,7 @@ void SolidSet::advance() {
       solid.place(target.position);
       solid.turn(target.orientation);
     }
+    paths_[k] = pathOf(k, cloth);
   }
 }
 
@@ -57,11 +59,15 @@ bool SolidSet::obstaclesMove() const {
   return false;
 }
 
-double SolidSet::pathLength(int obstacle) const {
+double SolidSet::pathOf(int obstacle, const Field& cloth) const {
   if (isStill(obstacle)) return 0.0;
   const Solid &now = solids_[obstacle], &then = before_[obstacle];
+  double extent = now.extent();
+  if (extent == 0.0) {  // a plane
+    for (int n = 0; n < cloth.size(); ++n) extent = std::max(extent, (cloth[n] - now.position()).norm());
+  }
   const double turned = Quat(now.rotation()).angularDistance(Quat(then.rotation()));
-  return (now.position() - then.position()).norm() + now.extent() * turned;
+  return (now.position() - then.position()).norm() + extent * turned;
 }
 
 void SolidSet::startProbe(int probe, const Vec3& proxy, const Quat& before, const Quat& after) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "contact/solid.h"
+#include "mesh/field.h"
 
 namespace haptic_cloth {
 
@@ -35,12 +36,13 @@ class SolidSet {
     return isProbe(solid) ? d_proxies[solid - obstacles_] : Vec3::Zero();
   }
 
-  /// Moves the obstacles one step towards their targets.
-  void advance();
+  /// Moves the obstacles one step towards their targets. @param cloth positions of its nodes [m]
+  void advance(const Field& cloth);
   void moveObstacle(int obstacle, const Pose& pose) { targets_[obstacle] = pose; }
   /// Tells whether an obstacle has not arrived or just moved.
   bool obstaclesMove() const;
-  double pathLength(int obstacle) const;  ///< longest path of its points in the step [m]
+  /// Longest path of an obstacle's points in the step, of a plane as far as the cloth reaches [m].
+  double pathLength(int obstacle) const { return paths_[obstacle]; }
   /// Way in the step of a point that is fixed to an obstacle and starts at x [m].
   Vec3 carried(int obstacle, const Vec3& x) const {
     const Solid &now = solids_[obstacle], &then = before_[obstacle];
@@ -57,10 +59,13 @@ class SolidSet {
   void serialize(Archive& archive);
 
  private:
+  double pathOf(int obstacle, const Field& cloth) const;
+
   int obstacles_;              ///< number of obstacles; the other solids are probes
   std::vector<Solid> solids_;  ///< at the end of the current step
   std::vector<Solid> before_;  ///< at its start
   std::vector<Pose> targets_;  ///< poses of the obstacles
+  std::vector<double> paths_;  ///< of the obstacles, see pathLength() [m]
 };
 
 }  // namespace haptic_cloth

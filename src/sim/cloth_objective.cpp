@@ -405,6 +405,20 @@ double ClothObjective::motionCost() const {
   return cost;
 }
 
+Vec3 ClothObjective::netForce() const {
+  Vec3 force = Vec3::Zero();
+  for (int n = 0; n < mesh_.free; ++n) {
+    if (awake_.contains(n)) force -= gradient_[n];
+  }
+  return force;
+}
+
+Vec3 ClothObjective::freeMotion(const Vec3& net_force) const {
+  double inertia_of_all = 0.0;
+  for (int n = 0; n < mesh_.free; ++n) inertia_of_all += mesh_.mass[n] * inertia(n);
+  return product(inverse(contacts_.stiffness() + isotropic(inertia_of_all)), net_force);
+}
+
 Vec3 ClothObjective::pinForce() const {
   Vec3 force = Vec3::Zero();
   for (int n = mesh_.free; n < mesh_.active(); ++n) force += gradient_[n];

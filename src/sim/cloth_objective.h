@@ -85,6 +85,13 @@ class ClothObjective : public Objective {
   /// Tells whether a direction over all free nodes moves every node.
   bool allFree() const { return mesh_.pinned == 0 && held_.empty() && awake_.all(); }
 
+  /// Sum of the forces on the awake nodes at the last evaluated point: Newton's residual as a whole [N].
+  Vec3 netForce() const;
+
+  /// Motion of free cloth as a whole that a net force asks for, by the quadratic model there [m].
+  /// @pre allFree()
+  Vec3 freeMotion(const Vec3& net_force) const;
+
   /// Largest admissible factor of d up to `most` at the last evaluated point.
   double maxStep(const Vector& d, double most);
   void fitPreconditioner() override;

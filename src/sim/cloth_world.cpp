@@ -56,7 +56,7 @@ void ClothWorld::takeStep(int length, StepReport& report) {
   solver_.startBudget();
   energy_.beginStep(solver_.objective());
   cloth_.beginStep(h, time() + h);
-  contacts_.advance(h);
+  contacts_.advance(h, cloth_.nodes());
   adapt(report);
   grasps_.update(probes_, cloth_.mesh(), cloth_.state());
   report.minimizer = solver_.solve(grasps_.nodes());  // finds the contacts, too

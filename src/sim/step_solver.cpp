@@ -200,7 +200,10 @@ MinimizerReport StepSolver::minimizeCondensed() {
     const double start = solve == 0 ? chooseInitialGuess() : objective_.evaluate(x_, gradient_);
     const int least = solve == 0 && moves() ? 1 : 0;
     report = sum(report, minimizer_.minimize(objective_, x_, start, gradient_, team_, least));
-    if (isCut(report)) correctNetForce(report);
+    if (isCut(report)) {
+      report.value_end = balanceNetForce(objective_.evaluate(x_, gradient_));
+      report.residual = objective_.residual(gradient_);
+    }
     const bool ended = report.why == Termination::NotFinite || report.why == Termination::TimeBudget;
     if (awake.all()) break;
     awake.coverAll();  // also after an early end: energies and forces are summed over all
@@ -257,35 +260,34 @@ MinimizerReport StepSolver::minimizeJoint() {
     objective_.evaluate(x_, gradient_);
     report.why = Termination::LineSearchFailed;
   }
-  if (isCut(report)) correctNetForce(report);
+  if (isCut(report)) balanceNetForce(objective_.evaluate(x_, gradient_));
   return report;
 }
 
-/// Corrects the net force after a solve that was cut short: moves all awake cloth alike along that
-/// force, to the minimum of Φ's quadratic model. Stiff inner forces do not oppose this motion. The
-/// centre of mass of free cloth thus obeys Newton's law however a step ended.
-void StepSolver::correctNetForce(MinimizerReport& report) {
+/// Moves the awake cloth as a whole to the minimum of Φ's quadratic model: along the net force on it, or, if
+/// it is free, in any direction. So its centre of mass obeys Newton's law at a guess, and however a solve
+/// ended. A net force may be far below the tolerance and still be all that lets cloth slide.
+/// @pre the last evaluation was at x_  @return Φ at x_, evaluated last
+double StepSolver::balanceNetForce(double value) {
+  constexpr double kLeast = 0.01;      // of the tolerance: not worth an evaluation
   constexpr double kRounding = 1e-10;  // relative to Φ, as in the line search of the minimizer
   const int size = objective_.size(), free = cloth_.mesh().free;
-  const double value = objective_.evaluate(x_, gradient_);
+  const double unit = cloth_.mass() * objective_.accelerationUnit();
+  const Vec3 net = objective_.netForce();
+  if (!(net.norm() > kLeast * scene_.solver.minimizer.tolerance * unit)) return value;
+  const bool all_free = objective_.allFree();
+  const Vec3 moved = all_free ? objective_.freeMotion(net) : net;
   motion_.head(size).setZero();
-  for (int c = 0; c < 3; ++c) {
-    const double force = -gradient_.segment(c * free, free).sum();
-    for (int n = 0; n < free; ++n) motion_[c * free + n] = objective_.awake().contains(n) ? force : 0.0;
-  }
+  for (int c = 0; c < 3; ++c) motion_.segment(c * free, free).setConstant(moved[c]);
+  objective_.awake().clearSleepers(motion_);
   const double slope = motion_.head(size).dot(gradient_.head(size));
-  if (!(slope < 0.0)) return;
-  Vector& trial = directions_[0];
-  trial.head(size) = x_.head(size) + objective_.along(motion_, slope).step * motion_.head(size);
-  const double moved = objective_.evaluate(trial, gradient_);
-  const double left = gradient_.head(size).dot(motion_.head(size));
-  if (moved <= value + kRounding * std::abs(value) && std::abs(left) <= -slope) {
-    x_.head(size) = trial.head(size);
-    if (!joint_) report.residual = objective_.residual(gradient_);
-    if (!joint_) report.value_end = moved;
-  } else {
-    objective_.evaluate(x_, gradient_);
-  }
+  motion_.head(size) *= all_free ? objective_.maxStep(motion_, 1.0) : objective_.along(motion_, slope).step;
+  motion_.head(size) += x_.head(size);
+  const double there = objective_.evaluate(motion_, gradient_);
+  if (!(there <= value + kRounding * std::abs(value)) || !(objective_.netForce().norm() < net.norm()))
+    return objective_.evaluate(x_, gradient_);
+  x_.swap(motion_);
+  return there;
 }
 
 /// Chooses the initial guess: the minimum of Φ's quadratic model at x⁰ over two directions,
@@ -308,6 +310,7 @@ double StepSolver::chooseInitialGuess() {
   if (held_back) goAlongDirections(1.0, model.fall_with_inertia, directions_[0]);
   const bool carried = touches && goWithObstacle(directions_[1]);
   double value = objective_.evaluate(x_, gradient_);
+  if (touches && objective_.allFree()) value = balanceNetForce(value);
   if (held_back) value = takeIfLower(directions_[0], value);
   if (carried) value = takeIfLower(directions_[1], value);
   if (value <= at_rest) return value;

@@ -80,7 +80,7 @@ class StepSolver {
   MinimizerReport minimizeJoint();
   bool moves() const;
   bool wakeDisturbed();
-  void correctNetForce(MinimizerReport& report);
+  double balanceNetForce(double value);
 
   /// Minimum of a quadratic model of Φ at x⁰.
   struct ModelMinimum {

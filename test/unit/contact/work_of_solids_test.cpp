@@ -30,10 +30,6 @@ Pressed carryAlong(const Pose& wall_before, const Pose& wall_after) {
   wall.shape = Shape::Plane;
   wall.friction = 0.0;
   wall.pose = wall_before;
-  Team team(1);
-  ContactSet contacts(grid, {wall}, {}, {kRange, 1e-3, 1e-3}, team);
-  contacts.moveObstacle(0, wall_after);
-  contacts.advance(1e-3);
   Field before, after;
   before.clear(mesh.nodes());
   after.clear(mesh.nodes());
@@ -43,6 +39,10 @@ Pressed carryAlong(const Pose& wall_before, const Pose& wall_after) {
     before.set(n, wall_before.position + wall_before.orientation * place);
     after.set(n, wall_after.position + wall_after.orientation * place);
   }
+  Team team(1);
+  ContactSet contacts(grid, {wall}, {}, {kRange, 1e-3, 1e-3}, team);
+  contacts.moveObstacle(0, wall_after);
+  contacts.advance(1e-3, before);
   contacts.collect(mesh, before, std::vector<double>(mesh.nodes(), 1e-2), {});
   contacts.evaluate(0, contacts.size(), after);
   return {contacts.workOfSolids(), contacts.obstacleForce().norm(), (after[0] - before[0]).norm()};

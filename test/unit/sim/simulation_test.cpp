@@ -42,5 +42,15 @@ TEST(SimulationCalls, RefuseProbesAndObstaclesThatAreNotThere) {
   EXPECT_TRUE(recorded.empty());
 }
 
+/// A plane that keeps its place turns as asked, at once, since it has no width that limits its way.
+TEST(SimulationCalls, TurnAPlane) {
+  Simulation simulation(
+      parseScene("cloth: {fabric: linear, particles: [9, 9]}\nobstacles: [{shape: plane}]\n", "scene", "."));
+  const Quat turned(Eigen::AngleAxisd(0.3, Vec3::UnitX()));
+  simulation.moveObstacle(0, {simulation.obstaclePose(0).position, turned});
+  simulation.step();
+  EXPECT_LT(simulation.obstaclePose(0).orientation.angularDistance(turned), 1e-12);  // rounding
+}
+
 }  // namespace
 }  // namespace haptic_cloth
