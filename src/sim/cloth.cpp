@@ -145,6 +145,12 @@ double Cloth::pinnedKineticEnergy() const {
   return kinetic;
 }
 
+Vec3 Cloth::pinnedMomentum() const {
+  Vec3 momentum = Vec3::Zero();
+  for (int n = mesh_.free; n < mesh_.active(); ++n) momentum += mesh_.mass[n] * velocities_[n];
+  return momentum;
+}
+
 double Cloth::gravityWork(const Field& to) const {
   double work = 0.0;
   for (int n = 0; n < mesh_.active(); ++n) work += mesh_.mass[n] * gravity_.dot(to[n] - nodes_[n]);

@@ -87,6 +87,7 @@ class Cloth {
   double maxSpeed() const;             ///< [m/s]
   double kineticEnergy() const;        ///< [J]
   double pinnedKineticEnergy() const;  ///< its part of the pinned nodes [J]
+  Vec3 pinnedMomentum() const;         ///< [kg m/s]
 
   /// Work of gravity on a motion to the positions `to` [J].
   double gravityWork(const Field& to) const;

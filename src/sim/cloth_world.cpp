@@ -164,13 +164,17 @@ void ClothWorld::accept(StepReport& report) {
   const ClothObjective& solved = solver_.objective();
   const double kinetic_before = cloth_.kineticEnergy(), gravity_work = cloth_.gravityWork(solved.nodes());
   const double pinned_before = cloth_.pinnedKineticEnergy();
+  const Vec3 momentum_before = cloth_.pinnedMomentum();
   // Ejected cloth is stopped after each step, but does not count as resting.
   markEjected();
   markJumped(report.minimizer);
   contacts_.rememberFriction(cloth_.mesh(), cloth_.internal().nodeNormals());
   cloth_.move(solved, jumped_);
   if (cloth_.pinsMove()) cloth_.advancePins(solver_.pinsMade());
-  energy_.notePinWork(solved.pinWork() + cloth_.pinnedKineticEnergy() - pinned_before);
+  const double h = solved.timeStep(), pinned = cloth_.pinnedKineticEnergy();
+  energy_.notePinWork(solved.pinWork() + pinned - pinned_before, 2.0 * h * scene_.air_damping * pinned);
+  const Vec3 pinned_inertia = (cloth_.pinnedMomentum() - momentum_before) / h,
+             pinned_drag = scene_.air_damping * cloth_.pinnedMomentum();
   sleep_.update(cloth_.mesh(), cloth_.velocities(), solved.awake().flags(), ejected_);
   cloth_.stopEjected(contacts_);
   report.velocity_scale = energy_.guard(kinetic_before, gravity_work, solved, cloth_);
@@ -178,7 +182,7 @@ void ClothWorld::accept(StepReport& report) {
   force_error_.noteCloth(cloth_, feelsCloth(), adaptation_.decidesAt(ticks_));
   probes_.accept(solved, contacts_, cloth_.mesh(), grasps_, force_error_);
   grasps_.noteTouched(probes_, contacts_, cloth_.mesh());
-  support_force_ = contacts_.obstacleForce() + solved.pinForce();
+  support_force_ = contacts_.obstacleForce() + solved.pinForce() + pinned_inertia + pinned_drag;
   report.max_penetration = contacts_.deepest();
 }
 

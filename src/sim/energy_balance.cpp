@@ -11,7 +11,7 @@ EnergyBalance::EnergyBalance(const Cloth& cloth, const ClothObjective& solved) {
 
 void EnergyBalance::beginStep(const ClothObjective& last) {
   created_by_mesh_ = returned_by_slip_ = 0.0;
-  pin_work_ = 0.0;
+  pin_work_ = pin_drag_ = 0.0;
   contact_before_ = last.contactEnergy();
   friction_before_ = last.frictionPotential();
 }
@@ -53,7 +53,7 @@ void EnergyBalance::update(const Scene& scene, const ClothObjective& solved, con
     supplied_ += stiffness * (made.device - solved.proxy(k)).dot(made.device - before.device) +
                  options.coupling_damping * solved.timeStep() * slip.dot(made.device_velocity);
   }
-  supplied_ += contacts.workOfSolids() + ejection_work_ + pin_work_;
+  supplied_ += contacts.workOfSolids() + ejection_work_ + pin_work_ + pin_drag_;
   ejection_work_ = contacts.ejectionWork();
 }
 

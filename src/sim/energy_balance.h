@@ -30,8 +30,11 @@ class EnergyBalance {
   /// @param solids_move an obstacle moves or a probe turns in the step
   void noteStart(const StepSolver::Start& start, bool solids_move);
 
-  /// Records the work of moving pins in the step [J].
-  void notePinWork(double work) { pin_work_ = work; }
+  /// Records the work of moving pins in the step, on the cloth and on the air around what they hold [J].
+  void notePinWork(double work, double drag) {
+    pin_work_ = work;
+    pin_drag_ = drag;
+  }
 
   /// Limits the kinetic energy to the energy at the start of the step plus the work of its inputs
   /// minus what is now stored or dissipated. Energy that a mesh change created beyond the kinetic
@@ -59,6 +62,7 @@ class EnergyBalance {
   double initial_ = 0.0;             ///< energy at the start [J]
   double supplied_ = 0.0;            ///< initial_ plus work of devices, obstacles and pins [J]
   double pin_work_ = 0.0;            ///< in the current step [J]
+  double pin_drag_ = 0.0;            ///< in the current step [J]
   double created_by_mesh_ = 0.0;     ///< in the current step [J]
   double created_by_samples_ = 0.0;  ///< in the current step [J]
   double contact_before_ = 0.0;      ///< contact energy at the end of the last step [J]

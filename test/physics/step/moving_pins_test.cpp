@@ -138,6 +138,33 @@ TEST(MovingPins, LiftTheWeight) {
   EXPECT_NEAR(particle(simulation, 2, 2).z(), 0.05, tolerance(1e-15));
 }
 
+/// Cloth that is pinned everywhere turns in air. Its pins carry its weight, its centripetal force and its
+/// drag, and their work is that of the drag. Steps turn by 5 mrad; the force is that of their middle.
+TEST(MovingPins, CarryInertiaAndDrag) {
+  constexpr double kRate = 5.0, kArm = 0.2, kDrag = 3.0;  // [rad/s], [m], [1/s]
+  Scene scene = sheetScene(makeFabric(stiffFabric()), 9, 9, 0.1, 0.1);
+  scene.air_damping = kDrag;
+  pin(scene, 0, 8, 0, 8);
+  scene.cloth.pins[0].turn = Vec3(0.0, 0.0, kRate);
+  scene.cloth.pins[0].centre = scene.cloth.pose.position - Vec3(kArm, 0.0, 0.0);
+  Simulation simulation(scene);
+  run(simulation, 0.25);
+  const EnergyReport before = simulation.energy();
+  run(simulation, 0.5);
+  const double turn = kRate * scene.solver.time_step, mass = simulation.mass(), speed = kRate * kArm;
+  const Vec3 force = simulation.supportForce();
+  const Vec3 along = Eigen::AngleAxisd(kRate * simulation.time(), Vec3::UnitZ()) * Vec3::UnitX();
+  const Vec3 across = Vec3::UnitZ().cross(along);
+  const double inertia = mass * kRate * speed, drag = kDrag * mass * speed;
+  EXPECT_NEAR(force.z(), mass * 9.81, tolerance(1e-9 * mass * 9.81));
+  EXPECT_NEAR(-force.dot(along), inertia, tolerance(turn * (inertia + drag)));
+  EXPECT_NEAR(force.dot(across), drag, tolerance(turn * (inertia + drag)));
+  // Nodes farther out are faster: the mean square of a radius is larger by the moment of inertia.
+  const double square = 1.0 + 2.0 * 0.1 * 0.1 / 12.0 / (kArm * kArm) * 65.0 / 64.0;
+  const double lost = 0.25 * drag * speed * square;
+  EXPECT_NEAR(simulation.energy().dissipated - before.dissipated, lost, tolerance(0.01 * lost));
+}
+
 /// A motion slower than the speed of sleep is still made.
 TEST(MovingPins, DoNotLetStepsBeSkipped) {
   Scene scene = sheetScene(makeFabric(stiffFabric()), 9, 9, 0.1, 0.1);
