@@ -18,7 +18,8 @@ namespace haptic_cloth {
 struct CellView {
   /// Corners (i,j), (i+s,j), (i,j+s), (i+s,j+s) as finest-grid indices j·I + i.
   std::array<int, 4> particles;
-  int level;  ///< 0: finest
+  int level;            ///< 0: finest
+  bool diagonal_rises;  ///< its two triangles share corners 0 and 3, else 1 and 2
 };
 
 /// Cloth, obstacles and probes, advanced step by step. Not thread-safe: one thread owns it. Calls about a

@@ -217,7 +217,9 @@ void Simulation::activeFlags(std::vector<char>& flags) const {
 void Simulation::cells(std::vector<CellView>& cells) const {
   const ActiveMesh& mesh = implementation_->world.cloth().mesh();
   cells.clear();
-  for (const Patch& patch : mesh.patches) cells.push_back({patch.cell.corners(mesh.grid), patch.cell.level});
+  for (const Patch& patch : mesh.patches) {
+    cells.push_back({patch.cell.corners(mesh.grid), patch.cell.level, patch.cell.diagonalRises()});
+  }
 }
 
 void Simulation::cellLoads(std::vector<float>& tension, std::vector<float>& bending) const {

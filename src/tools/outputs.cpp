@@ -95,9 +95,13 @@ void writeMesh(std::ostream& stream, const Simulation& simulation) {
     stream << x.x() << ' ' << x.y() << ' ' << x.z() << '\n';
   }
   for (const CellView& cell : cells) {
-    const auto corner = [&](int k) { return vertex_of[cell.particles[k]]; };
-    stream << "3 " << corner(0) << ' ' << corner(1) << ' ' << corner(3) << '\n';
-    stream << "3 " << corner(0) << ' ' << corner(3) << ' ' << corner(2) << '\n';
+    const auto triangle = [&](int a, int b, int c) {
+      const auto& corners = cell.particles;
+      stream << "3 " << vertex_of[corners[a]] << ' ' << vertex_of[corners[b]] << ' ' << vertex_of[corners[c]]
+             << '\n';
+    };
+    triangle(0, 1, cell.diagonal_rises ? 3 : 2);
+    cell.diagonal_rises ? triangle(0, 3, 2) : triangle(1, 3, 2);
   }
 }
 

@@ -214,6 +214,19 @@ TEST_F(Simulate, MeshIsConsistent) {
   }
 }
 
+/// Cells are cut along one diagonal and the other in turn, as their contact is (Cell::diagonalRises()).
+TEST_F(Simulate, MeshHasTheTrianglesThatTouch) {
+  ASSERT_EQ(run("scene.yaml --set adapt.strategy=finest --out result").status, 0);
+  const auto lines = readLines(folder_ / "result/mesh.ply");
+  const std::size_t first = 9 + std::stoul(split(lines[2], ' ').back());
+  std::size_t rising = 0;
+  for (std::size_t k = first; k < lines.size(); k += 2) {
+    const auto one = split(lines[k], ' '), other = split(lines[k + 1], ' ');
+    rising += one[1] == other[1] && one[3] == other[2] ? 1 : 0;
+  }
+  EXPECT_EQ(rising, (lines.size() - first) / 4);
+}
+
 TEST_F(Simulate, SetReplacesKeys) {
   const Outcome outcome = run(
       "scene.yaml --set stop.time=0.01 --set adapt.strategy=finest --set 'gravity=[0, 0, 0]' --out result");
