@@ -84,11 +84,18 @@ HalfLoop tableLaw(const std::vector<TableRow>& loading, const std::vector<TableR
 }
 
 HalfLoop meanLaw(const HalfLoop& a, const HalfLoop& b) {
+  // Beyond the end of a law both of its branches rise like loading, as in Loop: continued with a slope
+  // of its own, the steeper unloading branch of a loop that closes would cross loading.
+  const auto unloadingAt = [](const HalfLoop& law, double s) {
+    const double inside = std::min(s, law.end());
+    const double beyond = branchAt(law.loading, law.step, s) - branchAt(law.loading, law.step, inside);
+    return branchAt(law.unloading, law.step, inside) + beyond;
+  };
   HalfLoop mean{std::max(a.end(), b.end()) / kIntervals, {}, {}};
   for (std::size_t i = 0; i <= kIntervals; ++i) {
     const double s = mean.step * static_cast<double>(i);
     mean.loading.push_back(0.5 * (branchAt(a.loading, a.step, s) + branchAt(b.loading, b.step, s)));
-    mean.unloading.push_back(0.5 * (branchAt(a.unloading, a.step, s) + branchAt(b.unloading, b.step, s)));
+    mean.unloading.push_back(0.5 * (unloadingAt(a, s) + unloadingAt(b, s)));
   }
   return mean;
 }

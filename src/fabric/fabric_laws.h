@@ -62,7 +62,8 @@ HalfLoop linearLaw(double slope, double end);
 /// @param unloading empty: elastic
 HalfLoop tableLaw(const std::vector<TableRow>& loading, const std::vector<TableRow>& unloading);
 
-/// Mean of two laws (shear measured along warp and weft).
+/// Mean of two laws (shear measured along warp and weft). Beyond the end of the shorter one its
+/// branches continue with the last slope of loading.
 HalfLoop meanLaw(const HalfLoop& a, const HalfLoop& b);
 
 /// Complete tensile law: below zero a line with the slope compression_ratio · (tangent stiffness at

@@ -201,6 +201,30 @@ TEST_F(FabricFile, ShearMeasuredInBothDirectionsIsAveraged) {
   EXPECT_NEAR(fabric.shear.upper()(0.07).force, 2.1, 1e-12);
 }
 
+TEST_F(FabricFile, MeanOfShearLawsOfDifferentRangeIsALoop) {
+  // Loops that close at their end, or would cross beyond it, and a law that goes on.
+  const std::string closing =
+      "{loading: [[0, 0], [0.025, 6], [0.05, 8]], unloading: [[0, 0], [0.04, 2], [0.05, 8]]}";
+  const std::string elastic = "{loading: [[0, 0], [0.3, 14]]}", narrowing = "{G: 0.6, 2HG: 2, 2HG5: 0.8}";
+  const std::string open = "{loading: [[0, 0], [0.3, 20]], unloading: [[0, -3], [0.3, 16]]}";
+  for (const auto& [warp, weft] : {std::pair(closing, elastic),
+                                   {elastic, closing},
+                                   {closing, open},
+                                   {narrowing, elastic},
+                                   {narrowing, open},
+                                   {closing, narrowing}}) {
+    SCOPED_TRACE(warp + ", " + weft);
+    const Fabric fabric =
+        load(std::string(kHead) + kTensile + "shear: {warp: " + warp + ", weft: " + weft + "}\n");
+    for (int k = -400; k <= 400; ++k) {
+      const double s = 0.001 * k, upper = fabric.shear.upper()(s).force,
+                   lower = fabric.shear.lower()(s).force;
+      ASSERT_GE(upper - lower, -1e-12) << s;
+      ASSERT_GE(fabric.shear.lower()(s).slope, -1e-9) << s;
+    }
+  }
+}
+
 TEST_F(FabricFile, MissingGroupsAreNoLaw) {
   const Fabric fabric = load(std::string(kHead) + kTensile);
   EXPECT_TRUE(fabric.bending[kWarp].isZero());
