@@ -1,6 +1,7 @@
 #include "mesh/hat_levels.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace haptic_cloth {
 namespace {
@@ -15,19 +16,19 @@ int levelsOf(const Grid& grid) {
 
 }  // namespace
 
-HatLevels::HatLevels(const ActiveMesh& mesh) : levels_(levelsOf(mesh.grid)) {
+HatLevels::HatLevels(const ActiveMesh& mesh) : grid_(mesh.grid), levels_(levelsOf(mesh.grid)) {
   const auto last = [&](int particles, std::size_t level) {  // last point on the lattice of a level
     return (particles - 1 + (1 << level) - 1) >> level;
   };
-  columns_ = (last(mesh.grid.columns, levels_.size()) << levels_.size()) + 1;
-  number_.resize(columns_ * ((last(mesh.grid.rows, levels_.size()) << levels_.size()) + 1));
+  number_.resize((grid_.columns + levels_.size()) * (grid_.rows + levels_.size()));
   std::size_t hats = 0, points = mesh.grid.particles() + 1;
   for (std::size_t level = 1; level <= levels_.size(); ++level) {
     const std::size_t columns = last(mesh.grid.columns, level) + 1, rows = last(mesh.grid.rows, level) + 1;
     hats += columns * rows;
     points += columns + rows + 1;  // points beyond the ends
   }
-  for (auto* list : {&place_, &remaining_, &hat_of_}) list->reserve(points);
+  place_.reserve(points);
+  for (auto* list : {&remaining_, &hat_of_}) list->reserve(points);
   children_.reserve(points);
   hats_.reserve(hats);
   rebuild(mesh);
@@ -35,28 +36,39 @@ HatLevels::HatLevels(const ActiveMesh& mesh) : levels_(levelsOf(mesh.grid)) {
 
 void HatLevels::rebuild(const ActiveMesh& mesh) {
   std::fill(number_.begin(), number_.end(), -1);
-  for (auto* list : {&place_, &remaining_, &hat_of_}) list->clear();
+  place_.clear();
+  for (auto* list : {&remaining_, &hat_of_}) list->clear();
   children_.clear();
   hats_.clear();
-  const Grid& grid = mesh.grid;
   for (int n = 0; n < mesh.nodes(); ++n) {
-    place_.push_back(grid.row(mesh.particle[n]) * columns_ + grid.column(mesh.particle[n]));
-    number_[place_[n]] = n;
+    place_.push_back({grid_.column(mesh.particle[n]), grid_.row(mesh.particle[n])});
+    numberAt(place_[n].i, place_[n].j) = n;
     remaining_.push_back(n);
   }
   nowhere_ = points();
-  place_.push_back(-1);
+  place_.push_back({-1, -1});
   for (std::size_t l = 0; l < levels_.size(); ++l) {
     addChildren(levels_[l], 1 << l);
     addHats(levels_[l]);
   }
 }
 
+/// Number of the point at a place, -1: none. In each direction a lattice has at most one point beyond the
+/// cloth. That of the next lattice is the same, or farther by a spacing. So the distance to the cloth of
+/// each such point has another number of bits.
+int& HatLevels::numberAt(int i, int j) {
+  const auto index = [](int place, int particles) -> std::size_t {
+    const int beyond = place - (particles - 1);
+    return beyond > 0 ? particles + std::ilogb(beyond) : place;
+  };
+  return number_[index(j, grid_.rows) * (grid_.columns + levels_.size()) + index(i, grid_.columns)];
+}
+
 int HatLevels::pointAt(int i, int j) {
-  int& number = number_[j * columns_ + i];
+  int& number = numberAt(i, j);
   if (number < 0) {
     number = points();
-    place_.push_back(j * columns_ + i);
+    place_.push_back({i, j});
     remaining_.push_back(number);
   }
   return number;
@@ -68,7 +80,8 @@ void HatLevels::addChildren(Level& level, int span) {
   const int count = static_cast<int>(remaining_.size());
   const auto add = [&](bool four) {
     for (int k = 0; k < count; ++k) {
-      const int point = remaining_[k], i = place_[point] % columns_, j = place_[point] / columns_;
+      const int point = remaining_[k];
+      const auto [i, j] = place_[point];
       const int di = i & span, dj = j & span;
       if (four ? !(di && dj) : !di == !dj) continue;
       children_.push_back({point,
@@ -80,9 +93,7 @@ void HatLevels::addChildren(Level& level, int span) {
   level.children = static_cast<int>(children_.size());
   level.fours = add(false);
   level.children_end = add(true);
-  const auto is_child = [&](int point) {
-    return ((place_[point] % columns_ | place_[point] / columns_) & span) != 0;
-  };
+  const auto is_child = [&](int point) { return ((place_[point].i | place_[point].j) & span) != 0; };
   const auto end = remaining_.begin() + count;
   remaining_.erase(std::remove_if(remaining_.begin(), end, is_child), end);
 }

@@ -83,13 +83,19 @@ class HatLevels {
   }
 
  private:
+  /// Place of a point in the finest lattice.
+  struct Place {
+    int i, j;
+  };
+
+  int& numberAt(int i, int j);
   int pointAt(int i, int j);
   void addChildren(Level& level, int span);
   void addHats(Level& level);
 
-  int columns_ = 0;             ///< of the finest lattice, up to a whole coarsest spacing
-  std::vector<int> number_;     ///< point at each place of the finest lattice, -1: none
-  std::vector<int> place_;      ///< place of each point in the finest lattice
+  Grid grid_;
+  std::vector<int> number_;     ///< see numberAt()
+  std::vector<Place> place_;    ///< of each point
   std::vector<int> remaining_;  ///< points of the current level
   std::vector<Level> levels_;
   std::vector<Child> children_;

@@ -52,9 +52,7 @@ TEST_F(Hats, ChildrenLieBetweenTheirParents) {
   }
 }
 
-TEST(HatLevelsTest, ChildrenGiveAllToTheirParents) {
-  // With 19 and 5 cells, lattices end beyond the cloth.
-  const Grid grid{20, 6, 0, 0.01, 0.01};
+void expectChildrenGiveAll(const Grid& grid) {
   const LeafMesh leaves(grid, {}, 0);
   const ActiveMesh mesh(leaves, 0.1);
   const HatLevels hats(mesh);
@@ -80,6 +78,16 @@ TEST(HatLevelsTest, ChildrenGiveAllToTheirParents) {
   double left = 0.0;
   for (const double value : values) left += value;
   EXPECT_NEAR(left, total, tolerance(1e-12) * total);
+}
+
+TEST(HatLevelsTest, ChildrenGiveAllToTheirParents) {
+  expectChildrenGiveAll({20, 6, 0, 0.01, 0.01});  // with 19 and 5 cells, lattices end beyond the cloth
+}
+
+TEST(HatLevelsTest, AStripNeedsNoMoreThanItsParticles) {
+  // Its coarsest spacing is 32768; a lattice of whole spacings would have 65537 × 32769 points.
+  expectChildrenGiveAll({65537, 5, 0, 0.01, 0.01});
+  expectChildrenGiveAll({5, 65537, 0, 0.01, 0.01});
 }
 
 TEST_F(MultilevelTest, IsSymmetricAndPositive) {
