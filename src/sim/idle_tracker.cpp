@@ -25,7 +25,7 @@ void IdleTracker::note(const StepReport& report, const Probes& probes, double sl
   quiet_ = report.awake_particles == 0 && proxies_rest && !changed ? quiet_ + 1 : 0;
   idle_ = quiet_ >= SleepTracker::kSteps;  // the mesh has had time to adapt
   probes_ = probes.steps();
-  residual_ = report.minimizer.residual;
+  if (!report.failed) residual_ = report.minimizer.residual;  // that of a failed step may not be finite
   self_contacts_ = report.self_contacts;
   min_self_gap_ = report.min_self_gap;
 }

@@ -1,0 +1,29 @@
+/// Steps that are skipped. Criterion: src/sim/idle_tracker.h.
+#include "sim/idle_tracker.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace haptic_cloth {
+namespace {
+
+TEST(IdleTrackerTest, IsSavedAndLoadedAfterAFailedStep) {
+  const Probes probes(0);
+  IdleTracker tracker(0), other(0);
+  StepReport report;
+  report.minimizer.residual = 0.25;
+  tracker.note(report, probes, 1e-3);
+  report.failed = true;
+  report.minimizer.residual = std::numeric_limits<double>::quiet_NaN();  // as of a step that is not finite
+  tracker.note(report, probes, 1e-3);
+  Archive saving;
+  tracker.serialize(saving);
+  Archive loading(saving.sealed(), "state");
+  other.serialize(loading);
+  loading.finish();
+  EXPECT_EQ(other.residual(), 0.25);
+}
+
+}  // namespace
+}  // namespace haptic_cloth
