@@ -157,8 +157,10 @@ class ClothObjective : public Objective {
   /// Unit of residuals, |gravity| [m/s²].
   double accelerationUnit() const { return std::sqrt(reference_acceleration_); }
 
-  /// residual() of a state with this motionCost() [J].
-  double residualOf(double cost) const { return std::sqrt(2.0 * cost / reference_) / timeStep(); }
+  /// residual() of a state with this motionCost() [J]; 0 if all nodes are pinned.
+  double residualOf(double cost) const {
+    return reference_ > 0.0 ? std::sqrt(2.0 * cost / reference_) / timeStep() : 0.0;
+  }
 
   /// Values at the last evaluated point:
   const Field& nodes() const { return nodes_; }

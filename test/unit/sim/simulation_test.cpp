@@ -52,5 +52,21 @@ TEST(SimulationCalls, TurnAPlane) {
   EXPECT_LT(simulation.obstaclePose(0).orientation.angularDistance(turned), 1e-12);  // rounding
 }
 
+/// The joint cost divides by the mass of the free nodes, and a probe's if there is one.
+TEST(SimulationCalls, ClothWithoutFreeNodesStaysWithEitherCost) {
+  for (const std::string cost : {"condensed", "joint"}) {
+    Simulation simulation(
+        parseScene("cloth: {fabric: linear, particles: [9, 9], pins: [{particles: [[0, 8], [0, 8]]}]}\n"
+                   "solver: {cost: " +
+                       cost + "}\n",
+                   "scene", "."));
+    for (int k = 0; k < 3; ++k) {
+      const StepReport report = simulation.step();
+      EXPECT_FALSE(report.failed) << cost;
+      EXPECT_EQ(report.minimizer.residual, 0.0) << cost;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace haptic_cloth
