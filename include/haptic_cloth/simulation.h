@@ -22,6 +22,10 @@ struct CellView {
   bool diagonal_rises;  ///< its two triangles share corners 0 and 3, else 1 and 2
 };
 
+/// Poses of devices and obstacles beyond this distance from the origin are ignored [m], and devices that
+/// are faster [m/s]: the circumference of the earth. Squares and quotients could overflow a double.
+constexpr double kFarthestPose = 4e7;
+
 /// Cloth, obstacles and probes, advanced step by step. Not thread-safe: one thread owns it. Calls about a
 /// probe or an obstacle throw InputError, with nothing changed, if the scene has none of that number.
 class Simulation {
@@ -36,9 +40,9 @@ class Simulation {
   /// proxy at the device.
   void setDevice(const Vec3& position, const Vec3& velocity) { setDevice(0, {position, velocity}); }
 
-  /// Sets the state of a probe by its number in the scene. A state that is not finite is ignored. A
-  /// state farther from the last one than a hand can move (isJump()) counts as removal and
-  /// reappearance: the probe is open, and touches nothing until it has been clear of the cloth
+  /// Sets the state of a probe by its number in the scene. A state that is not finite or beyond
+  /// kFarthestPose is ignored. A state farther from the last one than a hand can move (isJump()) counts as
+  /// removal and reappearance: the probe is open, and touches nothing until it has been clear of the cloth
   /// once.
   void setDevice(int probe, const DeviceState& device);
 
@@ -50,7 +54,8 @@ class Simulation {
   void setGrasp(int probe, bool closed);
 
   /// Sets the target pose of an obstacle. It moves there in the following steps, at most a quarter
-  /// of its narrowest half-width in each. A pose that is not finite is ignored.
+  /// of its narrowest half-width in each. A pose that is not finite or beyond
+  /// kFarthestPose is ignored.
   void moveObstacle(int obstacle, const Pose& pose);
 
   /// Changes options from the next step on. The solver's time_step, integrator, cost,

@@ -238,9 +238,6 @@ StepReport ClothWorld::skipStep(int length) {
 }
 
 void ClothWorld::setDevice(int k, const DeviceState& device) {
-  const bool finite = device.position.allFinite() && device.velocity.allFinite() &&
-                      device.orientation.coeffs().allFinite() && device.orientation.norm() > 0.0;
-  if (!finite) return;
   DeviceState next = device;
   if (probes_.jumps(k, device, scene_.solver.time_step)) {
     removeDevice(k);

@@ -1,6 +1,7 @@
 #include "haptic_cloth/simulation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <new>
 #include <sstream>
@@ -29,6 +30,12 @@ void requireNumber(const char* kind, int number, std::size_t count) {
   if (number >= 0 && number < static_cast<int>(count)) return;
   throw InputError("simulation", kind, std::to_string(number),
                    std::string("must be one of the scene's, which has ") + std::to_string(count));
+}
+
+/// Tells whether a pose is within the limits of the simulation. Numbers that are not finite are not.
+bool isUsable(const Vec3& position, const Quat& orientation) {
+  const double norm = orientation.norm();
+  return position.norm() < kFarthestPose && norm > 0.0 && std::isfinite(norm);
 }
 
 /// Refuses cloth that passes through itself. Self-contact keeps layers on the sides where they are, so it
@@ -83,6 +90,9 @@ Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 
 void Simulation::setDevice(int probe, const DeviceState& device) {
   ClothWorld& world = implementation_->withProbe(probe);
+  const bool usable = isUsable(device.position, device.orientation) &&
+                      device.velocity.norm() < kFarthestPose && std::isfinite(device.elapsed);
+  if (!usable) return;
   if (sink_) sink_(recorded::device(probe, device));
   world.setDevice(probe, device);
 }
@@ -101,8 +111,7 @@ void Simulation::setGrasp(int probe, bool closed) {
 
 void Simulation::moveObstacle(int obstacle, const Pose& pose) {
   ClothWorld& world = implementation_->withObstacle(obstacle);
-  const Eigen::Vector4d turn = pose.orientation.coeffs();
-  if (!pose.position.allFinite() || !turn.allFinite() || !(turn.norm() > 0.0)) return;
+  if (!isUsable(pose.position, pose.orientation)) return;
   if (sink_) sink_(recorded::obstacle(obstacle, pose));
   world.moveObstacle(obstacle, {pose.position, pose.orientation.normalized()});
 }

@@ -2,6 +2,7 @@
 
 #include <ros/console.h>
 
+#include "haptic_cloth/simulation.h"
 #include "ros/node/conversions.h"
 #include "ros/node/steady_clock.h"
 

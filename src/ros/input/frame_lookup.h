@@ -10,10 +10,6 @@
 
 namespace haptic_cloth {
 
-/// Largest distance of a pose from the origin of the cloth's frame [m]: the circumference of the earth.
-/// Beyond it, squares and quotients could overflow a double.
-constexpr double kFarthestPose = 4e7;
-
 class FrameLookup {
  public:
   /// @param frame_id the cloth's frame

@@ -1,5 +1,6 @@
 #include "ros/input/obstacle_input.h"
 
+#include "haptic_cloth/simulation.h"
 #include "ros/node/conversions.h"
 
 namespace haptic_cloth {

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -50,6 +52,33 @@ TEST(SimulationCalls, TurnAPlane) {
   simulation.moveObstacle(0, {simulation.obstaclePose(0).position, turned});
   simulation.step();
   EXPECT_LT(simulation.obstaclePose(0).orientation.angularDistance(turned), 1e-12);  // rounding
+}
+
+/// Numbers that overflow in the step would fail it, and stay in the balance of energy.
+TEST(SimulationCalls, IgnoreWhatIsBeyondTheirLimits) {
+  Simulation simulation(
+      parseScene("cloth: {fabric: linear, particles: [9, 9]}\nobstacles: [{shape: plane}]\n", "scene", "."));
+  const Vec3 place(0.0, 0.0, 0.1), still = Vec3::Zero();
+  simulation.setDevice(place, still);
+  simulation.step();
+  const std::string before = simulation.saveState();
+  std::vector<std::string> recorded;
+  simulation.record([&](const std::string& line) { recorded.push_back(line); });
+  const Quat turn = Quat::Identity(), huge(1e200, 0.0, 0.0, 0.0);
+  for (const double far :
+       {5e7, 1e200, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+    simulation.setDevice(0, {place, Vec3(far, 0.0, 0.0), turn});
+    simulation.setDevice(0, {Vec3(far, 0.0, 0.1), still, turn});
+    if (!std::isfinite(far)) simulation.setDevice(0, {place, still, turn, far});
+    simulation.moveObstacle(0, {Vec3(0.0, 0.0, far), turn});
+  }
+  simulation.setDevice(0, {place, still, huge});
+  simulation.moveObstacle(0, {still, huge});
+  EXPECT_TRUE(recorded.empty()) << recorded.front();
+  EXPECT_TRUE(simulation.saveState() == before);
+  simulation.record(nullptr);
+  EXPECT_FALSE(simulation.step().failed);
+  EXPECT_TRUE(std::isfinite(simulation.energy().dissipated));
 }
 
 /// The joint cost divides by the mass of the free nodes, and a probe's if there is one.
