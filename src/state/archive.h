@@ -91,12 +91,13 @@ class Archive {
     for (std::size_t k = 0; k < elements.size(); ++k) elements[k].*member = static_cast<Member>(values[k]);
   }
 
-  /// Saves the length of a vector, or resizes the vector on loading. @param most largest length
-  /// allowed
+  /// Saves the length of a vector whose elements follow, or resizes the vector on loading: to no more than
+  /// the bytes that are left. @param most largest length allowed
   template <class T>
   void length(const std::string& name, std::vector<T>& elements, std::size_t most) {
     long size = static_cast<long>(elements.size());
     within(name, size, 0, static_cast<long>(most));
+    check(static_cast<std::size_t>(size) <= entries_.size() - at_, name, "must not exceed what follows");
     elements.resize(size);
   }
 

@@ -203,6 +203,9 @@ TEST_F(State, ImpossibleValuesAreRefusedByName) {
   expectRefused(changed("probe_memory[0].after", [](StateEntry& e) { set(e, 3, 5.0); }), {"norm 1"});
   expectRefused(changed("touched[0].count", [](StateEntry& e) { set(e, 0, 1L << 60); }),
                 {"touched[0].count", "from 0"});
+  // Possible for the cloth, but of a state that is larger: nothing of that size is allocated.
+  expectRefused(changed("contacts.samples", [](StateEntry& e) { set(e, 0, 15000L); }),
+                {"contacts.samples", "what follows"});
   expectRefused(changed("held_count", [](StateEntry& e) { set(e, 0, 3L); }),
                 {"held_particles", "0 values, not 3"});
   expectRefused(changed("velocities.y", [](StateEntry& e) { e.bytes.resize(8); }),
