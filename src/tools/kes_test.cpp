@@ -74,13 +74,20 @@ std::string asCsv(const std::vector<KesRow>& rows) {
   return out.str();
 }
 
+/// The text as one word of a shell command.
+std::string shellWord(const std::string& text) {
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return word + "'";
+}
+
 /// Has the plot written under the temporary name of `file`.
 void plotCurve(const NewFile& file, const std::string& csv) {
   std::string script = HAPTIC_CLOTH_SOURCE_SCRIPTS "/plot_kes.py";
   if (!std::filesystem::exists(script)) script = HAPTIC_CLOTH_INSTALL_SCRIPTS "/plot_kes.py";
   const std::string name = file.target().string();
   const std::string command =
-      "/usr/bin/python3 '" + script + "' '" + name + "' '" + file.temporaryName() + "'";
+      "/usr/bin/python3 " + shellWord(script) + ' ' + shellWord(name) + ' ' + shellWord(file.temporaryName());
   FILE* python = popen(command.c_str(), "w");
   if (python == nullptr) throw std::runtime_error(command + ": cannot be started");
   std::fwrite(csv.data(), 1, csv.size(), python);
@@ -122,6 +129,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // the limit of a file's size is an error like a full disk
+  std::signal(SIGPIPE, SIG_IGN);  // so is a reader that has gone, of the output or of the plot
   try {
     return haptic_cloth::run(argc, argv);
   } catch (const haptic_cloth::UsageError& error) {

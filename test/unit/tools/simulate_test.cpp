@@ -571,6 +571,28 @@ TEST_F(Simulate, KesTestLeavesNoHalfFile) {
   EXPECT_GT(readLines(folder_ / "curve.csv").size(), 100u);
 }
 
+/// A module in place of matplotlib ends Python before it reads the curve, which is longer than a pipe.
+TEST_F(Simulate, KesTestNamesAPlotThatFailsAndLeavesNothing) {
+  const std::string command = "'" HAPTIC_CLOTH_KES_TEST
+                              "' linen.yaml --test shear --out \"it's.csv\" --plot \"it's.png\" >output.txt";
+  const auto kept = [this] {
+    std::string names;
+    for (const std::string& name : files("."))
+      if (name.find("it's") == 0) names += name + ' ';
+    return names;
+  };
+  write("matplotlib.py", "raise SystemExit(1)\n");
+  const Outcome failed = runProgram(command, "PYTHONPATH=.");
+  EXPECT_EQ(failed.status, 3) << failed.error;
+  EXPECT_NE(failed.error.find("it's.png: the plot failed"), std::string::npos) << failed.error;
+  EXPECT_EQ(kept(), "");
+  write("matplotlib.py", "import os, sys\nopen(sys.argv[-1], 'w').write('plot')\nos._exit(0)\n");
+  const Outcome plotted = runProgram(command, "PYTHONPATH=.");
+  EXPECT_EQ(plotted.status, 0) << plotted.error;
+  EXPECT_EQ(kept(), "it's.csv it's.png ");
+  EXPECT_EQ(readText(folder_ / "it's.png"), "plot");
+}
+
 TEST_F(Simulate, StatesAreReadFromRegularFilesOnly) {
   // The limits stop a program that reads endlessly or waits for a writer that never comes.
   const std::string guard = "ulimit -v 4000000 && timeout 300";
