@@ -12,7 +12,7 @@ namespace haptic_cloth {
 enum class KesTest { Tensile, Shear, Bending };
 enum class SpecimenMesh { Finest, Coarsest, Mixed };
 
-/// A specimen of 49 x 9 particles in three levels: 5 x 20 cm for tension and shear [KES-FB1], 1 x 20 cm for
+/// A specimen of 97 x 9 particles in three levels: 5 x 20 cm for tension and shear [KES-FB1], 1 x 20 cm for
 /// bending [KES-FB2].
 class Specimen {
  public:
