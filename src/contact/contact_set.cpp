@@ -90,8 +90,8 @@ double ContactSet::quadraticForm(int begin, int end, const Field& d, const std::
 void ContactSet::serialize(Archive& archive) {
   solids_.serialize(archive);
   memory_.serialize(archive, solids_.size());
-  // Cloth that passes through itself remembers nothing there, but has the same entries: a state may be
-  // loaded with and without self-contact.
+  // Cloth that passes through itself remembers nothing there, but has the same entries: the format of a
+  // state does not depend on self-contact.
   struct NoLayers {
     FrictionMemory memory;
     void serialize(Archive& entries) { memory.serialize(entries, SelfContact::kFaces); }
