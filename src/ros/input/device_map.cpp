@@ -82,6 +82,11 @@ HapticOptions limitsAtProbe(HapticOptions haptics, const DeviceOptions& device) 
   haptics.max_force /= device.force_scale;
   haptics.max_force_rate /= device.force_scale;
   haptics.max_torque *= device.position_scale / device.force_scale;
+  PassivityOptions& passivity = haptics.passivity;
+  passivity.damping /= device.force_scale * device.position_scale;
+  passivity.device_damping /= device.force_scale * device.position_scale;
+  passivity.debt *= device.position_scale / device.force_scale;
+  passivity.store *= device.position_scale / device.force_scale;
   AdmittanceOptions& tool = haptics.admittance;
   tool.mass /= device.force_scale * device.position_scale;
   tool.damping /= device.force_scale * device.position_scale;

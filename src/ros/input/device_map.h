@@ -69,8 +69,8 @@ Wrench wrenchForDriver(const DeviceOptions& device, const Quat& frame, const Wre
 /// probe [N].
 Vec3 forceAtProbe(const DeviceOptions& device, const Quat& frame, const Vec3& force);
 
-/// Converts limits of force and torque and the admittance tool from the device, where they are
-/// defined, to the forces and lengths of the cloth, in which the loop computes.
+/// Converts limits of force and torque, passivity and the admittance tool from the device, where they
+/// are defined, to the forces and lengths of the cloth, in which the loop computes.
 HapticOptions limitsAtProbe(HapticOptions haptics, const DeviceOptions& device);
 
 /// Stiffness of the coupling as the hand feels it: K · position_scale · force_scale [N/m].

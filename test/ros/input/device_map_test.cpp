@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -138,6 +139,71 @@ TEST(DeviceMap, LimitsOfTheForceHoldAtTheDevice) {
   EXPECT_NEAR(fastest_torque, haptics.max_force_rate / haptics.max_force * haptics.max_torque, 1e-6);
   EXPECT_NEAR(largest, haptics.max_force, 1e-9);
   EXPECT_NEAR(fastest, haptics.max_force_rate, 1e-6);
+}
+
+/// Force on a hand that presses a device of 100 g with 1 N on a wall of 400 N/m and 0.5 N·s/m, as the
+/// hand feels it, at the end of each millisecond [N]. The force acts 2 ms late.
+std::vector<double> buzzOnAWall(const DeviceOptions& device) {
+  constexpr int kSteps = 20;
+  constexpr double kTick = 1e-3, kMass = 0.1, kOwnDamping = 0.3, kQuantum = 1e-5, kTau = 5e-3;
+  const double scale = device.position_scale * device.force_scale;
+  HapticOptions haptics;
+  haptics.coupling_stiffness = 400.0 / scale;
+  haptics.coupling_damping = 0.5 / scale;
+  haptics.soft_start = 0.0;
+  haptics.max_force = 20.0;
+  haptics.max_force_rate = 1e5;
+  haptics.passivity.loop_delay = 2e-3;
+  haptics.passivity.device_damping = kOwnDamping;
+  HapticLoop loop(limitsAtProbe(haptics, device));
+  double z = 0.002, speed = -0.1, measured = z, filtered = 0.0;
+  std::array<double, 2> on_the_way{};
+  std::vector<double> felt;
+  for (int tick = 1; tick <= 2000; ++tick) {
+    const double now = tick * kTick, last = measured;
+    measured = kQuantum * std::floor(z / kQuantum);
+    filtered += (1.0 - std::exp(-kTick / kTau)) * ((measured - last) / kTick - filtered);
+    DeviceSample sample;
+    sample.received = now;
+    sample.position = placed(device, Vec3(0, 0, measured));
+    sample.velocity = placed(device, Vec3(0, 0, filtered));
+    ProbeSnapshot snapshot;
+    snapshot.taken = snapshot.device_received = now;
+    snapshot.contact = measured < 0.0;
+    snapshot.device = sample.position;
+    snapshot.proxy = Vec3(0, 0, std::max(0.0, sample.position.z()));
+    snapshot.force = haptics.coupling_stiffness * (snapshot.proxy - snapshot.device);
+    const Vec3 at_probe = loop.tick(sample, snapshot, false, now);
+    const double force = on_the_way[0];
+    on_the_way = {on_the_way[1], forceForDriver(device, Quat::Identity(), at_probe).z()};
+    felt.push_back(force);
+    for (int k = 0; k < kSteps; ++k) {
+      speed += kTick / kSteps / kMass * (force - 1.0 - kOwnDamping * speed);
+      z += kTick / kSteps * speed;
+    }
+  }
+  return felt;
+}
+
+/// The passivity options are the hand's, too: the same felt wall gives the same forces for all
+/// scales. Scales are powers of two, so that rounding is the same as well.
+TEST(DeviceMap, ABuzzIsStoppedInTheSameWayWhateverTheScales) {
+  const std::vector<double> plain = buzzOnAWall(DeviceOptions());
+  double most = 0.0;
+  for (const double force : plain) most = std::max(most, force);
+  EXPECT_GT(most, 1.0) << "it presses on the wall";
+  for (const double force_scale : {0.25, 1.0, 4.0}) {
+    for (const double position_scale : {0.5, 1.0, 2.0}) {
+      DeviceOptions device;
+      device.force_scale = force_scale;
+      device.position_scale = position_scale;
+      const std::vector<double> felt = buzzOnAWall(device);
+      for (std::size_t k = 0; k < plain.size(); ++k) {
+        ASSERT_NEAR(felt[k], plain[k], 1e-9 * most)
+            << "force_scale " << force_scale << ", position_scale " << position_scale << ", tick " << k;
+      }
+    }
+  }
 }
 
 TEST_F(DeviceMapTest, ForcesOutAndInAreInverse) {
