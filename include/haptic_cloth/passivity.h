@@ -72,13 +72,32 @@ class PassivityController {
   static constexpr int kForces = 64;  ///< number of forces remembered [ticks]
   static constexpr int kWindow = 4;   ///< span of the velocity measurement [ticks]
 
+  /// The last N vectors. It may run for ever: it counts up to N.
+  template <int N>
+  class Last {
+   public:
+    void add(const Vec3& vector) {
+      newest_ = (newest_ + 1) % N;
+      vectors_[newest_] = vector;
+      if (size_ < N) ++size_;
+    }
+    void clear() { size_ = 0; }
+    int size() const { return size_; }
+    /// @param age 0: the newest. @pre 0 <= age < size()
+    Vec3& operator[](int age) { return vectors_[(newest_ - age + N) % N]; }
+    const Vec3& operator[](int age) const { return vectors_[(newest_ - age + N) % N]; }
+
+   private:
+    std::array<Vec3, N> vectors_;
+    int newest_ = 0, size_ = 0;
+  };
+
   Vec3 forceFelt() const;
 
   PassivityOptions options_;
   double period_;
-  std::array<Vec3, kForces> forces_;
-  std::array<Vec3, kWindow + 1> positions_;
-  int force_count_ = 0, position_count_ = 0;  ///< number of entries written since reset
+  Last<kForces> forces_;         ///< since the last reset
+  Last<kWindow + 1> positions_;  ///< since the last reset or change of the period
   double energy_ = 0.0, gain_ = 1.0;
   Vec3 velocity_ = Vec3::Zero();
 };

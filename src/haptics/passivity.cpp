@@ -22,8 +22,8 @@ PassivityController::PassivityController(const PassivityOptions& options, double
 }
 
 void PassivityController::reset() {
-  forces_.fill(Vec3::Zero());
-  position_count_ = force_count_ = 0;
+  forces_.clear();
+  positions_.clear();
   // Energy held where the next contact begins may come out: after a fault the wall pushes the hand back out.
   energy_ = std::numeric_limits<double>::max();  // until observe() bounds it
   gain_ = 1.0;
@@ -33,10 +33,10 @@ void PassivityController::reset() {
 void PassivityController::setOptions(const PassivityOptions& options, double period, double unit) {
   options_ = options;
   energy_ /= unit;
-  for (Vec3& force : forces_) force /= unit;
+  for (int age = 0; age < forces_.size(); ++age) forces_[age] /= unit;
   if (period == period_) return;
   period_ = period;
-  position_count_ = 0;  // speed is measured over ticks of one length
+  positions_.clear();  // speed is measured over ticks of one length
 }
 
 /// Force that pushed the device between the last two poses [N]: the force of the tick in which the first
@@ -46,22 +46,16 @@ Vec3 PassivityController::forceFelt() const {
   const int whole = static_cast<int>(back);
   const double share = back - whole;
   const auto sentBefore = [this](int ticks) {
-    const int index = force_count_ - 1 - ticks;
-    return index < 0 ? Vec3(Vec3::Zero()) : forces_[index % kForces];
+    return ticks < forces_.size() ? forces_[ticks] : Vec3(Vec3::Zero());
   };
   return (1.0 - share) * sentBefore(whole) + share * sentBefore(whole + 1);
 }
 
 void PassivityController::observe(const Vec3& position, const HeldEnergy& held) {
-  if (position_count_ > 0) {
-    const Vec3& last = positions_[(position_count_ - 1) % (kWindow + 1)];
-    energy_ -= forceFelt().dot(position - last);
-  }
-  positions_[position_count_ % (kWindow + 1)] = position;
-  ++position_count_;
-  const int window = std::min(kWindow, position_count_ - 1);
-  const Vec3& first = positions_[(position_count_ - 1 - window) % (kWindow + 1)];
-  velocity_ = window > 0 ? Vec3((position - first) / (window * period_)) : Vec3(Vec3::Zero());
+  if (positions_.size() > 0) energy_ -= forceFelt().dot(position - positions_[0]);
+  positions_.add(position);
+  const int window = positions_.size() - 1;
+  velocity_ = window > 0 ? Vec3((position - positions_[window]) / (window * period_)) : Vec3(Vec3::Zero());
   energy_ += options_.device_damping * velocity_.squaredNorm() * period_;
   energy_ = std::clamp(energy_, -kMostDebt, held.coupling + std::min(options_.store, held.cloth));
   const double debt = std::max(0.0, -energy_);
@@ -82,9 +76,6 @@ void PassivityController::forgive() {
   if (energy_ < 0.0) energy_ *= std::exp(-period_ / kForgetting);
 }
 
-void PassivityController::sent(const Vec3& force) {
-  forces_[force_count_ % kForces] = force;
-  ++force_count_;
-}
+void PassivityController::sent(const Vec3& force) { forces_.add(force); }
 
 }  // namespace haptic_cloth
