@@ -7,6 +7,9 @@
 
 namespace haptic_cloth {
 
+constexpr double kMostTickRate = 10000.0;  ///< highest rate of the haptic ticks [Hz]
+constexpr double kMostLoopDelay = 0.1;     ///< longest PassivityOptions::loop_delay [s]
+
 /// Options of the passivity observer and controller.
 struct PassivityOptions {
   double damping = 2.0;  ///< largest damping that the controller adds [N·s/m]
@@ -14,7 +17,8 @@ struct PassivityOptions {
   double store = 0.05;   ///< largest energy put into the cloth earlier that may come out again [J]
   /// Damping of mechanism and hand that can be relied on [N·s/m].
   double device_damping = 0.5;
-  /// Time from sending a force to the pose that responds to it, beyond the tick itself [s].
+  /// Time from sending a force to the pose that responds to it, beyond the tick itself, at most
+  /// kMostLoopDelay [s].
   double loop_delay = 0.001;
 };
 
@@ -34,7 +38,7 @@ struct HeldEnergy {
 /// friction would fill the store during a long contact and feed a later buzz.
 class PassivityController {
  public:
-  /// @param period time between ticks [s]
+  /// @param period time between ticks [s], at least 1/kMostTickRate
   PassivityController(const PassivityOptions& options, double period);
 
   /// Records a device position [m] and the energy held there. Called once a tick, before damping().
@@ -69,8 +73,9 @@ class PassivityController {
   const Vec3& velocity() const { return velocity_; }
 
  private:
-  static constexpr int kForces = 64;  ///< number of forces remembered [ticks]
-  static constexpr int kWindow = 4;   ///< span of the velocity measurement [ticks]
+  /// Number of forces remembered: enough for the longest delay at the highest rate [ticks].
+  static constexpr int kForces = static_cast<int>(kMostLoopDelay * kMostTickRate) + 2;
+  static constexpr int kWindow = 4;  ///< span of the velocity measurement [ticks]
 
   /// The last N vectors. It may run for ever: it counts up to N.
   template <int N>

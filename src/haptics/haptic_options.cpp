@@ -8,7 +8,7 @@ namespace haptic_cloth {
 namespace {
 
 /// Slower a thread would not hear of its end, faster it would keep its core for itself [Hz].
-constexpr Range kRates{1.0, 10000.0};
+constexpr Range kRates{1.0, kMostTickRate};
 
 Options hapticOptions(HapticOptions& haptics) {
   return {{"rate", field(haptics.rate), kRates, "Hz", "ticks of the haptic thread", Live{100.0, 4000.0}},
@@ -37,7 +37,7 @@ Options passivityOptions(PassivityOptions& passivity) {
            "energy in the cloth that may come out again", Live{0.0, 0.5}},
           {"device_damping", field(passivity.device_damping), kFiniteNotNegative, "N·s/m",
            "certain damping of mechanism and hand", Live{0.0, 10.0}},
-          {"loop_delay", field(passivity.loop_delay), kFiniteNotNegative, "s",
+          {"loop_delay", field(passivity.loop_delay), Range{0.0, kMostLoopDelay}, "s",
            "from a force to a pose that felt it, beyond the tick", Live{0.0, 0.02}}};
 }
 

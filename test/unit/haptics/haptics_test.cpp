@@ -362,6 +362,22 @@ TEST(HapticOptions, ABadOneIsNamed) {
   }
 }
 
+/// The controller remembers no more ticks than the longest delay needs at the highest rate.
+TEST(HapticOptions, ADelayThatIsNotRememberedIsRefused) {
+  HapticOptions options;
+  options.rate = kMostTickRate;
+  options.passivity.loop_delay = kMostLoopDelay;
+  EXPECT_NO_THROW(validateHapticOptions(options, "here"));
+  options.passivity.loop_delay = 1.01 * kMostLoopDelay;
+  try {
+    validateHapticOptions(options, "here");
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("haptics/passivity/loop_delay"), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(Mailbox, NewestWinsAndValuesAreWhole) {
   struct Value {
     long number = 0;

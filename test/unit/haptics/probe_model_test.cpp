@@ -132,6 +132,15 @@ Ticked tickedFor(double rate, double delay, int ticks) {
   return {controller.energy(), expected};
 }
 
+TEST(PassivityController, KnowsTheForceOfTheLongestDelayAtEveryRate) {
+  for (const double rate : {100.0, 1000.0, 4000.0, 10000.0}) {
+    for (const double delay : {0.0, 0.01, 0.02, 0.1}) {
+      const Ticked energy = tickedFor(rate, delay, 3000);
+      EXPECT_NEAR(energy.counted, energy.expected, 1e-9) << rate << " Hz, " << delay << " s";
+    }
+  }
+}
+
 /// The memory of forces is overwritten hundreds of times, that of positions 100,000 times.
 TEST(PassivityController, CountsForHoursAsAtTheStart) {
   const Ticked energy = tickedFor(1000.0, 0.02, 500000);
