@@ -32,6 +32,9 @@ class AdmittanceTool {
  public:
   explicit AdmittanceTool(const AdmittanceOptions& options) : options_(options), position_(options.start) {}
 
+  /// Changes mass, damping and limits. The tool keeps its place and its velocity.
+  void setOptions(const AdmittanceOptions& options) { options_ = options; }
+
   /// Moves the tool to a position [m], at rest.
   void place(const Vec3& position);
 

@@ -190,7 +190,7 @@ class AdmittanceSession : public ProbeSession {
   /// orientation of the scene's probe). Ignored if it is not finite.
   void setPose(const Pose& pose);
 
-  /// Does the same as HapticSession::setOptions(). The tool keeps its state, mass, damping and limits.
+  /// Does the same as HapticSession::setOptions(). The tool keeps its place and its velocity.
   void setOptions(const HapticOptions& options, double unit = 1.0);
 
   bool hasStarted() const;      ///< whether there was a force

@@ -44,6 +44,7 @@ AdmittanceLoop::AdmittanceLoop(const HapticOptions& options)
 
 void AdmittanceLoop::setOptions(const HapticOptions& options, double unit) {
   options_ = options;
+  tool_.setOptions(options.admittance);
   cloth_.setOptions(clothOptions(options), unit);
 }
 

@@ -13,7 +13,7 @@ class AdmittanceLoop {
   /// @throws InputError if an option is not valid
   explicit AdmittanceLoop(const HapticOptions& options);
 
-  /// Does the same as HapticLoop::setOptions(). The tool keeps its state.
+  /// Does the same as HapticLoop::setOptions(). The tool keeps its place and its velocity.
   void setOptions(const HapticOptions& options, double unit);
 
   /// Sets the position of the device [m], at which the tool starts. Ignored after the start.

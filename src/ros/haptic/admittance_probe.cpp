@@ -23,7 +23,8 @@ void AdmittanceProbe::tick(double now, bool paused) {
   const StampedPose& device = shared_.pose.read();
   heard_ = hand.received;
   if (device.received >= 0.0) session_.setPose(device.pose);
-  session_.setForce(hand.force, hand.received);
+  // Scaled here, where the force scale moves: hand, tool and reaction have the same one in each tick.
+  session_.setForce(forceAtProbe(gains_.device(), hand.frame_rotation, hand.force), hand.received);
   target_ = session_.tick(now, paused);
   const Wrench reaction = session_.reaction();
   sendReaction(hand, reaction);

@@ -7,7 +7,7 @@ namespace haptic_cloth {
 
 ForceInput::ForceInput(const NodeOptions& options, std::size_t number, const tf2_ros::Buffer& transforms,
                        SharedState& shared)
-    : device_(options.probes[number].device),
+    : use_tf_(options.probes[number].device.use_tf),
       frames_(options.frame_id, transforms),
       shared_(shared.probes[number]),
       live_(shared.live_for_poses),
@@ -36,7 +36,7 @@ void ForceInput::accept(const geometry_msgs::WrenchStamped& wrench, const std::s
     return;
   }
   force.frame_id = wrench.header.frame_id.empty() ? frames_.clothFrame() : wrench.header.frame_id;
-  const std::optional<Pose> frame = device_.use_tf ? frames_.find(force.frame_id) : Pose();
+  const std::optional<Pose> frame = use_tf_ ? frames_.find(force.frame_id) : Pose();
   if (!frame) {
     counters_.drop(counters_.unknown_frame, received);
     warn(notice_.unknownFrame(force.frame_id, received));
@@ -47,7 +47,7 @@ void ForceInput::accept(const geometry_msgs::WrenchStamped& wrench, const std::s
   force.frame_rotation = frame->orientation;
   force.stamp = wrench.header.stamp;
   force.received = received;
-  force.force = forceAtProbe(device_, force.frame_rotation, given);
+  force.force = given;
   shared_.force.write(force);
 }
 

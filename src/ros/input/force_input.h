@@ -1,4 +1,4 @@
-/// Input of measured forces: checked, rotated into the cloth's frame.
+/// Input of measured forces: checked, with the rotation of their frame in the cloth's.
 #pragma once
 
 #include <geometry_msgs/WrenchStamped.h>
@@ -23,7 +23,7 @@ class ForceInput {
  private:
   void takeOptions();
 
-  DeviceOptions device_;
+  bool use_tf_;  ///< see DeviceOptions
   FrameLookup frames_;
   SharedProbe& shared_;
   LiveReader live_;

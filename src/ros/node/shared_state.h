@@ -34,7 +34,7 @@ struct StampedPose {
 /// A measured force with what its answer needs.
 struct StampedForce {
   double received = -1.0;     ///< steady clock [s]; < 0: none yet
-  Vec3 force = Vec3::Zero();  ///< of the hand on the device, in the cloth's frame [N]
+  Vec3 force = Vec3::Zero();  ///< of the hand on the device, in the driver's axes [N]
   ros::Time stamp;
   std::string frame_id;                    ///< of the message
   Quat frame_rotation = Quat::Identity();  ///< of that frame in the cloth's

@@ -2,6 +2,7 @@
 /// in free space a force F leads to the speed F/b, and before that the motion follows the law of
 /// the damped mass; on the cloth the tool rests where hand and coupling balance, F/k behind the
 /// proxy; a lost force, a pause and a reset bring it to rest.
+#include <dynamic_reconfigure/Reconfigure.h>
 #include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/WrenchStamped.h>
 #include <gtest/gtest.h>
@@ -272,6 +273,29 @@ TEST_F(AdmittanceTest, APauseBringsItToRest) {
   EXPECT_TRUE(ros::service::call("/haptic_cloth/reset", empty));
   push(Vec3::Zero());
   EXPECT_TRUE(waitFor([this] { return command_.rests(); }));
+}
+
+/// With twice the force scale the hand feels twice the force of the cloth, so where hand and cloth
+/// balance, half of the hand's force acts on the probe.
+TEST_F(AdmittanceTest, BalancesTheHandWithAnotherForceScale) {
+  const auto scale = [](double value) {
+    dynamic_reconfigure::Reconfigure call;
+    call.request.config.doubles.resize(1);
+    call.request.config.doubles[0].name = "devices/probe/force_scale";
+    call.request.config.doubles[0].value = value;
+    return ros::service::call("/haptic_cloth/set_parameters", call);
+  };
+  bringTo(Vec3(0.0, 0.0, 0.125));
+  ASSERT_TRUE(scale(2.0));
+  constexpr double kPress = 0.4;
+  push(Vec3(0, 0, -kPress));
+  const auto balances = [&] { return std::abs(turned(reaction_.force()).z() - kPress) < 0.02 * kPress; };
+  EXPECT_TRUE(waitFor([&] { return balances() && command_.rests(); })) << reaction_.force().transpose();
+  EXPECT_TRUE(balances()) << reaction_.force().transpose();
+  EXPECT_TRUE(says("contact"));
+  ASSERT_TRUE(scale(1.0));
+  push(Vec3(0, 0, 0.2));
+  EXPECT_TRUE(waitFor([&] { return command_.position().z() > 0.12; }));
 }
 
 }  // namespace

@@ -255,5 +255,29 @@ TEST(AdmittanceLoop, BadOptionsAreNamed) {
   named("start", [](AdmittanceOptions& o) { o.start.x() = 1.0; });
 }
 
+/// With another force scale the same hand comes as another force on the probe, and mass, damping and
+/// limits of the tool come in that unit, too: the hand feels the same tool.
+TEST(AdmittanceLoop, AnotherForceScaleLeavesTheToolOfTheHand) {
+  const HapticOptions before = softlessOptions();
+  HapticOptions after = before;
+  const double unit = 0.25;  // new force scale / old one
+  after.admittance.mass /= unit;
+  after.admittance.damping /= unit;
+  after.admittance.deadband /= unit;
+  after.max_force /= unit;
+  after.max_force_rate /= unit;
+  AdmittanceLoop same(before), other(before);
+  const Vec3 force(0.04, -0.03, 0.02);
+  for (int k = 1; k <= 400; ++k) {
+    const double now = k * kTick;
+    const bool changed = k > 100;  // while it moves
+    if (k == 101) other.setOptions(after, unit);
+    same.tick(pushed(force, now), nothingTouched(now), false, now);
+    other.tick(pushed(changed ? Vec3(force / unit) : force, now), nothingTouched(now), false, now);
+    ASSERT_LT((other.position() - same.position()).norm(), kRoundOff) << k;
+  }
+  EXPECT_GT((same.position() - before.admittance.start).norm(), 1e-3);
+}
+
 }  // namespace
 }  // namespace haptic_cloth
