@@ -84,7 +84,8 @@ class PathProbe {
         grasp_(node.advertise<std_msgs::Bool>(topics::ofProbe(probe_.name, topics::kGrasp),
                                               topics::kGraspQueue)) {}
 
-  /// @param time on the path [s]
+  /// @param time on the path [s]; 0 until the cloth has made a step after its reset. Until then the
+  /// probe is open: the reset opens every grasp, and the node refuses to grasp before the step
   void step(double time) {
     geometry_msgs::PoseStamped message;
     message.header.stamp = ros::Time::now();
@@ -93,8 +94,9 @@ class PathProbe {
                                         orientationForDriver(device_, probe_.orientation));
     pose_.publish(message);
     std_msgs::Bool closed;
-    closed.data = std::any_of(probe_.grasp.begin(), probe_.grasp.end(),
-                              [&](const auto& times) { return times[0] <= time && time < times[1]; });
+    closed.data = time > 0.0 && std::any_of(probe_.grasp.begin(), probe_.grasp.end(), [&](const auto& times) {
+                    return times[0] <= time && time < times[1];
+                  });
     if (closed.data != closed_) grasp_.publish(closed);
     closed_ = closed.data;
   }
