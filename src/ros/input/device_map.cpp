@@ -105,6 +105,7 @@ double feltDamping(const DeviceOptions& device, const HapticOptions& haptics) {
 }
 
 std::vector<std::string> deviceWarnings(const DeviceOptions& device, const HapticOptions& haptics) {
+  if (device.kind == DeviceKind::Admittance) return {};
   const double scale = device.position_scale * device.force_scale;
   const double stiffness = feltStiffness(device, haptics), damping = feltDamping(device, haptics);
   std::vector<std::string> warnings;

@@ -79,7 +79,8 @@ double feltStiffness(const DeviceOptions& device, const HapticOptions& haptics);
 /// Damping of the coupling as the hand feels it: B · position_scale · force_scale [N·s/m].
 double feltDamping(const DeviceOptions& device, const HapticOptions& haptics);
 
-/// Warnings about what the device cannot render, each with a remedy; empty if there are none.
+/// Warnings about what the device cannot render, each with a remedy; empty if there are none. An
+/// admittance device renders no force.
 std::vector<std::string> deviceWarnings(const DeviceOptions& device, const HapticOptions& haptics);
 
 }  // namespace haptic_cloth

@@ -86,7 +86,7 @@ class HapticClothServer::Implementation {
         master_(services()),
         display_(options_, advertise(node_), {name(), probes_, obstacles_, haptics_, master_}, shared_),
         pose_spinner_(1, &pose_queue_) {
-    warn();
+    for (const std::string& warning : deviceWarnings(options_)) ROS_WARN_STREAM(warning);
     offerServices();
     start([this] { solver_.run(); });
     start([this] { haptics_.run(); });
@@ -119,16 +119,6 @@ class HapticClothServer::Implementation {
   template <class Work>
   void start(Work work) {
     threads_.push_back(std::async(std::launch::async, work));
-  }
-
-  void warn() const {
-    for (std::size_t k = 0; k < probes_.size(); ++k) {
-      const ProbeSettings& settings = options_.probes[k];
-      // An admittance device renders no force.
-      if (settings.device.kind == DeviceKind::Admittance) continue;
-      for (const std::string& warning : deviceWarnings(settings.device, settings.haptics))
-        ROS_WARN_STREAM(probes_[k].name() << ": " << warning);
-    }
   }
 
   std::deque<ProbeTopics> offerProbes() {

@@ -67,4 +67,14 @@ void validateNodeOptions(const NodeOptions& options, const std::string& origin) 
   }
 }
 
+std::vector<std::string> deviceWarnings(const NodeOptions& options) {
+  std::vector<std::string> warnings;
+  for (std::size_t k = 0; k < options.probes.size(); ++k) {
+    const ProbeSettings& settings = options.probes[k];
+    for (const std::string& warning : deviceWarnings(settings.device, settings.haptics))
+      warnings.push_back(options.scene.probes[k].name + ": " + warning);
+  }
+  return warnings;
+}
+
 }  // namespace haptic_cloth

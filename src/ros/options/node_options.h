@@ -57,6 +57,9 @@ void settle(NodeOptions& options);
 /// @throws InputError with option, value and rule
 void validateNodeOptions(const NodeOptions& options, const std::string& origin);
 
+/// deviceWarnings() of all probes, each with the name of its probe in front.
+std::vector<std::string> deviceWarnings(const NodeOptions& options);
+
 /// Reads the tree of private parameters: the keys of a scene file and those of NodeOptions (all are
 /// in config/node.yaml).
 /// @throws InputError for an unknown key, a wrong type or an invalid value

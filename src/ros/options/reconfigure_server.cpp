@@ -4,6 +4,8 @@
 #include <ros/master.h>
 #include <ros/this_node.h>
 
+#include <algorithm>
+
 #include "haptic_cloth/error.h"
 #include "ros/node/steady_clock.h"
 #include "ros/node/topics.h"
@@ -56,10 +58,9 @@ void ReconfigureServer::takeOver(const NodeOptions& options) {
   for (const auto& [name, value] : liveValues(options)) {
     if (value != old_values.at(name)) keep(name, value);
   }
-  for (std::size_t k = 0; k < options.probes.size(); ++k) {
-    const ProbeSettings& settings = options.probes[k];
-    for (const std::string& warning : deviceWarnings(settings.device, settings.haptics))
-      ROS_WARN_STREAM(options.scene.probes[k].name << ": " << warning);
+  const std::vector<std::string> known = deviceWarnings(*before);
+  for (const std::string& warning : deviceWarnings(options)) {
+    if (std::find(known.begin(), known.end(), warning) == known.end()) ROS_WARN_STREAM(warning);
   }
 }
 

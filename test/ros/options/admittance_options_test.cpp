@@ -23,6 +23,17 @@ TEST(AdmittanceParameters, EveryProbeHasItsKind) {
   }
 }
 
+/// An admittance device renders no force, so no coupling is too stiff for it.
+TEST(AdmittanceParameters, OnlyImpedanceDevicesWarnOfTheCoupling) {
+  XmlRpcValue parameters = sceneParameters();
+  parameters["probes"] = toParameter(YAML::Load("{robot: {radius: 0.01}, touch: {radius: 0.01}}"));
+  parameters["device"] = toParameter(YAML::Load("{max_stiffness: 100}"));
+  parameters["devices"] = toParameter(YAML::Load("{robot: {kind: admittance}}"));
+  const std::vector<std::string> warnings = deviceWarnings(parseNodeOptions(parameters, "test"));
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].find("touch: "), 0u) << warnings[0];
+}
+
 TEST(AdmittanceParameters, BadOnesAreNamed) {
   const auto message = [](const std::string& key, const std::string& value) -> std::string {
     XmlRpcValue parameters = sceneParameters();
