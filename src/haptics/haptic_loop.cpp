@@ -81,6 +81,7 @@ void HapticLoop::setOptions(const HapticOptions& options, double unit) {
   wrench_.force /= unit;
   wrench_.torque /= unit;
   torque_span_ /= unit;
+  // handover_ is a difference between two wrenches of the coupling, which knows no scale of the hand.
   passivity_.setOptions(options.passivity, 1.0 / options.rate, unit);
 }
 
