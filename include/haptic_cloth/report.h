@@ -81,8 +81,9 @@ struct ProbeReport {
   double force_error = 0.0;
   /// Torque of the cloth on the probe about its proxy [N·m].
   Vec3 torque = Vec3::Zero();
-  bool contact = false;  ///< a sample of the cloth presses on the probe, or the probe grasps
-  bool grasps = false;   ///< the probe holds some of the cloth
+  /// A sample of the cloth presses on the probe, or the probe grasps; false after a failed step.
+  bool contact = false;
+  bool grasps = false;  ///< the probe holds some of the cloth, after a failed step, too
 };
 
 /// Where the cloth passes through itself. Cells are named by their particle (i, j) at the lower left.

@@ -23,8 +23,6 @@ class VelocityFilter {
   /// @return velocity [m/s]
   Vec3 update(const Vec3& position, double time);
 
-  void reset() { last_time_ = -1.0; }
-
  private:
   double time_constant_;
   double gap_;
