@@ -20,6 +20,18 @@ bool isDue(double now, double period, double& due) {
   return true;
 }
 
+/// Whether an output shows this frame: not if it is from before its subscribers came. Updates `since`.
+/// @param watched whether the output has subscribers  @param since first round with them, steady
+/// clock [s]; < 0: none
+bool isShown(const DisplayFrame& frame, bool watched, double now, double& since) {
+  if (!watched) {
+    since = -1.0;
+  } else if (since < 0.0) {
+    since = now;
+  }
+  return watched && frame.taken >= since;
+}
+
 }  // namespace
 
 DisplayThread::DisplayThread(const NodeOptions& options, const DisplayPublishers& publishers,
@@ -42,19 +54,19 @@ void DisplayThread::run() {
     sleepUntil(std::min({markers_due_, state_due_, diagnostics_due}));
     takeOptions();
     const double now = steadyNow();
-    const bool markers =
-        isDue(now, markers_period_, markers_due_) && publishers_.markers.getNumSubscribers() > 0;
+    const bool markers = isDue(now, markers_period_, markers_due_);
     const bool state = isDue(now, state_period_, state_due_);
+    const bool picture = markers && publishers_.markers.getNumSubscribers() > 0;
     const bool mesh = state && publishers_.state.getNumSubscribers() > 0;
     const bool proxy = state && proxiesWanted();
-    if (markers || mesh || proxy) {
-      // The solver answers this request with a copy that is shown in the next round. So a frame is
-      // one round old, and neither thread waits.
-      const DisplayFrame& frame = shared_.frame.read();
-      shared_.frame_wanted = true;
-      if (frame.valid && markers) publishMarkers(frame);
-      if (frame.valid && mesh) publishState(frame);
-      if (frame.valid && proxy) publishProxies(frame);
+    // The solver answers this request with a copy that is shown in the next round. So a frame is
+    // one round old, and neither thread waits.
+    const DisplayFrame& frame = shared_.frame.read();
+    if (picture || mesh || proxy) shared_.frame_wanted = true;
+    if (markers && isShown(frame, picture, now, markers_since_)) publishMarkers(frame);
+    if (state && isShown(frame, mesh || proxy, now, state_since_)) {
+      if (mesh) publishState(frame);
+      if (proxy) publishProxies(frame);
     }
     if (isDue(now, kDiagnosticsPeriod, diagnostics_due)) publishDiagnostics(now);
   }
@@ -74,13 +86,13 @@ void DisplayThread::takeOptions() {
 void DisplayThread::publishMarkers(const DisplayFrame& frame) {
   forces_.clear();
   for (SharedProbe& probe : shared_.probes) forces_.push_back(probe.felt.read().force);
-  publishers_.markers.publish(builder_.build(frame, forces_, ros::Time::now()));
+  publishers_.markers.publish(builder_.build(frame, forces_, frame.stamp));
   ++marker_frames_;
 }
 
 void DisplayThread::publishState(const DisplayFrame& frame) {
   toClothState(frame, columns_, rows_, scratch_, state_);
-  state_.header.stamp = ros::Time::now();
+  state_.header.stamp = frame.stamp;
   state_.header.frame_id = frame_id_;
   publishers_.state.publish(state_);
   ++state_frames_;
@@ -93,7 +105,7 @@ bool DisplayThread::proxiesWanted() const {
 
 void DisplayThread::publishProxies(const DisplayFrame& frame) {
   geometry_msgs::PoseStamped proxy;
-  proxy.header.stamp = ros::Time::now();
+  proxy.header.stamp = frame.stamp;
   proxy.header.frame_id = frame_id_;
   for (std::size_t k = 0; k < frame.probes.size(); ++k) {
     const ProbeView& probe = frame.probes[k];

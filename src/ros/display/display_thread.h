@@ -51,6 +51,8 @@ class DisplayThread {
   int columns_, rows_;
   double markers_period_, state_period_;        ///< [s]
   double markers_due_ = 0.0, state_due_ = 0.0;  ///< steady clock [s]
+  /// First rounds with the present subscribers, steady clock [s]; < 0: there are none.
+  double markers_since_ = -1.0, state_since_ = -1.0;
   DisplayPublishers publishers_;
   DisplaySources sources_;
   SharedState& shared_;

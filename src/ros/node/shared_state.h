@@ -66,7 +66,9 @@ struct FailedSteps {
 
 /// A copy of what is shown.
 struct DisplayFrame {
-  double time = 0.0;  ///< simulated [s]
+  double taken = -1.0;  ///< steady clock at the copy [s]; < 0: none yet
+  ros::Time stamp;      ///< of the copy
+  double time = 0.0;    ///< simulated [s]
   std::vector<Vec3> positions;
   std::vector<CellView> cells;
   std::vector<float> tension, bending;
@@ -75,7 +77,6 @@ struct DisplayFrame {
   QualityReport quality;
   FailedSteps failed;
   StepReport last;
-  bool valid = false;
 };
 
 /// The solver over one window of about a second.

@@ -1,6 +1,7 @@
 #include "ros/node/solver_loop.h"
 
 #include <ros/console.h>
+#include <ros/time.h>
 
 #include <algorithm>
 #include <thread>
@@ -127,6 +128,8 @@ void SolverLoop::copyFrameWhenWanted() {
   if (!shared_.frame_wanted.exchange(false)) return;
   frame_.time = simulation_.time();
   simulation_.positions(frame_.positions);
+  frame_.taken = steadyNow();
+  frame_.stamp = ros::Time::now();
   simulation_.cells(frame_.cells);
   simulation_.cellLoads(frame_.tension, frame_.bending);
   frame_.probes.clear();
@@ -141,7 +144,6 @@ void SolverLoop::copyFrameWhenWanted() {
   frame_.quality = pacer_.quality();
   frame_.failed = failed_;
   frame_.last = last_;
-  frame_.valid = true;
   shared_.frame.write(frame_);
 }
 

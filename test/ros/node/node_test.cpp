@@ -148,6 +148,28 @@ TEST_F(NodeTest, TheStateIsAWholeMesh) {
 
 TEST_F(NodeTest, PressingIsFeltUpwardsAndLettingGoIsFree) {
   TestDevice device(node_, kAbove);
+/// Criterion: picture and state that a new subscriber gets first are copies from after it came, by
+/// their stamps and by the time of the cloth, which starts with the reset before each test.
+TEST_F(NodeTest, TheFirstFrameIsNotFromBeforeItsSubscriber) {
+  ros::Duration(1.0).sleep();  // without subscribers
+  const ros::Time begin = ros::Time::now();
+  std::atomic<double> age{0.0}, state{0.0}, picture{0.0};
+  const ros::Subscriber states =
+      node_.subscribe<ClothState>("cloth/state", 1, [&](const ClothState::ConstPtr& message) {
+        if (state != 0.0) return;
+        age = message->time;
+        state = secondsBetween(begin, message->header.stamp);
+      });
+  const ros::Subscriber pictures = node_.subscribe<visualization_msgs::MarkerArray>(
+      "cloth/markers", 1, [&](const visualization_msgs::MarkerArray::ConstPtr& message) {
+        if (picture == 0.0) picture = secondsBetween(begin, message->markers.at(0).header.stamp);
+      });
+  ASSERT_TRUE(waitFor([&] { return state != 0.0 && picture != 0.0; }));
+  EXPECT_GT(state, 0.0);
+  EXPECT_GT(picture, 0.0);
+  EXPECT_GT(age, 0.1) << "the cloth keeps at least a tenth of wall time";
+}
+
   ASSERT_TRUE(waitFor([&] { return diagnostics_.value("probe", "status") == "free"; }));
   EXPECT_EQ(reaction_.force(), Vec3::Zero());
   device.moveTo(kPressed);

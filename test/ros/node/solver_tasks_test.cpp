@@ -3,6 +3,7 @@
 #include "ros/node/solver_tasks.h"
 
 #include <gtest/gtest.h>
+#include <ros/time.h>
 
 #include <atomic>
 #include <future>
@@ -49,7 +50,9 @@ TEST(FileWork, IsLeftBehindWhereItIsCalledOff) {
 class SolverTasksTest : public testing::Test {
  protected:
   SolverTasksTest()
-      : options_(parseNodeOptions(sceneParameters(), "test")), shared_(options_), loop_(options_, shared_) {}
+      : options_(parseNodeOptions(sceneParameters(), "test")), shared_(options_), loop_(options_, shared_) {
+    ros::Time::init();  // copies for the display have a stamp
+  }
 
   /// Requests a change as a service does.
   void ask(const LiveValues& values) {
