@@ -18,7 +18,7 @@ diagnostic_msgs::DiagnosticStatus solverStatus(const SolverStats& stats, bool pa
 
 /// Status of one probe: messages of its device, force and grasp. A dropped message is a warning for
 /// at most 5 s.
-/// @param force_error estimated error of its force [N]
+/// @param force_error estimated error of the force on the hand [N]
 /// @param message kind of message that the device sends: "pose" or "force"
 diagnostic_msgs::DiagnosticStatus probeStatus(const std::string& name, const InputCounters& counters,
                                               const FeltForce& felt, GraspState grasp, double force_error,

@@ -96,7 +96,7 @@ const visualization_msgs::MarkerArray& MarkerBuilder::build(const DisplayFrame& 
   updateNormals(frame);
   updateSurface(frame);
   updateMesh(frame);
-  updateQuality(frame);
+  updateQuality(frame, forces);
   for (std::size_t k = 0; k < probes_.size(); ++k) updateProbe(probes_[k], frame.probes[k], forces[k]);
   for (std::size_t k = 0; k < obstacles_.size(); ++k) obstacles_[k].place(markers_, frame.obstacles[k]);
   for (Marker& marker : markers_.markers) marker.header.stamp = stamp;
@@ -188,14 +188,14 @@ void MarkerBuilder::updateMesh(const DisplayFrame& frame) {
 
 /// Shows what is given up and the error of the force, above the middle of the cloth. Nothing is shown at the
 /// quality that the scene asks for.
-void MarkerBuilder::updateQuality(const DisplayFrame& frame) {
+void MarkerBuilder::updateQuality(const DisplayFrame& frame, const std::vector<Vec3>& forces) {
   Marker& text = markers_.markers.back();
   text.text = frame.quality.given_up;
-  for (const ProbeView& probe : frame.probes) {
-    if (text.text.empty() || !probe.report.contact) continue;
+  for (std::size_t k = 0; k < frame.probes.size(); ++k) {
+    if (text.text.empty() || !frame.probes[k].report.contact) continue;
     char line[64];
-    std::snprintf(line, sizeof(line), "\nforce %.2f N, error %.2f N", probe.report.force.norm(),
-                  probe.report.force_error);
+    std::snprintf(line, sizeof(line), "\nforce %.2f N, error %.2f N", forces[k].norm(),
+                  frame.probes[k].force_error);
     text.text += line;
   }
   text.action = text.text.empty() ? Marker::DELETE : Marker::ADD;

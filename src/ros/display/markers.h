@@ -21,7 +21,7 @@ class MarkerBuilder {
   /// Takes effect with the next frame.
   void setOptions(const MarkerOptions& options) { options_ = options; }
 
-  /// @param forces force on each probe, as sent to its device [N]
+  /// @param forces force on the hand of each probe, in the cloth's axes [N]
   const visualization_msgs::MarkerArray& build(const DisplayFrame& frame, const std::vector<Vec3>& forces,
                                                const ros::Time& stamp);
 
@@ -37,7 +37,7 @@ class MarkerBuilder {
   void updateSurface(const DisplayFrame& frame);
   std_msgs::ColorRGBA lineColor(const DisplayFrame& frame, std::size_t cell) const;
   void updateMesh(const DisplayFrame& frame);
-  void updateQuality(const DisplayFrame& frame);
+  void updateQuality(const DisplayFrame& frame, const std::vector<Vec3>& forces);
   void updateProbe(const ProbeMarkers& markers, const ProbeView& probe, const Vec3& force);
 
   int columns_, rows_;

@@ -29,7 +29,7 @@ void AdmittanceProbe::tick(double now, bool paused) {
   const Wrench reaction = session_.reaction();
   sendReaction(hand, reaction);
   if (session_.hasStarted()) sendCommand(device, stamp);
-  felt_.note(session_.status(), reaction);
+  felt_.note(session_.status(), wrenchOnHand(gains_.device(), reaction));
   shared_.felt.write(felt_);
 }
 

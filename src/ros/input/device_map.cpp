@@ -74,6 +74,10 @@ Wrench wrenchForDriver(const DeviceOptions& device, const Quat& frame, const Wre
           forceForDriver(device, frame, wrench.torque) / device.position_scale};
 }
 
+Wrench wrenchOnHand(const DeviceOptions& device, const Wrench& wrench) {
+  return {device.force_scale * wrench.force, device.force_scale / device.position_scale * wrench.torque};
+}
+
 Vec3 forceAtProbe(const DeviceOptions& device, const Quat& frame, const Vec3& force) {
   return (frame * device.orientation * device.force_axes) * force / device.force_scale;
 }

@@ -65,6 +65,9 @@ Vec3 forceForDriver(const DeviceOptions& device, const Quat& frame, const Vec3& 
 /// power of rotation changes by the same factor as that of translation.
 Wrench wrenchForDriver(const DeviceOptions& device, const Quat& frame, const Wrench& wrench);
 
+/// Wrench on the hand for a wrench on the probe, in the axes of the latter.
+Wrench wrenchOnHand(const DeviceOptions& device, const Wrench& wrench);
+
 /// Inverse of forceForDriver(): maps the measured force of the hand on the device to a force on the
 /// probe [N].
 Vec3 forceAtProbe(const DeviceOptions& device, const Quat& frame, const Vec3& force);

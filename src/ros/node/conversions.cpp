@@ -153,7 +153,7 @@ void toClothState(const DisplayFrame& frame, int columns, int rows, std::vector<
   message.out_of_reach = frame.failed.out_of_reach;
   message.force_errors.clear();
   for (const ProbeView& probe : frame.probes) {
-    message.force_errors.push_back(static_cast<float>(probe.report.force_error));
+    message.force_errors.push_back(static_cast<float>(probe.force_error));
   }
 }
 

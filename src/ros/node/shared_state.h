@@ -45,6 +45,7 @@ struct ProbeView {
   ProbeReport report;
   Quat orientation = Quat::Identity();
   GraspState grasp = GraspState::Open;
+  double force_error = 0.0;  ///< estimated error of the force on the hand [N]
 };
 
 /// Steps since the start of the node that failed, each of which restored the last good state, or were made
@@ -91,7 +92,7 @@ struct SolverStats {
   bool meets_itself = true;     ///< see Simulation::meetsItself()
   QualityReport quality;
   FailedSteps failed;
-  std::vector<double> force_errors;  ///< of the probes, estimated [N]
+  std::vector<double> force_errors;  ///< of the forces on the hands, estimated [N]
   StepReport last;
 };
 
@@ -108,8 +109,8 @@ struct HapticStats {
 /// Force and torque that a hand feels.
 struct FeltForce {
   HapticStatus status = HapticStatus::NoPose;
-  Vec3 force = Vec3::Zero();                          ///< on the probe [N]
-  Vec3 torque = Vec3::Zero();                         ///< on the probe [N·m]
+  Vec3 force = Vec3::Zero();                          ///< on the hand, in the cloth's axes [N]
+  Vec3 torque = Vec3::Zero();                         ///< on the hand, in the cloth's axes [N·m]
   std::uint64_t input_stops = 0, snapshot_stops = 0;  ///< how often either was stale, since start
 
   /// Records the result of a tick.

@@ -29,6 +29,7 @@ SolverLoop::SolverLoop(const NodeOptions& options, SharedState& shared)
       live_(shared.live_for_solver),
       simulation_(sceneFor(options.scene)),
       targets_seen_(options.scene.obstacles.size(), 0),
+      probes_(options.probes),
       pacer_(simulation_, options.pace) {
   window_.meets_itself = simulation_.meetsItself();
   if (options.record.empty()) return;
@@ -107,6 +108,7 @@ void SolverLoop::startAnew() {
 void SolverLoop::takeOptions() {
   if (!live_.readNew()) return;
   const NodeOptions& asked = *live_.newest().options;
+  probes_ = asked.probes;
   SolverOptions solver = asked.scene.solver;
   solver.threads = simulation_.scene().solver.threads;
   pacer_.setOptions(solver, asked.scene.adapt, asked.scene.air_damping, asked.pace);
@@ -126,16 +128,17 @@ void SolverLoop::skipRamps() {
 
 void SolverLoop::copyFrameWhenWanted() {
   if (!shared_.frame_wanted.exchange(false)) return;
-  frame_.time = simulation_.time();
-  simulation_.positions(frame_.positions);
   frame_.taken = steadyNow();
   frame_.stamp = ros::Time::now();
+  frame_.time = simulation_.time();
+  simulation_.positions(frame_.positions);
   simulation_.cells(frame_.cells);
   simulation_.cellLoads(frame_.tension, frame_.bending);
   frame_.probes.clear();
   for (std::size_t k = 0; k < shared_.probes.size(); ++k) {
     const ProbeSession& session = shared_.probes[k].session();
-    frame_.probes.push_back({simulation_.probe(static_cast<int>(k)), session.orientation(), session.grasp()});
+    frame_.probes.push_back(
+        {simulation_.probe(static_cast<int>(k)), session.orientation(), session.grasp(), forceError(k)});
   }
   frame_.obstacles.clear();
   for (std::size_t k = 0; k < targets_seen_.size(); ++k) {
@@ -145,6 +148,11 @@ void SolverLoop::copyFrameWhenWanted() {
   frame_.failed = failed_;
   frame_.last = last_;
   shared_.frame.write(frame_);
+}
+
+/// Estimated error of the force on the hand [N].
+double SolverLoop::forceError(std::size_t probe) const {
+  return probes_[probe].device.force_scale * simulation_.probe(static_cast<int>(probe)).force_error;
 }
 
 void SolverLoop::moveObstacles() {
@@ -180,7 +188,7 @@ void SolverLoop::record(const StepReport& report) {
   window_.kinetic = simulation_.energy().kinetic;
   window_.force_errors.clear();
   for (std::size_t k = 0; k < shared_.probes.size(); ++k) {
-    window_.force_errors.push_back(simulation_.probe(static_cast<int>(k)).force_error);
+    window_.force_errors.push_back(forceError(k));
   }
   window_.failed = failed_;
   window_.last = report;

@@ -39,12 +39,14 @@ class SolverLoop {
   void copyFrameWhenWanted();
   void moveObstacles();
   void record(const StepReport& report);
+  double forceError(std::size_t probe) const;
 
   SharedState& shared_;
   LiveReader live_;
   Simulation simulation_;
   std::vector<std::uint64_t> targets_seen_;  ///< number of the last target of each obstacle
 
+  std::vector<ProbeSettings> probes_;  ///< as they were asked for
   StepPacer pacer_;
   std::optional<RecordWriter> recorder_;  ///< set if a recording was asked for
   std::uint64_t resets_seen_ = 0;

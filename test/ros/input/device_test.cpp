@@ -156,6 +156,12 @@ TEST_F(DeviceTest, PressingIsFeltAlongTheDriversAxisInItsScale) {
       << driver_.force().transpose() << " N, expected " << expected << " N along y";
   // The cloth is symmetric, and the probe presses its middle without friction.
   EXPECT_LT(std::hypot(driver_.force().x(), driver_.force().z()), 0.05 * driver_.force().y());
+  // Diagnostics show the force on the hand, not twice as much, the force on the probe.
+  EXPECT_TRUE(waitFor([&] {
+    const double shown = diagnostics_.number("probe", "force [N]");
+    return std::abs(shown - driver_.force().y()) < 0.05 * driver_.force().y();
+  })) << "shown "
+      << diagnostics_.number("probe", "force [N]") << " N, force " << driver_.force().y() << " N";
   driver_.moveTo(kAbove);
   EXPECT_TRUE(waitFor([this] { return driver_.force().isZero(0.0); }));
 }

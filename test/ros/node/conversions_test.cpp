@@ -189,16 +189,16 @@ TEST_F(MarkersTest, EveryMarkerIsOneThatRvizTakes) {
 
 TEST_F(MarkersTest, ATextSaysWhatIsGivenUp) {
   MarkerBuilder builder(scene_, "world", MarkerOptions());
-  const auto text = [&] { return builder.build(frame_, {Vec3::Zero()}, ros::Time(1.0)).markers.back(); };
+  const Vec3 on_hand(0.0, 0.0, 1.5);
+  const auto text = [&] { return builder.build(frame_, {on_hand}, ros::Time(1.0)).markers.back(); };
   EXPECT_EQ(text().action, visualization_msgs::Marker::DELETE);
   frame_.quality.given_up = "tolerance 1";
   EXPECT_EQ(text().action, visualization_msgs::Marker::ADD);
   EXPECT_EQ(text().text, "tolerance 1");
   EXPECT_GT(text().pose.position.z, frame_.positions[0].z());
-  ProbeReport& probe = frame_.probes[0].report;
-  probe.contact = true;
-  probe.force = Vec3(0.0, 0.0, 1.5);
-  probe.force_error = 0.03;
+  frame_.probes[0].report.contact = true;
+  frame_.probes[0].report.force = Vec3(0.0, 0.0, 3.0);  // on the probe
+  frame_.probes[0].force_error = 0.03;
   EXPECT_EQ(text().text, "tolerance 1\nforce 1.50 N, error 0.03 N");
 }
 
