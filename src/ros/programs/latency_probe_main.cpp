@@ -12,8 +12,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <cstdio>
-#include <exception>
+#include <cstring>
 #include <fstream>
 #include <map>
 #include <memory>
@@ -27,6 +28,7 @@
 #include "ros/node/steady_clock.h"
 #include "ros/node/topics.h"
 #include "ros/programs/parameters.h"
+#include "ros/programs/program.h"
 
 namespace {
 
@@ -248,6 +250,16 @@ nlohmann::json evaluate(const Sender& sender, const std::vector<ReceivedWrench>&
           {"force_mean_n", force / std::max(1, count)}};
 }
 
+/// Writes the result; to standard output, too, if it would be lost. @param path empty: there alone
+void write(const std::string& result, const std::string& path) {
+  errno = 0;
+  const bool written = !path.empty() && std::ofstream(path) << result << std::flush;
+  const int reason = errno;
+  if (written) return;
+  std::fputs(result.c_str(), stdout);
+  if (!path.empty()) throw haptic_cloth::OutputError(path, std::strerror(reason));
+}
+
 int run(int argc, char** argv) {
   ros::init(argc, argv, "latency_probe");
   ros::NodeHandle node, private_node("~");
@@ -281,7 +293,7 @@ int run(int argc, char** argv) {
   sender.stop();
   receiver.stop();
 
-  nlohmann::json result = evaluate(sender, receiver.wrenches(), begin, static_cast<int>(options.seconds));
+  nlohmann::json result = evaluate(sender, receiver.wrenches(), begin, options.seconds);
   result["real_time_factor"] = diagnostics.number("solver: real-time factor");
   result["active_particles"] = diagnostics.number("solver: active particles");
   result["processor"] = diagnostics.text("solver: processor");
@@ -290,17 +302,10 @@ int run(int argc, char** argv) {
   result["late_p50_us"] = diagnostics.number("haptic thread: late p50 [us]");
   result["late_p99_us"] = diagnostics.number("haptic thread: late p99 [us]");
   result["probe_scheduling"] = sender.scheduling();
-  std::ofstream(options.out) << result.dump(1) << '\n';
+  write(result.dump(1) + '\n', options.out);
   return 0;
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "latency_probe: %s\n", error.what());
-    return 1;
-  }
-}
+int main(int argc, char** argv) { return haptic_cloth::runProgram("latency_probe", run, argc, argv); }

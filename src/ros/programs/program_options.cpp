@@ -82,11 +82,11 @@ std::vector<OptionGroup> groupsOf(LatencyProbeOptions& probe) {
   return {{"",
            "",
            {{"node", field(probe.node), kNoRange, "", "node that is measured"},
-            {"out", field(probe.out), kNoRange, "", "JSON file of the result"},
+            {"out", field(probe.out), kNoRange, "", "JSON file of the result; empty: standard output"},
             {"nodelet", field(probe.nodelet), kNoRange, "", "loads the node into this process as a nodelet"},
             {"hang", field(probe.hang), kFiniteNotNegative, "s",
              "simulated time before the probe follows its path"},
-            {"seconds", field(probe.seconds), kFinitePositive, "s", "length of the measurement"}}}};
+            {"seconds", field(probe.seconds), atLeast(1), "s", "length of the measurement"}}}};
 }
 
 std::vector<std::pair<std::string, std::string>> programTables() {

@@ -57,7 +57,8 @@ struct GraspButtonOptions {
 struct LatencyProbeOptions {
   std::string node = "/haptic_cloth", out;
   bool nodelet = false;
-  double hang = 1.0, seconds = 30.0;
+  double hang = 1.0;
+  int seconds = 30;
 };
 
 std::vector<OptionGroup> groupsOf(HandOptions& hand);

@@ -52,6 +52,18 @@ TEST(ProgramOptions, SaysWhatIsWrong) {
             "/program (parameters): speed: unknown parameter; known here: node, rate, repeat_after");
 }
 
+/// latency_probe counts whole seconds: it needs at least one.
+TEST(ProgramOptions, AMeasurementTakesWholeSeconds) {
+  XmlRpcValue parameters;
+  parameters["seconds"] = 0.5;
+  EXPECT_EQ(messageOf<LatencyProbeOptions>(parameters),
+            "/program (parameters): seconds = 0.5: must be a whole number");
+  parameters["seconds"] = 0;
+  EXPECT_EQ(messageOf<LatencyProbeOptions>(parameters), "/program (parameters): seconds = 0: must be >= 1");
+  parameters["seconds"] = 2;
+  EXPECT_EQ(messageOf<LatencyProbeOptions>(parameters), "");
+}
+
 TEST(ProgramOptions, ARemovedKeyNamesWhatReplacesIt) {
   for (const std::string key : {"pose/field", "force/field", "force/definition"}) {
     const std::size_t slash = key.find('/');
