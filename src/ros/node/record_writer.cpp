@@ -23,6 +23,17 @@ constexpr char kBegin[] = "haptic_cloth recording";
 struct Close {
   void operator()(std::FILE* file) const { std::fclose(file); }
 };
+using File = std::unique_ptr<std::FILE, Close>;
+
+/// The first of PATH.1, PATH.2, … that nothing has.
+std::string unusedName(const std::string& path) {
+  std::error_code none;
+  for (int number = 1;; ++number) {
+    const std::string name = path + '.' + std::to_string(number);
+    if (std::filesystem::symlink_status(name, none).type() == std::filesystem::file_type::not_found)
+      return name;
+  }
+}
 
 }  // namespace
 
@@ -68,11 +79,21 @@ std::string RecordWriter::writeAll() {
   std::error_code none;  // what does not exist is made; a FIFO would block
   if (std::filesystem::exists(path_, none) && !std::filesystem::is_regular_file(path_, none))
     return "is there and is no regular file";
-  const std::unique_ptr<std::FILE, Close> file(std::fopen(path_.c_str(), "a+e"));
+  File file(std::fopen(path_.c_str(), "a+e"));
   if (file == nullptr) return std::strerror(errno);
-  const std::string refused = refusal(*file);
+  std::string refused = refusal(*file);
   if (!refused.empty()) return refused;
-  if (ftruncate(fileno(file.get()), 0) != 0) return std::strerror(errno);
+  if (std::ftell(file.get()) > 0) {
+    const std::string kept = unusedName(path_);
+    // Locked until it has its other name.
+    if (std::rename(path_.c_str(), kept.c_str()) != 0) return kept + ": " + std::strerror(errno);
+    ROS_INFO_STREAM("the older recording is now " << kept);
+    file.reset(std::fopen(path_.c_str(), "a+e"));
+    if (file == nullptr) return std::strerror(errno);
+    refused = refusal(*file);
+    if (!refused.empty()) return refused;
+  }
+  ROS_INFO_STREAM("recording into " << path_);
   std::string lines;
   for (bool more = true; more;) {
     more = take(lines);
@@ -83,7 +104,7 @@ std::string RecordWriter::writeAll() {
   return "";
 }
 
-/// Locks the file as long as it is open. @return why it may not be replaced; empty: it may
+/// Locks the file as long as it is open. @return why a recording may not take its place; empty: it may
 std::string RecordWriter::refusal(std::FILE& file) {
   // File systems without locks do not refuse.
   if (flock(fileno(&file), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)

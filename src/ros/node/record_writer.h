@@ -13,7 +13,8 @@ namespace haptic_cloth {
 /// written ends the recording, with an error in the log, and never the node.
 class RecordWriter {
  public:
-  /// @param path of a file that is new, empty, or another recording, which is replaced
+  /// @param path of a file that is new, empty, or another recording, which then gets the name path.1, or the
+  /// next number that is free
   explicit RecordWriter(std::string path);
 
   /// Writes what is left.

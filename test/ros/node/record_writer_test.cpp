@@ -18,11 +18,13 @@ namespace fs = std::filesystem;
 class RecordWriterTest : public testing::Test {
  protected:
   RecordWriterTest() : file_(testing::TempDir() + "haptic_cloth_record_" + std::to_string(getpid())) {}
-  ~RecordWriterTest() override { fs::remove(file_); }
+  ~RecordWriterTest() override {
+    for (const char* number : {"", ".1", ".2", ".3"}) fs::remove(file_ + number);
+  }
 
-  std::string content() const {
+  std::string content(const std::string& number = "") const {
     std::ostringstream text;
-    text << std::ifstream(file_).rdbuf();
+    text << std::ifstream(file_ + number).rdbuf();
     return text.str();
   }
 
@@ -30,7 +32,7 @@ class RecordWriterTest : public testing::Test {
 };
 
 TEST_F(RecordWriterTest, WritesEveryLineUpToTheEnd) {
-  for (const std::string last : {"end 1", "end 2"}) {  // the second recording replaces the first
+  for (const std::string last : {"end 1", "end 2"}) {  // the second recording takes the place of the first
     std::string expected = "haptic_cloth recording 1\n";
     RecordWriter writer(file_);
     writer.write("haptic_cloth recording 1");
@@ -47,6 +49,20 @@ TEST_F(RecordWriterTest, WritesEveryLineUpToTheEnd) {
     for (int k = 0; k < 300 && content() != expected; ++k) usleep(100000);
     EXPECT_TRUE(content() == expected);
   }
+}
+
+/// A node that is started again with the same parameters must not lose what the one before has recorded.
+TEST_F(RecordWriterTest, KeepsOlderRecordings) {
+  const std::string begin = "haptic_cloth recording 2\n";
+  for (const std::string session : {"1", "2", "3"}) {
+    RecordWriter writer(file_);
+    writer.write("haptic_cloth recording 2");
+    writer.end("end " + session);
+  }
+  EXPECT_EQ(content(".1"), begin + "end 1\n");
+  EXPECT_EQ(content(".2"), begin + "end 2\n");
+  EXPECT_EQ(content(), begin + "end 3\n");
+  EXPECT_FALSE(fs::exists(file_ + ".3"));
 }
 
 TEST_F(RecordWriterTest, LeavesOtherFilesAlone) {
