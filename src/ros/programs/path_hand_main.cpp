@@ -11,6 +11,7 @@
 #include <deque>
 #include <limits>
 
+#include "haptic_cloth/error.h"
 #include "ros/node/conversions.h"
 #include "ros/node/steady_clock.h"
 #include "ros/node/topics.h"
@@ -123,7 +124,9 @@ int run(int argc, char** argv) {
   for (std::size_t k = 0; k < options.scene.probes.size(); ++k) {
     if (!options.scene.probes[k].path.empty()) probes.emplace_back(options, k, node);
   }
-  double end = probes.empty() ? std::numeric_limits<double>::infinity() : 0.0;  // of all paths
+  if (probes.empty())
+    throw haptic_cloth::InputError(served + " (parameters)", "", "", "no probe of the scene has a path");
+  double end = 0.0;  // of all paths
   for (const PathProbe& probe : probes) end = std::max(end, probe.end());
   const double period = 1.0 / path.rate;
   ClothClock clock;

@@ -186,6 +186,15 @@ TEST_F(LifecycleTest, BadParametersAreNamed) {
   expectRefused({"_scene_file:=/nowhere/scene.yaml"}, "/nowhere/scene.yaml");
 }
 
+/// It must not reset a cloth that others work on, which is the first thing that it does to the node.
+TEST_F(LifecycleTest, APathHandWithoutPathsEndsWithAnError) {
+  Process node(readableCommand());
+  ASSERT_TRUE(waitUntilReady(node)) << node.output();
+  Process hand({programDirectory() + "/path_hand", "_node:=/cloth"});
+  EXPECT_EQ(hand.wait(), 2);
+  EXPECT_NE(hand.output().find("no probe of the scene has a path"), std::string::npos) << hand.output();
+}
+
 TEST_F(LifecycleTest, RespawnDoesNotRepeatBadParameters) {
   // roslaunch restarts every program that ends, so this one must not end: it reports one error and
   // waits for a signal.
