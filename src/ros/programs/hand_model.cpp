@@ -33,8 +33,10 @@ Vec3 handTarget(const HandOptions& options, double time) {
 }
 
 const Vec3& HandModel::step(const Vec3& target, const Vec3& reaction, double dt) {
-  const Vec3 force = options_.stiffness * (target - position_) - options_.damping * velocity_ + reaction;
-  velocity_ += dt / options_.mass * force;
+  // m (v - v0) / dt = k (target - x0 - dt v) - d v + F, solved for v
+  const Vec3 force = options_.stiffness * (target - position_) + reaction;
+  const double inertia = options_.mass + dt * (options_.damping + dt * options_.stiffness);
+  velocity_ = (options_.mass * velocity_ + dt * force) / inertia;
   position_ += dt * velocity_;
   return position_;
 }

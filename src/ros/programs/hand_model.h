@@ -14,7 +14,8 @@ class HandModel {
  public:
   explicit HandModel(const HandOptions& options) : options_(options), position_(options.start) {}
 
-  /// One semi-implicit Euler step. @param reaction force on the probe [N]; @param dt [s]
+  /// One implicit Euler step, which is stable for any rate. @param reaction force on the probe [N]; @param dt
+  /// [s]
   const Vec3& step(const Vec3& target, const Vec3& reaction, double dt);
 
  private:

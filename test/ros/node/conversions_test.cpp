@@ -385,6 +385,20 @@ TEST(HandModel, TheWillIsContinuousAndRepeats) {
   EXPECT_TRUE(pressed);
 }
 
+/// Criterion: at any rate the hand overshoots its target by no more than its damping ratio of 0.73
+/// allows, 4 % of the way.
+TEST(HandModel, IsStableAtAnyRate) {
+  const HandOptions options;
+  for (const double rate : {1e-3, 1.0, 10.0, 25.0, 40.0, 100.0, 1000.0}) {
+    HandModel hand(options);
+    double lowest = options.start.z();
+    for (int i = 0; i < 2000; ++i)
+      lowest = std::min(lowest, hand.step(options.press, Vec3::Zero(), 1.0 / rate).z());
+    EXPECT_GE(lowest, options.press.z() - 0.04 * (options.start.z() - options.press.z())) << rate << " Hz";
+    EXPECT_LE(lowest, options.press.z() + 1e-6) << rate << " Hz";
+  }
+}
+
 TEST(HandModel, ReactionAndWillBalance) {
   HandOptions options;
   HandModel hand(options);
