@@ -13,8 +13,8 @@ std::string tooHigh(const char* what, const char* unit, double felt, double limi
   char text[300];
   std::snprintf(
       text, sizeof text,
-      "the hand would feel a %s of %.4g %s (%s x device/position_scale x device/force_scale), more than "
-      "the device renders (%.4g %s): it may buzz. Set %s to %.4g or less",
+      "the hand would feel a %s of %.4g %s (%s x position_scale x force_scale), more than the device "
+      "renders (%.4g %s): it may buzz. Set the probe's %s to %.4g or less",
       what, felt, unit, parameter, limit, unit, parameter, value);
   return text;
 }
@@ -114,11 +114,11 @@ std::vector<std::string> deviceWarnings(const DeviceOptions& device, const Hapti
   const double stiffness = feltStiffness(device, haptics), damping = feltDamping(device, haptics);
   std::vector<std::string> warnings;
   if (device.max_stiffness > 0.0 && stiffness > device.max_stiffness) {
-    warnings.push_back(tooHigh("stiffness", "N/m", stiffness, device.max_stiffness,
-                               "probe/coupling_stiffness", device.max_stiffness / scale));
+    warnings.push_back(tooHigh("stiffness", "N/m", stiffness, device.max_stiffness, "coupling_stiffness",
+                               device.max_stiffness / scale));
   }
   if (device.max_damping > 0.0 && damping > device.max_damping) {
-    warnings.push_back(tooHigh("damping", "N s/m", damping, device.max_damping, "probe/coupling_damping",
+    warnings.push_back(tooHigh("damping", "N s/m", damping, device.max_damping, "coupling_damping",
                                device.max_damping / scale));
   }
   return warnings;

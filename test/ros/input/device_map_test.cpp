@@ -242,9 +242,10 @@ TEST(DeviceMap, WarnsOfWhatTheDeviceCannotRender) {
   const auto warnings = deviceWarnings(device, haptics);
   ASSERT_EQ(warnings.size(), 2u);
   EXPECT_NE(warnings[0].find("800 N/m"), std::string::npos) << warnings[0];
-  EXPECT_NE(warnings[0].find("Set probe/coupling_stiffness to 200 or less"), std::string::npos)
+  EXPECT_NE(warnings[0].find("Set the probe's coupling_stiffness to 200 or less"), std::string::npos)
       << warnings[0];
-  EXPECT_NE(warnings[1].find("Set probe/coupling_damping to 0.5 or less"), std::string::npos) << warnings[1];
+  EXPECT_NE(warnings[1].find("Set the probe's coupling_damping to 0.5 or less"), std::string::npos)
+      << warnings[1];
   device.force_scale = 0.5;
   EXPECT_TRUE(deviceWarnings(device, haptics).empty());
 }
