@@ -14,16 +14,14 @@ namespace {
 using LiveRows = std::vector<std::pair<std::string, Option>>;  ///< with their full names
 
 void append(LiveRows& rows, const std::string& path, const Options& options) {
-  for (const Option& option : options) {
-    if (option.live) rows.emplace_back(path + option.key, option);
-  }
+  for (const Option& option : options) rows.emplace_back(path + option.key, option);
 }
 
-/// Rows of all live options.
-LiveRows liveRows(NodeOptions& node) {
+/// Rows of all options that can be told by one name, live or not.
+LiveRows allRows(NodeOptions& node) {
   LiveRows rows;
   for (const OptionGroup& group : groupsOf(node)) {
-    if (group.path != kDevicePath) append(rows, group.path, group.options);
+    append(rows, group.path, group.options);
   }
   append(rows, "", worldOptions(node.scene));
   for (std::size_t k = 0; k < node.probes.size(); ++k) {
@@ -33,9 +31,21 @@ LiveRows liveRows(NodeOptions& node) {
   }
   append(rows, "solver/", optionsOf(node.scene.solver));
   append(rows, "adapt/", optionsOf(node.scene.adapt));
+  append(rows, "cloth/", optionsOf(node.scene.cloth));
+  append(rows, "stop/", optionsOf(node.scene.stop));
   for (auto& [name, option] : rows) {  // the scene holds the smaller of two budgets
     if (name == "solver/time_budget") option.field = field(node.time_budget);
   }
+  return rows;
+}
+
+/// Rows of all live options. Those of `device` are only defaults for the probes at start.
+LiveRows liveRows(NodeOptions& node) {
+  LiveRows rows = allRows(node);
+  const auto is_fixed = [](const LiveRows::value_type& row) {
+    return !row.second.live || row.first.rfind(kDevicePath, 0) == 0;
+  };
+  rows.erase(std::remove_if(rows.begin(), rows.end(), is_fixed), rows.end());
   return rows;
 }
 
@@ -126,8 +136,12 @@ NodeOptions changed(const NodeOptions& options, const LiveValues& values, const 
     left.erase(entry);
   }
   if (!left.empty()) {
-    throw InputError(origin, left.begin()->first, toText(left.begin()->second),
-                     "cannot change while the node runs");
+    const std::string& name = left.begin()->first;
+    const LiveRows all = allRows(next);
+    const bool known =
+        std::any_of(all.begin(), all.end(), [&](const auto& row) { return row.first == name; });
+    throw InputError(origin, name, toText(left.begin()->second),
+                     known ? "cannot change while the node runs" : "unknown parameter");
   }
   settle(next);
   validateNodeOptions(next, origin);

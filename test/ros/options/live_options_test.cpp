@@ -138,7 +138,11 @@ TEST(LiveOptions, ImpossibleOnesAreRefusedByNameValueAndRule) {
          "markers/colouring = blue: must be one of level, tension, bending");
   expect({{"markers/colouring", 2}}, "markers/colouring = 2: must be text");
   expect({{"cloth/particles", 33}}, "cloth/particles = 33: cannot change while the node runs");
-  expect({{"adapt/levels", 1}}, "adapt/levels = 1: cannot change while the node runs");
+  for (const char* name :
+       {"adapt/levels", "frame_id", "device/offset", "probe/radius", "gravity", "stop/time"})
+    expect({{name, 1}}, std::string(name) + " = 1: cannot change while the node runs");
+  for (const char* name : {"nix", "solver/nix", "probes/left/radius", "devices/left/offset"})
+    expect({{name, 1}}, std::string(name) + " = 1: unknown parameter");
 }
 
 TEST(LiveOptions, ASetIsJudgedAsAWhole) {
