@@ -5,6 +5,7 @@
 #include "ros/options/node_table.h"
 #include "ros/options/parameter_group.h"
 #include "scene/scene_options.h"
+#include "state/number_text.h"
 
 namespace haptic_cloth {
 namespace {
@@ -54,11 +55,13 @@ void validateNodeOptions(const NodeOptions& options, const std::string& origin) 
   const auto locate = [&origin](const std::string&) { return origin; };
   NodeOptions node = options;  // rows point to members that could be written
   for (const OptionGroup& group : groupsOf(node)) checkOptions(group.options, group.path, locate);
-  const double budget = node.scene.solver.minimizer.time_budget;
-  if (!node.record.empty() && budget > 0.0) {
-    throw InputError(origin, "record", node.record,
-                     "needs step_budget 0 and solver/time_budget 0: a recording repeats no clock");
-  }
+  const auto forbid = [&](const char* key, double budget) {
+    if (node.record.empty() || !(budget > 0.0)) return;
+    throw InputError(origin, key, shortestText(budget),
+                     "must be 0 with record = " + node.record + ": a recording repeats no clock");
+  };
+  forbid("step_budget", node.step_budget);
+  forbid("solver/time_budget", node.time_budget);
   node.scene.solver.minimizer.time_budget = node.time_budget;
   validateScene(node.scene, origin);
   for (std::size_t k = 0; k < node.probes.size(); ++k) {

@@ -254,7 +254,8 @@ TEST(Recording, IsRefusedWhereAClockTakesPart) {
                  "_scene_file:=" HAPTIC_CLOTH_SOURCE_DIR "/test/ros/node/keep_clock.yaml",
                  "_record:=/tmp/x"});
   EXPECT_NE(cloth.wait(), 0);
-  EXPECT_NE(cloth.output().find("needs step_budget 0"), std::string::npos) << cloth.output();
+  EXPECT_NE(cloth.output().find("step_budget = 0.025: must be 0 with record = /tmp/x"), std::string::npos)
+      << cloth.output();
 }
 
 }  // namespace

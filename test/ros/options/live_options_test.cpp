@@ -145,6 +145,16 @@ TEST(LiveOptions, ImpossibleOnesAreRefusedByNameValueAndRule) {
     expect({{name, 1}}, std::string(name) + " = 1: unknown parameter");
 }
 
+TEST(LiveOptions, ABudgetDuringARecordingIsRefusedByItsOwnName) {
+  NodeOptions options = parseNodeOptions(sceneParameters(), "test");
+  options.step_budget = 0.0;
+  options.record = "/tmp/session";
+  const std::string rule = ": must be 0 with record = /tmp/session: a recording repeats no clock";
+  for (const char* name : {"step_budget", "solver/time_budget"})
+    EXPECT_EQ(refusal(options, {{name, 0.02}}), "/cloth (live): " + std::string(name) + " = 0.02" + rule);
+  EXPECT_EQ(refusal(options, {{"air_damping", 3.0}}), "");
+}
+
 TEST(LiveOptions, ASetIsJudgedAsAWhole) {
   const NodeOptions options = parseNodeOptions(sceneParameters(), "test");
   // Each change alone would leave coarsen_below above refine_above.
