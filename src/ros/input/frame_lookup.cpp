@@ -5,16 +5,8 @@
 #include "ros/node/conversions.h"
 
 namespace haptic_cloth {
-namespace {
-
-std::string withoutSlash(const std::string& frame) {
-  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
-}
-
-}  // namespace
-
 FrameLookup::FrameLookup(const std::string& frame_id, const tf2_ros::Buffer& transforms)
-    : frame_id_(withoutSlash(frame_id)), transforms_(transforms) {}
+    : frame_id_(frame_id), transforms_(transforms) {}
 
 std::optional<Pose> FrameLookup::find(const std::string& frame) const {
   const std::string name = withoutSlash(frame);

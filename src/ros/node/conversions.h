@@ -41,6 +41,11 @@ Pose toPose(const geometry_msgs::TransformStamped& transform);
 /// Transforms a pose from `frame` into the parent of `frame`.
 Pose composed(const Pose& frame, const Pose& pose);
 
+/// Name of a frame as tf2 knows it: without the slash with which tf names began.
+inline std::string withoutSlash(const std::string& frame) {
+  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
+}
+
 geometry_msgs::WrenchStamped toWrench(const Wrench& wrench, const ros::Time& stamp,
                                       const std::string& frame_id);
 

@@ -26,6 +26,7 @@ NodeOptions parseNodeOptions(const XmlRpcValue& parameters, const std::string& o
   ParameterGroup root(parameters, origin, "");
   root.read(groupsOf(options));
   const ParameterGroup devices = root.group("devices");
+  options.frame_id = withoutSlash(options.frame_id);
   if (options.frame_id.empty()) throw InputError(origin, "frame_id", "''", "must not be empty");
 
   root.rejectRestBut(sceneKeys());

@@ -54,6 +54,15 @@ TEST(NodeOptions, SceneByParametersOrByFile) {
       << messageOf(file);
 }
 
+/// tf2 and rviz know no frames that begin with a slash.
+TEST(NodeOptions, AFrameHasNoSlash) {
+  XmlRpcValue parameters = sceneParameters();
+  parameters["frame_id"] = "/table";
+  EXPECT_EQ(parseNodeOptions(parameters, "test").frame_id, "table");
+  parameters["frame_id"] = "/";
+  EXPECT_NE(messageOf(parameters).find("frame_id = ''"), std::string::npos);
+}
+
 TEST(NodeOptions, AFabricBesideTheSceneIsFound) {
   // The launch files load a scene as parameters, which do not contain its folder; scene_directory
   // does.
