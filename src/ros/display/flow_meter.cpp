@@ -55,6 +55,7 @@ FlowMeter::FlowMeter(ros::NodeHandle& node, const std::vector<std::string>& prob
 
 void FlowMeter::note(const ClothState& state) {
   state_.add(isFinite(state.positions) && isFinite(state.tension) && isFinite(state.bending));
+  for (Probe& probe : probes_) probe.states_without = std::min(probe.states_without + 1, kAbsent);
   cells_ = state.levels.size();
   rung_ = state.rung;
   worst_rung_ = std::max(worst_rung_, rung_);
@@ -89,6 +90,7 @@ void FlowMeter::subscribe(ros::NodeHandle& node, const std::string& name, Probe&
       topics::ofProbe(name, topics::kProxy), 2,
       [&probe](const geometry_msgs::PoseStamped::ConstPtr& message) {
         probe.height = message->pose.position.z;
+        probe.states_without = 0;
       });
 }
 
@@ -121,10 +123,11 @@ std::string FlowMeter::line(double seconds) const {
   std::string text;
   char part[200];
   for (const Probe& probe : probes_) {
-    std::snprintf(part, sizeof part, "%s %6.1f Hz  force %5.2f N (max %5.2f)  proxy z %6.1f mm | ",
-                  probe.reaction.name.c_str(), probe.reaction.count / seconds, probe.force, probe.max_force,
-                  1e3 * probe.height);
+    std::snprintf(part, sizeof part, "%s %6.1f Hz  force %5.2f N (max %5.2f)  ", probe.reaction.name.c_str(),
+                  probe.reaction.count / seconds, probe.force, probe.max_force);
     text += part;
+    std::snprintf(part, sizeof part, "proxy z %6.1f mm | ", 1e3 * probe.height);
+    text += probe.states_without < kAbsent ? part : "proxy absent | ";
   }
   std::snprintf(
       part, sizeof part,

@@ -44,11 +44,15 @@ class FlowMeter {
   std::string verdict(double seconds, bool& passed) const;
 
  private:
+  /// Proxies come with the states, if their probe is present. So many states in a row may lack a
+  /// proxy that is on its way.
+  static constexpr int kAbsent = 3;
   struct Probe {
     Flow reaction;
-    double force = 0.0;      ///< newest [N]
-    double max_force = 0.0;  ///< since clear [N]
-    double height = 0.0;     ///< z of the proxy [m]
+    double force = 0.0;            ///< newest [N]
+    double max_force = 0.0;        ///< since clear [N]
+    double height = 0.0;           ///< newest z of the proxy [m]
+    int states_without = kAbsent;  ///< states of the cloth since the newest proxy
     ros::Subscriber reaction_subscriber, proxy_subscriber;
   };
   void subscribe(ros::NodeHandle& node, const std::string& name, Probe& probe);

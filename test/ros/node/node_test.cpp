@@ -4,6 +4,7 @@
 #include <haptic_cloth/ClothState.h>
 #include <haptic_cloth/LoadState.h>
 #include <haptic_cloth/SaveState.h>
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <std_srvs/Empty.h>
 #include <std_srvs/SetBool.h>
@@ -21,6 +22,7 @@
 #include <vector>
 
 #include "haptic_cloth/state_file.h"
+#include "ros/display/flow_meter.h"
 #include "ros/node/conversions.h"
 #include "ros/node/steady_clock.h"
 #include "ros/support/ros_test_support.h"
@@ -146,8 +148,6 @@ TEST_F(NodeTest, TheStateIsAWholeMesh) {
   for (const float coordinate : state.positions) ASSERT_TRUE(std::isfinite(coordinate));
 }
 
-TEST_F(NodeTest, PressingIsFeltUpwardsAndLettingGoIsFree) {
-  TestDevice device(node_, kAbove);
 /// Criterion: picture and state that a new subscriber gets first are copies from after it came, by
 /// their stamps and by the time of the cloth, which starts with the reset before each test.
 TEST_F(NodeTest, TheFirstFrameIsNotFromBeforeItsSubscriber) {
@@ -170,12 +170,34 @@ TEST_F(NodeTest, TheFirstFrameIsNotFromBeforeItsSubscriber) {
   EXPECT_GT(age, 0.1) << "the cloth keeps at least a tenth of wall time";
 }
 
+TEST_F(NodeTest, PressingIsFeltUpwardsAndLettingGoIsFree) {
+  TestDevice device(node_, kAbove);
   ASSERT_TRUE(waitFor([&] { return diagnostics_.value("probe", "status") == "free"; }));
   EXPECT_EQ(reaction_.force(), Vec3::Zero());
   device.moveTo(kPressed);
   ASSERT_TRUE(waitFor([&] { return reaction_.force().z() > 0.1; })) << "nothing felt";
   device.moveTo(kAbove);
   EXPECT_TRUE(waitFor([&] { return device.arrived() && reaction_.force().isZero(0.0); }));
+}
+
+/// What `monitor` prints of a probe without a device, with one, and when the device has left.
+TEST_F(NodeTest, TheFlowMeterTellsWhetherAProbeIsPresent) {
+  ros::CallbackQueue queue;
+  ros::NodeHandle own;
+  own.setCallbackQueue(&queue);
+  FlowMeter meter(own, {"probe"}, 0.0, 0.0);
+  const auto says = [&](const std::string& text) {
+    return waitFor([&] {
+      queue.callAvailable();
+      return meter.allFlow() && meter.line(1.0).find(text) != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(says("proxy absent"));
+  {
+    TestDevice device(node_, kAbove);
+    EXPECT_TRUE(says("proxy z  125.0 mm"));
+  }
+  EXPECT_TRUE(says("proxy absent"));
 }
 
 TEST_F(NodeTest, TheWrenchCarriesThePosesStamp) {
