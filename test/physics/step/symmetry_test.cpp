@@ -3,10 +3,9 @@
 /// are equal after every step, whichever side is processed first. Solves of a drape under a probe
 /// end short of the minimum by their tolerance, and sums in another order end elsewhere. At a
 /// hundredth of the tolerance the leaves are equal while the cloth drapes and the probe presses and
-/// slides, except for two mesh decisions, since a number may be at a threshold. At the default
-/// tolerance the final shapes differ by at most the difference on the finest mesh plus 1 % of the
-/// finest spacing, a fifth of the visible effect of a cell that splits one decision later
-/// (mesh_change_test.cpp).
+/// slides, except for two mesh decisions, since a number may be at a threshold. At a tenth of the tolerance
+/// the final shapes differ by at most 0.1 % of the finest spacing, a fiftieth of the visible effect of a cell
+/// that splits one decision later (mesh_change_test.cpp). Measured: 0.03 %.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -202,6 +201,8 @@ TEST_P(ImageOfADrape, HasTheImageOfItsMesh) {
 
 TEST_P(ImageOfADrape, HasTheImageOfItsShape) {
   Scene scene = drape(Strategy::Amrc);
+  scene.solver.minimizer.tolerance = 0.01;  // at 0.1 rounding alone leads to folds 0.3 mm apart
+  scene.solver.minimizer.max_iterations = 3000;
   scene.probes[0].path = press(0.2, 0.4, 0.6);
   const double amrc = runTwins(GetParam(), scene).apart;
   setStrategy(scene, Strategy::Finest, 2);
@@ -209,8 +210,7 @@ TEST_P(ImageOfADrape, HasTheImageOfItsShape) {
   const double spacing = 0.3 / (kSide - 1), image = 1.0 * static_cast<int>(GetParam());
   record({"image of a drape", "rms distance [m]", "amrc", image, amrc, 0.0, spacing});
   record({"image of a drape", "rms distance [m]", "finest", image, finest, 0.0, spacing});
-  EXPECT_LT(amrc, tolerance(0.01 * spacing) + finest);
-  EXPECT_LT(finest, tolerance(0.01 * spacing));
+  for (const double apart : {amrc, finest}) EXPECT_LT(apart, tolerance(1e-3 * spacing));
 }
 
 INSTANTIATE_TEST_SUITE_P(Images, ImageOfADrape,
