@@ -173,8 +173,8 @@ void ClothWorld::accept(StepReport& report) {
   if (cloth_.pinsMove()) cloth_.advancePins(solver_.pinsMade());
   const double h = solved.timeStep(), pinned = cloth_.pinnedKineticEnergy();
   energy_.notePinWork(solved.pinWork() + pinned - pinned_before, 2.0 * h * scene_.air_damping * pinned);
-  const Vec3 pinned_inertia = (cloth_.pinnedMomentum() - momentum_before) / h,
-             pinned_drag = scene_.air_damping * cloth_.pinnedMomentum();
+  const Vec3 momentum = cloth_.pinnedMomentum();
+  const Vec3 pinned_force = (momentum - momentum_before) / h + scene_.air_damping * momentum;
   sleep_.update(cloth_.mesh(), cloth_.velocities(), solved.awake().flags(), ejected_);
   cloth_.stopEjected(contacts_);
   report.velocity_scale = energy_.guard(kinetic_before, gravity_work, solved, cloth_);
@@ -182,7 +182,7 @@ void ClothWorld::accept(StepReport& report) {
   force_error_.noteCloth(cloth_, feelsCloth(), adaptation_.decidesAt(ticks_));
   probes_.accept(solved, contacts_, cloth_.mesh(), grasps_, force_error_);
   grasps_.noteTouched(probes_, contacts_, cloth_.mesh());
-  support_force_ = contacts_.obstacleForce() + solved.pinForce() + pinned_inertia + pinned_drag;
+  support_force_ = contacts_.obstacleForce() + solved.pinForce() + pinned_force;
   report.max_penetration = contacts_.deepest();
 }
 

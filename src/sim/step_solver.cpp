@@ -254,13 +254,13 @@ MinimizerReport StepSolver::minimizeJoint() {
   cost_ = joint_->costs();
   motion_.head(size) = x_.head(size);
   x_.head(size) = joint_x_.head(size);
-  const double end = objective_.evaluate(x_, gradient_);
+  double end = objective_.evaluate(x_, gradient_);
   if (isCut(report) && !(end <= start_values_.potential)) {
     x_.head(size) = motion_.head(size);
-    objective_.evaluate(x_, gradient_);
+    end = objective_.evaluate(x_, gradient_);
     report.why = Termination::LineSearchFailed;
   }
-  if (isCut(report)) balanceNetForce(objective_.evaluate(x_, gradient_));
+  if (isCut(report)) balanceNetForce(end);
   return report;
 }
 
