@@ -56,12 +56,12 @@ struct StepReport {
   double time = 0.0;  ///< simulated time at the end of the step [s]
   MinimizerReport minimizer;
   int active_particles = 0;
-  int awake_particles = 0;       ///< free particles in the solve; the others sleep
-  int refined = 0;               ///< cells split in this step
-  int coarsened = 0;             ///< groups of four merged in this step
-  bool failed = false;           ///< the last good state was restored
-  double velocity_scale = 1.0;   ///< factor of the energy guard; 1: not needed
-  double adapt_seconds = 0.0;    ///< wall clock time of mesh adaptation [s]
+  int awake_particles = 0;      ///< free particles in the solve; the others sleep
+  int refined = 0;              ///< cells split in this step
+  int coarsened = 0;            ///< groups of four merged in this step
+  bool failed = false;          ///< the last good state was restored
+  double velocity_scale = 1.0;  ///< factor of the energy guard for velocities within the cloth; 1: not needed
+  double adapt_seconds = 0.0;   ///< wall clock time of mesh adaptation [s]
   double max_penetration = 0.0;  ///< deepest contact sample below an obstacle or the probe [m]
   int self_contacts = 0;         ///< nodes and lines of the cloth that press on another part of it
   /// Smallest distance of parts of the cloth that may meet; infinite if there are none [m].

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/cloth_objective.h"
+#include "sim/rigid_motion.h"
 
 namespace haptic_cloth {
 namespace {
@@ -101,7 +102,16 @@ void Cloth::move(const ClothObjective& solved, const std::vector<char>& jumped) 
   nodes_ = after;
 }
 
-void Cloth::scaleVelocities(double factor) { integrator_.slow(factor, velocities_); }
+double Cloth::limitKineticEnergy(double allowed) {
+  constexpr double kLeastLeft = 0.25;  // of the energy within the cloth, before the rest pays, too
+  const double pinned = pinnedKineticEnergy(), rigid = rigidKineticEnergy(), free = kineticEnergy() - pinned;
+  const double inner = free - rigid, most = std::max(0.0, allowed - pinned);
+  const double left = std::max(most - rigid, kLeastLeft * inner);
+  const double whole = left + rigid > most ? std::sqrt(most / (left + rigid)) : 1.0;
+  const double factor = inner > 0.0 ? whole * std::sqrt(left / inner) : whole;
+  integrator_.slow(mesh_, nodes_, factor, whole, velocities_);
+  return factor;
+}
 
 void Cloth::commit(Team& team) {
   for (int n = 0; n < mesh_.nodes(); ++n) {
@@ -143,6 +153,15 @@ double Cloth::pinnedKineticEnergy() const {
   for (int n = mesh_.free; n < mesh_.active(); ++n)
     kinetic += 0.5 * mesh_.mass[n] * velocities_[n].squaredNorm();
   return kinetic;
+}
+
+/// Kinetic energy of free cloth as a rigid body [J].
+double Cloth::rigidKineticEnergy() const {
+  if (mesh_.pinned > 0) return 0.0;
+  const RigidMotion whole = rigidMotion(mesh_, nodes_, velocities_);
+  double energy = 0.0;
+  for (int n = 0; n < mesh_.free; ++n) energy += 0.5 * mesh_.mass[n] * whole.at(nodes_[n]).squaredNorm();
+  return energy;
 }
 
 Vec3 Cloth::pinnedMomentum() const {

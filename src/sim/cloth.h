@@ -75,7 +75,11 @@ class Cloth {
 
   /// Stops cloth that obstacles eject: it is not thrown.
   void stopEjected(const ContactSet& contacts) { contacts.stopEjected(velocities_); }
-  void scaleVelocities(double factor);
+
+  /// Lowers the kinetic energy to `allowed` [J]. Pins move as they are told. What moves free cloth as a rigid
+  /// body stays, because forces within the cloth cannot change it, unless that alone is more.
+  /// @return factor of all other velocities
+  double limitKineticEnergy(double allowed);
 
   /// Completes an accepted step: stores the state by particle, and loads the fabric's memory.
   void commit(Team& team);
@@ -104,6 +108,7 @@ class Cloth {
  private:
   void gatherNodes();
   void takeMesh();
+  double rigidKineticEnergy() const;
 
   Vec3 gravity_;  ///< [m/s²]
   Grid grid_;

@@ -31,11 +31,7 @@ double EnergyBalance::guard(double kinetic_before, double gravity_work, const Cl
                             Cloth& cloth) const {
   const double spent = solved.storedAndLost();
   const double allowed = std::max(0.0, energy_before_ + kinetic_before + gravity_work + pin_work_ - spent);
-  const double kinetic = cloth.kineticEnergy();
-  if (kinetic <= allowed || kinetic == 0.0) return 1.0;
-  const double scale = std::sqrt(allowed / kinetic);
-  cloth.scaleVelocities(scale);
-  return scale;
+  return cloth.kineticEnergy() <= allowed ? 1.0 : cloth.limitKineticEnergy(allowed);
 }
 
 void EnergyBalance::update(const Scene& scene, const ClothObjective& solved, const ContactSet& contacts,

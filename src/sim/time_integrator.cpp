@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "sim/rigid_motion.h"
+
 namespace haptic_cloth {
 namespace {
 
@@ -105,14 +107,23 @@ void TimeIntegrator::stop(Field& velocities) {
   std::fill(jumped_.begin(), jumped_.end(), 1);
 }
 
-void TimeIntegrator::slow(double factor, Field& velocities) {
-  for (int n = 0; n < velocities.size(); ++n) {
-    velocities.set(n, factor * velocities[n]);
-    if (first_order_only_) continue;
-    moved_.set(n, factor * moved_[n]);
-    gained_.set(n, factor * gained_[n]);
-    if (factor < kStillSmooth) jumped_[n] = 1;
-  }
+void TimeIntegrator::slow(const ActiveMesh& mesh, const Field& positions, double factor, double rigid,
+                          Field& velocities) {
+  const auto slowField = [&](Field& field, const auto& note) {
+    const RigidMotion whole = mesh.pinned == 0 ? rigidMotion(mesh, positions, field) : RigidMotion();
+    for (int n = 0; n < mesh.free; ++n) {
+      const Vec3 before = field[n], with_all = whole.at(positions[n]);
+      field.set(n, rigid * with_all + factor * (before - with_all));
+      note(n, before);
+    }
+    mesh.interpolateGhosts(field);
+  };
+  slowField(velocities, [&](int n, const Vec3& before) {
+    if (!first_order_only_ && velocities[n].norm() < kStillSmooth * before.norm()) jumped_[n] = 1;
+  });
+  if (first_order_only_) return;
+  for (const Ghost& g : mesh.ghosts) jumped_[g.node] = jumped_[g.a] | jumped_[g.b];
+  for (Field* field : {&moved_, &gained_}) slowField(*field, [](int, const Vec3&) {});
 }
 
 void TimeIntegrator::serialize(Archive& archive) {

@@ -76,8 +76,10 @@ class TimeIntegrator {
   /// Forgets the step before: all nodes rest.
   void stop(Field& velocities);
 
-  /// Multiplies velocities and what is kept of the step. @param factor within 0 to 1
-  void slow(double factor, Field& velocities);
+  /// Slows the free nodes: multiplies velocities and what is kept of the step. Free cloth has a factor of its
+  /// own for what moves it as a rigid body.
+  /// @param positions of the nodes [m]  @param factor, rigid within 0 to 1
+  void slow(const ActiveMesh& mesh, const Field& positions, double factor, double rigid, Field& velocities);
 
   void serialize(Archive& archive);
 

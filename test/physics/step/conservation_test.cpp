@@ -9,6 +9,7 @@
 #include <iostream>
 
 #include "haptic_cloth/machine.h"
+#include "support/record.h"
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
@@ -69,6 +70,60 @@ TEST(Determinism, ResetRepeatsTheRun) {
   EXPECT_EQ(simulation.stateHash(), start);
   EXPECT_EQ(hashAfter(simulation, 200), first);
 }
+
+class AfterABlow : public testing::TestWithParam<Integrator> {};
+
+TEST_P(AfterABlow, FreeClothKeepsItsMomentum) {
+  // A sphere hits weightless cloth off its centre and draws back. In a step each solve may leave a net force
+  // of 0.01 of the tolerance times the weight, and the energy guard takes nothing from the motion as a whole.
+  LinearFabric linear;
+  linear.rigidity = 4e-6;
+  Scene scene = sheetScene(makeFabric(linear), 33, 33, 0.14, 0.12);
+  scene.gravity.setZero();
+  scene.solver.minimizer = MinimizerOptions();
+  scene.solver.time_step = 1e-3;
+  scene.solver.integrator = GetParam();
+  setStrategy(scene, Strategy::Amrc, 2);
+  Obstacle sphere;
+  sphere.shape = Shape::Sphere;
+  sphere.radius = 0.012;
+  sphere.friction = 0.3;
+  sphere.pose.position = Vec3(0.035, 0.02, -0.02);
+  scene.obstacles = {sphere};
+  Simulation simulation(scene);
+  std::vector<Vec3> before, after;
+  const auto step = [&] {  // momentum over mass [m/s]
+    simulation.positions(before);
+    EXPECT_EQ(simulation.step().minimizer.why, Termination::Converged);
+    simulation.positions(after);
+    Vec3 sum = Vec3::Zero();
+    double weights = 0.0;
+    for (std::size_t p = 0; p < after.size(); ++p) {
+      const int i = static_cast<int>(p) % 33, j = static_cast<int>(p) / 33;
+      const double weight = (i == 0 || i == 32 ? 0.5 : 1.0) * (j == 0 || j == 32 ? 0.5 : 1.0);
+      sum += weight * (after[p] - before[p]);
+      weights += weight;
+    }
+    return Vec3(sum / (weights * scene.solver.time_step));
+  };
+  for (int k = 1; k <= 60; ++k) {
+    const double height = k <= 50 ? -0.02 + 0.5e-3 * k : 0.005 - 0.02 * (k - 50);
+    simulation.moveObstacle(0, {Vec3(0.035, 0.02, height), Quat::Identity()});
+    step();
+  }
+  const Vec3 start = step();
+  EXPECT_EQ(simulation.supportForce().norm(), 0.0);
+  constexpr int kSteps = 800;
+  Vec3 end;
+  for (int k = 0; k < kSteps; ++k) end = step();
+  record({"weightless cloth after a blow, 0.8 s", "change of momentum / momentum [-]", "amrc",
+          GetParam() == Integrator::Bdf2 ? 2.0 : 1.0, (end - start).norm() / start.norm(), 0.0, 1.0});
+  EXPECT_GT(start.norm(), 0.1);
+  EXPECT_LT((end - start).norm(), tolerance(0.01 * 0.1 * 9.81 * scene.solver.time_step * kSteps));
+}
+
+INSTANTIATE_TEST_SUITE_P(Integrators, AfterABlow, testing::Values(Integrator::Euler, Integrator::Bdf2),
+                         [](const auto& info) { return info.param == Integrator::Bdf2 ? "bdf2" : "euler"; });
 
 class Energy : public testing::TestWithParam<std::tuple<Strategy, Integrator>> {};
 
