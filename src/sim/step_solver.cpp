@@ -200,10 +200,7 @@ MinimizerReport StepSolver::minimizeCondensed() {
     const double start = solve == 0 ? chooseInitialGuess() : objective_.evaluate(x_, gradient_);
     const int least = solve == 0 && moves() ? 1 : 0;
     report = sum(report, minimizer_.minimize(objective_, x_, start, gradient_, team_, least));
-    if (isCut(report)) {
-      report.value_end = balanceNetForce(objective_.evaluate(x_, gradient_));
-      report.residual = objective_.residual(gradient_);
-    }
+    if (balanceAfter(report, report.value_end)) report.residual = objective_.residual(gradient_);
     const bool ended = report.why == Termination::NotFinite || report.why == Termination::TimeBudget;
     if (awake.all()) break;
     awake.coverAll();  // also after an early end: energies and forces are summed over all
@@ -260,34 +257,70 @@ MinimizerReport StepSolver::minimizeJoint() {
     end = objective_.evaluate(x_, gradient_);
     report.why = Termination::LineSearchFailed;
   }
-  if (isCut(report)) balanceNetForce(end);
+  balanceAfter(report, end);
   return report;
+}
+
+/// Balances the net force after a solve, but on pinned cloth that has converged: there it is as small as any
+/// other part of the residual. What has converged stays so.
+/// @param value Φ at x_, which it may lower  @return as balanceNetForce()
+bool StepSolver::balanceAfter(const MinimizerReport& report, double& value) {
+  if (isCut(report)) return balanceNetForce(value);
+  if (report.why != Termination::Converged || !objective_.allFree()) return false;
+  return balanceNetForce(value, scene_.solver.minimizer.tolerance);
 }
 
 /// Moves the awake cloth as a whole to the minimum of Φ's quadratic model: along the net force on it, or, if
 /// it is free, in any direction. So its centre of mass obeys Newton's law at a guess, and however a solve
 /// ended. A net force may be far below the tolerance and still be all that lets cloth slide.
-/// @pre the last evaluation was at x_  @return Φ at x_, evaluated last
-double StepSolver::balanceNetForce(double value) {
+/// @pre the last evaluation was at x_  @param value Φ at x_, which it may lower
+/// @param most_residual that it may leave [-]
+/// @return whether Φ was evaluated; then gradient_ is that at x_
+bool StepSolver::balanceNetForce(double& value, double most_residual) {
   constexpr double kLeast = 0.01;      // of the tolerance: not worth an evaluation
   constexpr double kRounding = 1e-10;  // relative to Φ, as in the line search of the minimizer
+  constexpr int kTrials = 4;
   const int size = objective_.size(), free = cloth_.mesh().free;
-  const double unit = cloth_.mass() * objective_.accelerationUnit();
-  const Vec3 net = objective_.netForce();
-  if (!(net.norm() > kLeast * scene_.solver.minimizer.tolerance * unit)) return value;
+  const double least =
+      kLeast * scene_.solver.minimizer.tolerance * cloth_.mass() * objective_.accelerationUnit();
+  const auto setMotion = [&](const Vec3& moved) {
+    motion_.head(size).setZero();
+    for (int c = 0; c < 3; ++c) motion_.segment(c * free, free).setConstant(moved[c]);
+    objective_.awake().clearSleepers(motion_);
+  };
   const bool all_free = objective_.allFree();
-  const Vec3 moved = all_free ? objective_.freeMotion(net) : net;
-  motion_.head(size).setZero();
-  for (int c = 0; c < 3; ++c) motion_.segment(c * free, free).setConstant(moved[c]);
-  objective_.awake().clearSleepers(motion_);
-  const double slope = motion_.head(size).dot(gradient_.head(size));
-  motion_.head(size) *= all_free ? objective_.maxStep(motion_, 1.0) : objective_.along(motion_, slope).step;
-  motion_.head(size) += x_.head(size);
-  const double there = objective_.evaluate(motion_, gradient_);
-  if (!(there <= value + kRounding * std::abs(value)) || !(objective_.netForce().norm() < net.norm()))
-    return objective_.evaluate(x_, gradient_);
-  x_.swap(motion_);
-  return there;
+  const auto newtonStep = [&](const Vec3& net) {
+    const Vec3 step = all_free ? objective_.freeMotion(net) : net;
+    setMotion(step);
+    return Vec3(step * (all_free ? objective_.maxStep(motion_, 1.0)
+                                 : objective_.along(motion_, -net.dot(step)).step));
+  };
+  Vec3 net = objective_.netForce(), step = Vec3::Zero();
+  bool at_x = true, evaluated = false;
+  for (int trial = 0; trial < kTrials && net.norm() > least; ++trial) {
+    if (at_x) step = newtonStep(net);
+    setMotion(step);
+    motion_.head(size) += x_.head(size);
+    const double there = objective_.evaluate(motion_, gradient_);
+    evaluated = true;
+    const Vec3 left = objective_.netForce();
+    at_x = there <= value + kRounding * std::abs(value) && left.norm() < net.norm() &&
+           objective_.residual(gradient_) <= most_residual;
+    if (at_x) {
+      x_.swap(motion_);
+      value = there;
+      net = left;
+      if (!all_free) break;
+    } else {
+      // Too far, because friction or contact set in on the way: to where the force would vanish if it fell
+      // evenly.
+      const double before = net.dot(step), after = left.dot(step);
+      if (!(after < 0.0)) break;
+      step *= std::max(0.1, before / (before - after));
+    }
+  }
+  if (!at_x) value = objective_.evaluate(x_, gradient_);
+  return evaluated;
 }
 
 /// Chooses the initial guess: the minimum of Φ's quadratic model at x⁰ over two directions,
@@ -310,7 +343,7 @@ double StepSolver::chooseInitialGuess() {
   if (held_back) goAlongDirections(1.0, model.fall_with_inertia, directions_[0]);
   const bool carried = touches && goWithObstacle(directions_[1]);
   double value = objective_.evaluate(x_, gradient_);
-  if (touches && objective_.allFree()) value = balanceNetForce(value);
+  if (objective_.allFree()) balanceNetForce(value);
   if (held_back) value = takeIfLower(directions_[0], value);
   if (carried) value = takeIfLower(directions_[1], value);
   if (value <= at_rest) return value;

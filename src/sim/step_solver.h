@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -80,7 +81,8 @@ class StepSolver {
   MinimizerReport minimizeJoint();
   bool moves() const;
   bool wakeDisturbed();
-  double balanceNetForce(double value);
+  bool balanceAfter(const MinimizerReport& report, double& value);
+  bool balanceNetForce(double& value, double most_residual = std::numeric_limits<double>::infinity());
 
   /// Minimum of a quadratic model of Φ at x⁰.
   struct ModelMinimum {

@@ -182,6 +182,44 @@ TEST_P(OnSlope, SlidesAsFastAtTheDefaultTolerance) {
   }
 }
 
+TEST(OnBoard, ThatTiltsLetsClothSlideFromTheFrictionAngleOn) {
+  // A board turns about an axis in its surface. Coulomb on a point: it sticks up to tan(angle) = friction,
+  // then slides with a = g (sin - friction cos) + ω² q + 2 friction ω v at the distance q from the axis.
+  const double friction = 0.35, turning = 0.3, h = 2e-3;
+  LinearFabric linear;
+  linear.rigidity = 1e-5;
+  Scene scene = sheetScene(makeFabric(linear), 17, 17, 0.1, 0.08);
+  scene.solver.minimizer = MinimizerOptions();
+  scene.solver.time_step = h;
+  setStrategy(scene, Strategy::Amrc, 2);
+  scene.cloth.pose.position = Vec3(0.03, 0.0, 1.2 * linear.thickness);
+  scene.obstacles.resize(1);
+  scene.obstacles[0].friction = friction;
+  Simulation simulation(scene);
+  double angle = 0.0, start = 0.0, slid = 0.0;
+  double exact = 0.0, speed = 0.0, sliding = 0.0;  // of the point [m], [m/s], [s]
+  while (angle < 0.47) {
+    const double omega = turning * std::min(1.0, (simulation.time() + h) / 0.5);
+    angle += omega * h;
+    simulation.moveObstacle(0, {Vec3::Zero(), Quat(Eigen::AngleAxisd(angle, Vec3::UnitY()))});
+    ASSERT_FALSE(simulation.step().failed);
+    const double place = particle(simulation, 8, 8).dot(Vec3(std::cos(angle), 0.0, -std::sin(angle)));
+    if (start == 0.0) start = place;
+    slid = place - start;
+    const double pull = 9.81 * std::sin(angle) + omega * omega * (start + exact),
+                 grip = friction * (9.81 * std::cos(angle) - 2.0 * omega * speed);
+    speed = std::max(0.0, speed + h * (pull - grip));
+    exact += h * speed;
+    if (speed > 0.0) sliding += h;
+  }
+  record(
+      {"cloth on a board that tilts", "slid [mm]", "amrc", friction, 1e3 * slid, 1e3 * exact, 1e3 * exact});
+  // A solve may leave a net force of 0.01 of the tolerance. First order in time: a step.
+  const double left = 0.01 * scene.solver.minimizer.tolerance * 9.81;
+  EXPECT_GT(exact, 0.02);
+  EXPECT_NEAR(slid, exact, tolerance(0.5 * left * sliding * sliding + h * speed));
+}
+
 INSTANTIATE_TEST_SUITE_P(Strategies, OnSlope,
                          testing::Values(Strategy::Finest, Strategy::Coarsest, Strategy::Amrc),
                          [](const auto& info) { return name(info.param); });
