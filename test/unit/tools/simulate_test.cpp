@@ -571,6 +571,30 @@ TEST_F(Simulate, KesTestLeavesNoHalfFile) {
   EXPECT_GT(readLines(folder_ / "curve.csv").size(), 100u);
 }
 
+/// Only files of its own kind are replaced: the fabric, a scene or a program would be lost.
+TEST_F(Simulate, KesTestKeepsForeignFiles) {
+  const std::string command = "'" HAPTIC_CLOTH_KES_TEST "' linen.yaml --test tensile";
+  fs::create_symlink("linen.yaml", folder_ / "link.csv");
+  write("mine.png", "no picture");
+  write("mine.svg", "<?xml version=\"1.0\"?>\n<launch/>\n");
+  for (const std::string option : {" --out linen.yaml", " --out link.csv", " --out scene.yaml",
+                                   " --plot mine.png", " --plot mine.svg"}) {
+    const Outcome outcome = runProgram(command + option);
+    EXPECT_EQ(outcome.status, 2) << option;
+    EXPECT_NE(outcome.error.find("what it holds would be lost"), std::string::npos) << outcome.error;
+  }
+  for (const std::string option : {" --plot linen.yaml", " --plot mine.sh", " --plot mine"}) {
+    const Outcome outcome = runProgram(command + option);
+    EXPECT_EQ(outcome.status, 2) << option;
+    EXPECT_NE(outcome.error.find("must end in .pdf, .png or .svg"), std::string::npos) << outcome.error;
+  }
+  EXPECT_EQ(readText(folder_ / "linen.yaml"), kFabric);
+  EXPECT_EQ(readText(folder_ / "mine.png"), "no picture");
+  write("curve.csv", "");  // an empty file, then a curve, is replaced
+  for (int run = 0; run < 2; ++run) EXPECT_EQ(runProgram(command + " --out curve.csv").status, 0);
+  EXPECT_GT(readLines(folder_ / "curve.csv").size(), 100u);
+}
+
 /// A module in place of matplotlib ends Python before it reads the curve, which is longer than a pipe.
 TEST_F(Simulate, KesTestNamesAPlotThatFailsAndLeavesNothing) {
   const std::string command = "'" HAPTIC_CLOTH_KES_TEST
