@@ -342,6 +342,18 @@ TEST_F(Simulate, RefusesBadCommandLines) {
   expectRefused("scene.yaml --set ''", {"--set", "KEY=VALUE"});
 }
 
+TEST_F(Simulate, RefusesEmptyNames) {
+  for (const std::string option : {"--resume", "--save-state", "--replay"})
+    expectRefused("scene.yaml " + option + " ''", {"simulate: " + option + ": must have a name"});
+  expectRefused("''", {"simulate: SCENE: must have a name"});
+  for (const std::string option : {"--out", "--plot", "--direction"}) {
+    const Outcome outcome =
+        runProgram("'" HAPTIC_CLOTH_KES_TEST "' linen.yaml --test tensile " + option + " ''");
+    EXPECT_EQ(outcome.status, 2) << option;
+    EXPECT_EQ(outcome.error, "kes_test: " + option + ": must have a name (see --help)\n");
+  }
+}
+
 TEST_F(Simulate, TakesEverySpellingOfAnOption) {
   for (const char* arguments :
        {"--set=stop.time=0.004 scene.yaml", "--set stop.time=0.004 -- scene.yaml",
