@@ -523,7 +523,8 @@ TEST_F(Simulate, ReplaysARecording) {
                 {"solver.time_budget", "must be 0"});
   expectRefused("scene.yaml --replay linen.yaml", {"linen.yaml", "must be a recording"});
   expectRefused("scene.yaml --replay /dev/zero", {"/dev/zero", "regular file"});
-  expectRefused("scene.yaml --replay session --set gravity='[0,0,-1]'", {"session", "scene at hand"});
+  expectRefused("scene.yaml --replay session --set gravity='[0,0,-1]'",
+                {"session: gravity = [0, 0, -9.81]: the scene here has [0, 0, -1]"});
 }
 
 TEST_F(Simulate, ReplaysAFold) {
