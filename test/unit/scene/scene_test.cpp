@@ -314,6 +314,7 @@ TEST(Scene, ImpossibleValuesAreNamed) {
        {withCloth("size: [0.3, 0]"), "scene: cloth.size[1] = 0: must be > 0"},
        {withCloth("size: [0.3, 1e7]"), "scene: cloth.size[1] = 1e+07: must be at most 1e6"},
        {ok + "stop: {time: 1e13}", "scene: stop.time = 1e+13: must be within 1e-12 to 1e12"},
+       {ok + "solver: {time_step: 2}", "scene: solver.time_step = 2: must be at most 1"},
        {ok + "solver: {time_step: 1e-13}", "scene: solver.time_step = 1e-13: must be within 1e-12 to 1e12"},
        {ok + "air_damping: 1e13", "scene: air_damping = 1e+13: must be at most 1e12"},
        {ok + "probe: {path: [[1e13, 0, 0, 0]]}",

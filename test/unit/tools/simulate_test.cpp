@@ -322,6 +322,8 @@ TEST_F(Simulate, RefusesBadInput) {
   expectRefused("broken.yaml", {"broken.yaml"});
   expectRefused("absent.yaml", {"absent.yaml"});
   expectRefused("scene.yaml --set solver.time_step=-1", {"solver.time_step", "-1", "> 0"});
+  expectRefused("scene.yaml --set solver.time_step=0.1",
+                {"scene.yaml: solver.time_step = 0.1: must be at most stop.time = 0.03"});
   expectRefused("scene.yaml --set nothing.here=1", {"nothing"});
   expectRefused("scene.yaml --set cloth.fabric=velvet_of_nowhere", {"cloth.fabric", "velvet_of_nowhere"});
   expectRefused("scene.yaml --bogus", {"--bogus"});
