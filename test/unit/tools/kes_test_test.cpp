@@ -90,6 +90,16 @@ TEST(KesValues, BendingOfABulkyFabricIsThatOfTheFileOnEveryMesh) {
   }
 }
 
+TEST(KesValues, StretchIsThatOfTheFileUpToTheLongest) {
+  const std::string head = "source: test\nareal_density: 0.2\nthickness: 5.0e-4\ntensile: {LT: 0.6, EMT: ";
+  for (const double strain : {50.0, 200.0, 900.0}) {
+    const Fabric fabric = parseFabric(head + std::to_string(strain) + "}\n", "stretch", "");
+    const auto values =
+        kesValues(runKesTest(fabric, KesTest::Tensile, kWarp, SpecimenMesh::Finest), KesTest::Tensile);
+    EXPECT_NEAR(values[0].second, std::min(strain, 400.0), tolerance(1e-6) * strain);
+  }
+}
+
 TEST(KesValues, WideLoopsAreThoseOfTheFile) {
   // Branches that are level, or flat for the width of the loop. The path crosses within 5 % of the range,
   // which is 2.5 % of the area; values to 1 %, of B to 1 % of what the width alone would give: 2HB/cm.
