@@ -122,7 +122,7 @@ int test(const Arguments& arguments) {
   const KesTest test = kTests.at(arguments.test);
   const Direction direction = kDirections.at(arguments.direction);
   if (loopOf(fabric, test, direction).isZero()) {
-    throw InputError(arguments.fabric, "", "", "has no data for this test");
+    throw InputError(arguments.fabric, arguments.test, "", "must have a stiffness or a loop for this test");
   }
   const std::vector<KesRow> rows = runKesTest(fabric, test, direction, kMeshes.at(arguments.mesh));
   const std::string csv = asCsv(rows);

@@ -610,6 +610,17 @@ TEST_F(Simulate, KesTestKeepsForeignFiles) {
   EXPECT_GT(readLines(folder_ / "curve.csv").size(), 100u);
 }
 
+TEST_F(Simulate, KesTestNamesALawThatIsMissing) {
+  write("bare.yaml",
+        "source: test\nareal_density: 0.15\nthickness: 0.0005\ntensile: {stiffness: 1000}\n"
+        "bending: {B: 0}\n");
+  for (const std::string test : {"shear", "bending"}) {
+    const Outcome outcome = runProgram("'" HAPTIC_CLOTH_KES_TEST "' bare.yaml --test " + test);
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_EQ(outcome.error, "bare.yaml: " + test + ": must have a stiffness or a loop for this test\n");
+  }
+}
+
 /// A module in place of matplotlib ends Python before it reads the curve, which is longer than a pipe.
 TEST_F(Simulate, KesTestNamesAPlotThatFailsAndLeavesNothing) {
   const std::string command = "'" HAPTIC_CLOTH_KES_TEST
