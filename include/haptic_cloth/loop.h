@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "haptic_cloth/curve.h"
@@ -13,8 +14,8 @@ namespace haptic_cloth {
 ///     f(s) = R(s) + clamp(q, lower(s) - R(s), upper(s) - R(s)).
 ///
 /// upper and lower are the branches of the outer loop. R is the path after a reversal. q, the play,
-/// is the only number that an element remembers. R rises faster than both branches everywhere
-/// (`reversal` times the steeper), so a path leaves one branch, follows R and joins the other.
+/// is the only number that an element remembers. R rises faster than both branches everywhere (at
+/// least `reversal` times the steeper), so a path leaves one branch, follows R and joins the other.
 /// Inner cycles stay inside the loop, close, dissipate and do not ratchet (play operator [Visintin
 /// 1994, III.2]). The law is elastic where the branches coincide; it has no memory if they coincide
 /// everywhere.
@@ -40,7 +41,9 @@ class Loop {
   /// non-decreasing. Beyond the last sample both continue with the last slope of the upper branch,
   /// before the first with the first slope of the lower.
   /// @param reversal ratio of the slope of R to that of the steeper branch, > 1
-  Loop(double begin, double step, std::vector<double> upper, std::vector<double> lower, double reversal);
+  /// @param longest_crossing R is so steep that it crosses the loop within this deformation, > 0
+  Loop(double begin, double step, std::vector<double> upper, std::vector<double> lower, double reversal,
+       double longest_crossing = std::numeric_limits<double>::infinity());
 
   bool hasMemory() const { return memory_; }
   bool isZero() const { return !memory_ && upper_.isZero(); }

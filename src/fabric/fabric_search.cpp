@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <set>
 #include <sstream>
 
 #include "haptic_cloth/fabric.h"
@@ -48,9 +49,11 @@ std::vector<std::string> fabricCandidates(const std::string& name_or_path,
     return {(std::filesystem::path(base_directory) / name_or_path).lexically_normal().string()};
   }
   std::vector<std::string> files;
+  std::set<std::filesystem::path> places;  // a relative and an absolute directory may be the same
+  std::error_code ignored;
   for (const std::string& directory : searchDirectories(base_directory)) {
-    const auto file = std::filesystem::path(directory) / (name_or_path + kExtension);
-    files.push_back(file.lexically_normal().string());
+    const auto file = (std::filesystem::path(directory) / (name_or_path + kExtension)).lexically_normal();
+    if (places.insert(std::filesystem::absolute(file, ignored)).second) files.push_back(file.string());
   }
   return files;
 }

@@ -5,8 +5,9 @@
 
 namespace haptic_cloth {
 
-Loop::Loop(double begin, double step, std::vector<double> upper, std::vector<double> lower, double reversal) {
-  assert(reversal > 1.0 && upper.size() == lower.size() && upper.size() >= 2);
+Loop::Loop(double begin, double step, std::vector<double> upper, std::vector<double> lower, double reversal,
+           double longest_crossing) {
+  assert(reversal > 1.0 && longest_crossing > 0.0 && upper.size() == lower.size() && upper.size() >= 2);
   // One more interval at each end. There, and so beyond the ends, both branches rise alike: at the
   // upper end like the upper branch, at the lower end like the lower. So an odd loop is odd beyond
   // its ends, too.
@@ -20,17 +21,20 @@ Loop::Loop(double begin, double step, std::vector<double> upper, std::vector<dou
   nodes_ = static_cast<int>(upper.size());
 
   double largest = 0.0, widest = 0.0;
-  std::vector<double> path{0.0};
+  std::vector<double> rises;  // of the steeper branch
   for (int i = 0; i + 1 < nodes_; ++i) {
-    const double rise = std::max({upper[i + 1] - upper[i], lower[i + 1] - lower[i], 0.0});
-    path.push_back(path.back() + reversal * rise);
-    largest = std::max(largest, rise);
+    rises.push_back(std::max({upper[i + 1] - upper[i], lower[i + 1] - lower[i], 0.0}));
+    largest = std::max(largest, rises[i]);
     widest = std::max({widest, upper[i] - lower[i], upper[i + 1] - lower[i + 1]});
   }
   memory_ = widest > 1e-12 * largest;
   upper_ = Curve(begin_, step, upper);
   if (!memory_) return;
-  // The path has to rise even where both branches are level.
+  std::vector<double> path{0.0};
+  for (const double rise : rises) {
+    path.push_back(path.back() + std::max(reversal * rise, rise + widest * step / longest_crossing));
+  }
+  // Without a longest crossing the path has to rise, too, where both branches are level.
   for (int i = 0; i < nodes_; ++i) path[i] += 1e-6 * largest * i;
   const double at_zero = Curve(begin_, step, path)(0.0).force;
   for (double& force : path) force -= at_zero;

@@ -107,12 +107,17 @@ double YamlValue::number() const {
 
 int YamlValue::integer() const {
   const auto value = node_.IsScalar() && !isQuoted(node_) ? parseInteger(node_.Scalar()) : std::nullopt;
-  if (!value) fail("must be an integer");
-  return *value;
+  if (value) return *value;
+  const bool has_digits_only = node_.IsScalar() && !isQuoted(node_) && parseNumber(node_.Scalar()) &&
+                               node_.Scalar().find_first_of(".eE") == std::string::npos;
+  constexpr int kLeast = std::numeric_limits<int>::min(), kMost = std::numeric_limits<int>::max();
+  fail(has_digits_only ? "must be within " + std::to_string(kLeast) + " to " + std::to_string(kMost)
+                       : "must be an integer");
 }
 
 std::string YamlValue::text() const {
-  if (!node_.IsScalar() || node_.Scalar().empty()) fail("must be text");
+  if (!node_.IsScalar()) fail("must be text");
+  if (node_.Scalar().empty()) fail("must not be empty");
   // A file's name would end there for the system, but not for us.
   if (node_.Scalar().find('\0') != std::string::npos) fail("must be text without a NUL character");
   return node_.Scalar();

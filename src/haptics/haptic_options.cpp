@@ -12,8 +12,8 @@ constexpr Range kRates{1.0, kMostTickRate};
 
 Options hapticOptions(HapticOptions& haptics) {
   return {{"rate", field(haptics.rate), kRates, "Hz", "ticks of the haptic thread", Live{100.0, 4000.0}},
-          {"max_force", field(haptics.max_force), kFinitePositive, "N", "largest force on the hand",
-           Live{0.1, 12.0}},
+          {"max_force", field(haptics.max_force), kFinitePositive, "N",
+           "largest force on the hand; `admittance`: of the hand", Live{0.1, 12.0}},
           {"max_force_rate", field(haptics.max_force_rate), kFinitePositive, "N/s",
            "largest change of the force on the hand", Live{1.0, 1000.0}},
           {"max_torque", field(haptics.max_torque), kFiniteNotNegative, "N·m",
@@ -36,9 +36,9 @@ Options passivityOptions(PassivityOptions& passivity) {
           {"store", field(passivity.store), kFiniteNotNegative, "J",
            "energy in the cloth that may come out again", Live{0.0, 0.5}},
           {"device_damping", field(passivity.device_damping), kFiniteNotNegative, "N·s/m",
-           "certain damping of mechanism and hand", Live{0.0, 10.0}},
+           "damping that mechanism and hand have at least", Live{0.0, 10.0}},
           {"loop_delay", field(passivity.loop_delay), Range{0.0, kMostLoopDelay}, "s",
-           "from a force to a pose that felt it, beyond the tick", Live{0.0, 0.02}}};
+           "from a force to the pose that it moved, without the tick itself", Live{0.0, 0.02}}};
 }
 
 Options admittanceOptions(AdmittanceOptions& tool) {

@@ -8,6 +8,7 @@ namespace haptic_cloth {
 namespace {
 
 constexpr Range kLevels{0.0, 8.0}, kThreads{0.0, 1024.0};
+constexpr Range kTimeStep{0.0, 1.0, true};  ///< [s]; cloth moves for about a second
 
 }  // namespace
 
@@ -89,7 +90,7 @@ Options optionsOf(ProbeOptions& probe) {
 
 Options optionsOf(SolverOptions& solver) {
   MinimizerOptions& minimizer = solver.minimizer;
-  return {{"time_step", field(solver.time_step), kPositive, "s", "length of a step", kFixed, kInState},
+  return {{"time_step", field(solver.time_step), kTimeStep, "s", "length of a step", kFixed, kInState},
           {"integrator", field(solver.integrator, integratorNames()), kNoRange, "",
            "backward Euler, or second order in time", kFixed, kInState},
           {"cost", field(solver.cost, costNames()), kNoRange, "", "what is minimised", kFixed, kInState},

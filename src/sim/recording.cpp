@@ -1,5 +1,6 @@
 #include "sim/recording.h"
 
+#include <cctype>
 #include <climits>
 #include <cmath>
 #include <cstdio>
@@ -12,13 +13,13 @@
 #include "scene/scene_identity.h"
 #include "scene/scene_options.h"
 #include "state/archive.h"
-#include "state/byte_hash.h"
 #include "state/number_text.h"
 
 namespace haptic_cloth {
 namespace {
 
-constexpr char kName[] = "haptic_cloth recording ", kVersion[] = "2";
+constexpr char kName[] = "haptic_cloth recording ", kVersion[] = "3";
+constexpr char kScene[] = "scene ", kEquals[] = " = ";
 
 std::string join(const char* word, int number, std::initializer_list<const double*> vectors,
                  std::initializer_list<int> sizes) {
@@ -31,9 +32,9 @@ std::string join(const char* word, int number, std::initializer_list<const doubl
   return line;
 }
 
-/// Hash of everything in the scene of a new simulation that a state must fit, and of its start. It is the
-/// same on each instruction set.
-std::string sceneHash(const Simulation& start) {
+/// Lines "scene KEY = VALUE" of everything in the scene of a new simulation that a state must fit, and of
+/// its start. They are the same on each instruction set.
+std::vector<std::string> sceneLines(const Simulation& start) {
   Archive archive;
   serializeIdentity(archive, start.scene());
   std::vector<Vec3> positions;
@@ -42,10 +43,15 @@ std::string sceneHash(const Simulation& start) {
   for (const Vec3& x : positions) start_positions.insert(start_positions.end(), x.data(), x.data() + 3);
   archive.similar("positions", start_positions);
   archive.same("active", start.activeParticles());
-  const std::string identity = archive.sealed();
-  ByteHash hash;
-  hash.add(identity.data(), identity.size());
-  return hexadecimalText(hash.value());
+  std::vector<std::string> lines;
+  for (const auto& [key, value] : archive.texts()) {
+    lines.push_back(kScene + key + kEquals + value);
+    // A name may hold the end of a line.
+    for (char& c : lines.back()) {
+      if (std::iscntrl(static_cast<unsigned char>(c)) != 0) c = '?';
+    }
+  }
+  return lines;
 }
 
 /// Live options of solver and mesh, and the air damping, as "solver.tolerance".
@@ -103,7 +109,9 @@ std::string step(int length) { return "step " + std::to_string(length); }
 std::string reset() { return "reset"; }
 
 std::string header(const Simulation& start) {
-  return std::string(kName) + kVersion + "\nscene " + sceneHash(start) + "\ninstructions " + instructionSet();
+  std::string text = std::string(kName) + kVersion + '\n';
+  for (const std::string& line : sceneLines(start)) text += line + '\n';
+  return text + "instructions " + instructionSet();
 }
 
 std::string end(const Simulation& end) { return "end " + hexadecimalText(end.stateHash()); }
@@ -120,14 +128,35 @@ Replay::Replay(std::istream& recording, const std::string& origin, const Simulat
   if (version != kVersion)
     throw InputError(origin, "version", version,
                      std::string("must be ") + kVersion + ", that of this program");
-  std::string word, hash;
-  line_ = 3;
-  if (!(recording >> word >> hash) || word != "scene") fail("must name the scene");
-  if (!(recording >> word >> instructions_) || word != "instructions") fail("must name the instructions");
-  std::getline(recording, word);
-  if (hash != sceneHash(start)) {
-    throw InputError(origin, "scene", hash, "must be that of the scene at hand, " + sceneHash(start));
+  line_ = 1;
+  std::string line;
+  const auto next_line = [&] {
+    line.clear();
+    std::getline(recording, line);
+    ++line_;
+  };
+  next_line();
+  for (const std::string& here : sceneLines(start)) {
+    if (line != here) refuseScene(line, here);
+    next_line();
   }
+  if (line.rfind(kScene, 0) == 0) refuseScene(line, "");
+  const std::string word = "instructions ";
+  if (line.rfind(word, 0) != 0) fail("must name the instructions");
+  instructions_ = line.substr(word.size());
+}
+
+/// Names the first line about the scene that differs. @param here that of the scene at hand
+void Replay::refuseScene(const std::string& line, const std::string& here) const {
+  if (line.rfind(kScene, 0) != 0) fail("must be about the scene");
+  const std::string found = line.substr(sizeof(kScene) - 1);
+  const std::size_t equals = found.find(kEquals);
+  if (equals == std::string::npos) fail("must have the form 'scene KEY = VALUE'");
+  const std::string start = line.substr(0, line.find(kEquals) + sizeof(kEquals) - 1);
+  const bool has_key = here.rfind(start, 0) == 0;
+  throw InputError(origin_, found.substr(0, equals), found.substr(equals + sizeof(kEquals) - 1),
+                   "the scene here has " + (has_key ? here.substr(start.size()) : "no such entry") +
+                       "; repeat the parameters of the node with --set");
 }
 
 bool Replay::next(Simulation& simulation, int& length) {

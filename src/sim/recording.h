@@ -46,6 +46,7 @@ class Replay {
 
  private:
   [[noreturn]] void fail(const std::string& rule) const;
+  [[noreturn]] void refuseScene(const std::string& line, const std::string& here) const;
   template <class Call>
   void change(const Call& call) const;
   bool apply(Simulation& simulation, const std::string& line, int& length);

@@ -14,7 +14,8 @@ namespace haptic_cloth {
 namespace {
 
 constexpr std::uint32_t kByteOrder = 0x01020304;
-constexpr std::uint32_t kVersion = 8;  // version of the envelope and of the entries
+constexpr std::uint32_t kVersion = 8;   // version of the envelope and of the entries
+constexpr std::size_t kMostInText = 8;  ///< numbers of an entry that messages show
 
 /// Header between kStateMagic and the entries.
 struct Envelope {
@@ -88,6 +89,30 @@ std::string Archive::sealed() const {
   std::string bytes = kStateMagic;
   append(bytes, Envelope{kByteOrder, kVersion, entries_.size(), checksum(entries_)});
   return bytes + entries_;
+}
+
+std::vector<std::pair<std::string, std::string>> Archive::texts() const {
+  std::vector<std::pair<std::string, std::string>> texts;
+  const char* at = entries_.data();
+  const auto take = [&at](auto& value) {
+    std::memcpy(&value, at, sizeof(value));
+    at += sizeof(value);
+  };
+  while (at != entries_.data() + entries_.size()) {
+    std::uint32_t length = 0;
+    take(length);
+    const std::string name(at, length);
+    at += length;
+    Type type{};
+    std::uint64_t count = 0;
+    take(type);
+    take(count);
+    const std::string bytes(at, count * sizeOf(type));
+    at += bytes.size();
+    const bool is_long = type != Type::Byte && count > kMostInText;
+    texts.emplace_back(name, is_long ? hexadecimalText(checksum(bytes)) : text(type, bytes.data(), count));
+  }
+  return texts;
 }
 
 std::size_t Archive::sizeOf(Type type) {
@@ -183,8 +208,7 @@ void Archive::similar(const std::string& name, const std::vector<double>& values
 
 std::string Archive::text(Type type, const char* bytes, std::size_t count) const {
   if (type == Type::Byte) return count > 0 ? std::string(bytes, count) : "''";
-  constexpr std::size_t kMost = 8;
-  if (count > kMost) return std::to_string(count) + " values";
+  if (count > kMostInText) return std::to_string(count) + " values";
   std::string text;
   for (std::size_t k = 0; k < count; ++k) {
     double number = 0.0;

@@ -37,6 +37,10 @@ class Archive {
   /// All entries with a header that shows whether they are complete. @pre this archive saves
   std::string sealed() const;
 
+  /// Name and value of each entry, for people: of more than eight numbers, their hash.
+  /// @pre this archive saves
+  std::vector<std::pair<std::string, std::string>> texts() const;
+
   /// Saves or loads an entry: a number, an Eigen object of doubles, or a vector of these whose
   /// length must match. Also an object with serialize(Archive&), or a vector of such objects.
   /// @throws InputError if the loaded entry does not fit

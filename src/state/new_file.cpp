@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <fstream>
 #include <iomanip>
 #include <limits>
 #include <random>
@@ -101,6 +102,21 @@ void checkNewFile(const fs::path& file) {
   if (!is_folder && !error) error = std::make_error_code(std::errc::not_a_directory);
   if (is_folder && access(folder.c_str(), W_OK | X_OK) != 0) error.assign(errno, std::generic_category());
   if (error) refuse("cannot be written: " + folder.string() + ": " + error.message());
+}
+
+void checkNewFile(const fs::path& file, const std::string& begin, const std::string& kind) {
+  checkNewFile(file);
+  const fs::path path = linkedFile(file);
+  std::error_code error;
+  if (!fs::exists(path, error)) return;
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream)
+    throw InputError(path.string(), "", "", "cannot be read: " + std::string(std::strerror(errno)));
+  std::string found(begin.size(), '\0');
+  stream.read(found.data(), static_cast<std::streamsize>(found.size()));
+  const bool is_empty = stream.gcount() == 0;
+  if (!is_empty && found != begin)
+    throw InputError(path.string(), "", "", "must be " + kind + " or new: what it holds would be lost");
 }
 
 void NewFile::Buffer::open(int descriptor) {

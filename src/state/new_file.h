@@ -15,6 +15,12 @@ namespace haptic_cloth {
 /// @throws InputError naming the file
 void checkNewFile(const std::filesystem::path& file);
 
+/// Checks the same, and that a file that would be replaced is empty or one of the same kind.
+/// @param begin first bytes of this kind of file
+/// @param kind what the file must be, for the message: "a state"
+/// @throws InputError naming the file
+void checkNewFile(const std::filesystem::path& file, const std::string& begin, const std::string& kind);
+
 /// Resolves links: the file that `file` refers to.
 std::filesystem::path linkedFile(const std::filesystem::path& file);
 

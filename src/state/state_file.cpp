@@ -6,7 +6,6 @@
 
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
 #include <new>
 
 #include "haptic_cloth/error.h"
@@ -15,8 +14,6 @@
 
 namespace haptic_cloth {
 namespace {
-
-namespace fs = std::filesystem;
 
 // Generous bounds: a particle takes about 500 bytes and at most 4 for each probe that touches it;
 // fabric and obstacles take less than 2 MiB.
@@ -94,14 +91,7 @@ std::uint64_t largestState() { return kMostOverhead + kMostParticles * kMostPerP
 
 void checkStateFile(const std::string& file) {
   requireName(file);
-  checkNewFile(file);
-  const fs::path path = linkedFile(file);
-  std::error_code error;
-  if (!fs::exists(path, error)) return;
-  const std::string magic = kStateMagic;
-  const std::string start = RegularFile(path.string()).read(magic.size());
-  if (!start.empty() && start != magic)
-    throw InputError(path.string(), "", "", "must be a state or new: what it holds would be lost");
+  checkNewFile(file, kStateMagic, "a state");
 }
 
 void writeStateFile(const std::string& file, const std::string& state) {

@@ -56,8 +56,13 @@ bool CommandLine::read(int argc, const char* const* argv) {
   po::notify(values);
   if (files.empty()) throw UsageError(file_name_ + " is required");
   if (files.size() > 1) throw UsageError("the following argument was not expected: " + files[1]);
+  requireName(file_name_, files[0]);
   file_ = files[0];
   return true;
+}
+
+void CommandLine::requireName(const std::string& argument, const std::string& text) {
+  if (text.empty()) throw UsageError(argument + ": must have a name");
 }
 
 std::string CommandLine::help() const {

@@ -3,6 +3,7 @@
 
 #include <boost/program_options.hpp>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -21,10 +22,15 @@ class CommandLine {
               std::string file_help);
 
   /// Adds an option that takes a value, `--name VALUE` or `--name=VALUE`. A std::vector collects one value
-  /// of each time that the option is given; any other type takes one.
+  /// of each time that the option is given; any other type takes one. A std::string takes a name, which is
+  /// not empty: a script whose variable is not set would get a run without that file.
   template <class Value>
   void add(const char* name, Value& value, const char* value_name, const char* help) {
-    options_.add_options()(name, boost::program_options::value(&value)->value_name(value_name), help);
+    auto* const semantic = boost::program_options::value(&value)->value_name(value_name);
+    if constexpr (std::is_same_v<Value, std::string>) {
+      semantic->notifier([name](const std::string& text) { requireName("--" + std::string(name), text); });
+    }
+    options_.add_options()(name, semantic, help);
   }
 
   /// Adds an option without a value.
@@ -47,6 +53,8 @@ class CommandLine {
   bool read(int argc, const char* const* argv);
 
  private:
+  /// @throws UsageError if the text is empty
+  static void requireName(const std::string& argument, const std::string& text);
   std::string help() const;
 
   std::string program_, description_, footer_, file_name_, file_help_;

@@ -23,6 +23,14 @@ namespace {
 
 enum ExitCode { kSuccess = 0, kBadInput = 2, kFailed = 3, kNotWritten = 4 };
 
+constexpr const char* kCsvHeader = "deformation,force,upper,lower\n";
+
+/// First bytes of the pictures that matplotlib writes, by the end of their names.
+const std::map<std::string, std::string> kPictures{
+    {".pdf", "%PDF-"},
+    {".png", "\x89PNG\r\n\x1a\n"},
+    {".svg", "<?xml version=\"1.0\" encoding=\"utf-8\" standalone=\"no\"?>\n<!DOCTYPE svg"}};
+
 constexpr const char* kDescription =
     "Virtual Kawabata (KES-F) tests of a fabric file on a mesh.\n"
     "Example: kes_test config/fabrics/denim_a.yaml --test bending --out bending.csv --plot bending.png";
@@ -33,6 +41,7 @@ constexpr const char* kFooter =
     "the fabric's loop there. Tension goes up to 500 gf/cm and back; shear to 8 deg and bending to 2.5/cm: "
     "up,\n"
     "down to the negative end and up again. Printed: what a KES instrument would read, in KES units.\n"
+    "A file that is neither empty nor a curve or picture of the same kind is not replaced.\n"
     "Exit status: 0 success; 2 bad input, nothing written; 3 failure; 4 output cannot be written, for\n"
     "instance because the disk is full: then neither file of this run is there.";
 
@@ -47,6 +56,10 @@ const std::map<std::string, Direction> kDirections{{"warp", kWarp}, {"weft", kWe
 const std::map<std::string, SpecimenMesh> kMeshes{
     {"finest", SpecimenMesh::Finest}, {"coarsest", SpecimenMesh::Coarsest}, {"mixed", SpecimenMesh::Mixed}};
 
+std::string pictureKind(const Arguments& arguments) {
+  return std::filesystem::path(arguments.plot).extension().string();
+}
+
 /// @return false: help was printed instead
 bool readArguments(int argc, char** argv, Arguments& arguments) {
   CommandLine line("kes_test", kDescription, "FABRIC", arguments.fabric, "fabric file (YAML)");
@@ -54,20 +67,23 @@ bool readArguments(int argc, char** argv, Arguments& arguments) {
   line.add("direction", arguments.direction, "NAME", "warp (default) or weft");
   line.add("mesh", arguments.mesh, "NAME", "finest (default), coarsest or mixed");
   line.add("out", arguments.out, "FILE.csv", "the curve");
-  line.add("plot", arguments.plot, "FILE.png", "the curve beside the loop (needs python3-matplotlib)");
+  line.add("plot", arguments.plot, "FILE.png",
+           "the curve beside the loop, also .pdf or .svg (needs python3-matplotlib)");
   line.setFooter(kFooter);
   if (!line.read(argc, argv)) return false;
   if (arguments.test.empty()) throw UsageError("--test is required");
   requireOneOf(kTests, "--test", arguments.test);
   requireOneOf(kDirections, "--direction", arguments.direction);
   requireOneOf(kMeshes, "--mesh", arguments.mesh);
+  if (!arguments.plot.empty() && kPictures.count(pictureKind(arguments)) == 0)
+    throw UsageError("--plot: " + arguments.plot + ": must end in .pdf, .png or .svg");
   return true;
 }
 
 std::string asCsv(const std::vector<KesRow>& rows) {
   std::ostringstream out;
   out.precision(17);
-  out << "deformation,force,upper,lower\n";
+  out << kCsvHeader;
   for (const KesRow& row : rows) {
     out << row.deformation << ',' << row.force << ',' << row.upper << ',' << row.lower << '\n';
   }
@@ -97,14 +113,16 @@ void plotCurve(const NewFile& file, const std::string& csv) {
 }
 
 int test(const Arguments& arguments) {
-  for (const std::string& file : {arguments.out, arguments.plot}) {
-    if (!file.empty()) checkNewFile(file);
+  if (!arguments.out.empty()) checkNewFile(arguments.out, kCsvHeader, "a curve of kes_test");
+  if (!arguments.plot.empty()) {
+    const std::string kind = pictureKind(arguments);
+    checkNewFile(arguments.plot, kPictures.at(kind), "a " + kind.substr(1) + " picture");
   }
   const Fabric fabric = loadFabric(arguments.fabric);
   const KesTest test = kTests.at(arguments.test);
   const Direction direction = kDirections.at(arguments.direction);
   if (loopOf(fabric, test, direction).isZero()) {
-    throw InputError(arguments.fabric, "", "", "has no data for this test");
+    throw InputError(arguments.fabric, arguments.test, "", "must have a stiffness or a loop for this test");
   }
   const std::vector<KesRow> rows = runKesTest(fabric, test, direction, kMeshes.at(arguments.mesh));
   const std::string csv = asCsv(rows);

@@ -20,6 +20,7 @@
 #include "scene/scene_options.h"
 #include "sim/recording.h"
 #include "state/new_file.h"
+#include "state/number_text.h"
 #include "tools/command_line.h"
 #include "tools/outputs.h"
 #include "tools/run.h"
@@ -117,6 +118,15 @@ bool readArguments(int argc, char** argv, Arguments& arguments) {
   return line.read(argc, argv);
 }
 
+/// A run of less than one step would do nothing.
+/// @throws InputError
+void checkTimeStep(const haptic_cloth::Scene& scene, const std::string& file) {
+  using haptic_cloth::shortestText;
+  if (scene.solver.time_step <= scene.stop.time) return;
+  throw haptic_cloth::InputError(file, "solver.time_step", shortestText(scene.solver.time_step),
+                                 "must be at most stop.time = " + shortestText(scene.stop.time));
+}
+
 int simulate(const Arguments& arguments) {
   if (arguments.real_time && !arguments.replay.empty()) {
     throw haptic_cloth::UsageError("--real-time: cannot be combined with --replay");
@@ -125,6 +135,7 @@ int simulate(const Arguments& arguments) {
     throw haptic_cloth::UsageError("--resume: cannot be combined with --replay, which begins at time 0");
   }
   Simulation simulation(haptic_cloth::loadScene(arguments.scene, arguments.overrides));
+  if (arguments.replay.empty()) checkTimeStep(simulation.scene(), arguments.scene);
   if (!arguments.resume.empty()) {
     const std::uint64_t most = haptic_cloth::largestState(simulation.scene());
     simulation.loadState(haptic_cloth::readStateFile(arguments.resume, most), arguments.resume);

@@ -10,6 +10,7 @@ namespace haptic_cloth {
 namespace {
 
 constexpr int kAlong = 97, kAcross = 9, kLevels = 2;  ///< particles in the direction of the test, and across
+constexpr double kLongestStrain = 4.0;                ///< at which a test of tension turns at the latest [-]
 constexpr int kStepsPerSweep = 200;                   ///< of a sweep from zero to the largest deformation
 
 Grid specimenGrid(KesTest test, Direction direction) {
@@ -126,7 +127,7 @@ double largestDeformation(const Fabric& fabric, KesTest test, Direction directio
   if (test == KesTest::Bending) return 250.0;
   if (test == KesTest::Shear) return 8.0 / kes::kDegreesPerRadian;
   const Curve& tension = fabric.tensile[direction].upper();
-  double low = 0.0, high = 1.0;
+  double low = 0.0, high = kLongestStrain;
   for (int k = 0; k < 60; ++k) {
     const double middle = 0.5 * (low + high);
     (tension(middle).force < kes::kLargestTension ? low : high) = middle;

@@ -44,7 +44,7 @@ struct KesRow {
 /// The loop a test is compared with.
 const Loop& loopOf(const Fabric& fabric, KesTest test, Direction direction);
 
-/// Largest deformation of a test: where tension reaches 500 gf/cm, 8° or 2.5/cm.
+/// Largest deformation of a test: where tension reaches 500 gf/cm, at most 400 %; 8° or 2.5/cm.
 double largestDeformation(const Fabric& fabric, KesTest test, Direction direction);
 
 /// Runs a test. Tension: up and down once. Shear and bending: up, down to the negative end and up again.

@@ -125,7 +125,6 @@ TEST(RandomScenes, WithAnyNumbersAreRefusedOrStayFinite) {
     }
     if (scene.cloth.particles[0] * static_cast<double>(scene.cloth.particles[1]) > 2000.0) return "";
     ++accepted;
-    if (scene.solver.time_step > 1e11) return "";  // stop.time has the same limit
     scene.stop.time = 5.0 * scene.solver.time_step;
     scene.solver.threads = 1;
     Simulation simulation(scene);

@@ -51,7 +51,7 @@ std::string toText(UnitDoubt doubt) {
       "; for a driver in millimetres set device/position_unit to 0.001, for one ten times too large to 0.1";
   switch (doubt) {
     case UnitDoubt::TooFar:
-      return "the poses are farther apart than the device reaches, were they in metres" + remedy;
+      return "the poses are farther away than a device reaches, were they in metres" + remedy;
     case UnitDoubt::TooFast:
       return "the poses are faster than a hand, were they in metres" + remedy;
     case UnitDoubt::None:

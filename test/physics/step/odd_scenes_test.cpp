@@ -105,6 +105,13 @@ void twistAlone(Scene& s) {
   noLaws(s);
   s.cloth.fabric.twist_rigidity = 1e-5;
 }
+/// No stiffness, but moments and shear forces that have to be overcome.
+void rigidPlastic(Scene& s) {
+  s.cloth.fabric = parseFabric(
+      "source: test\nareal_density: 0.2\nthickness: 5.0e-4\ntensile: {stiffness: 1000}\n"
+      "bending: {B: 0, 2HB: 0.05}\nshear: {G: 0, 2HG: 1}\n",
+      "rigid_plastic", "");
+}
 void neverAsleep(Scene& s) { s.solver.sleep_speed = 0.0; }
 void alwaysAsleep(Scene& s) { s.solver.sleep_speed = 1.0; }
 template <Strategy strategy>
@@ -138,6 +145,7 @@ const OddScene kScenes[] = {
     {"fine_steps", 17, 17, 2, fine},
     {"coarse_steps", 17, 17, 2, coarse},
     {"no_laws", 17, 17, 2, noLaws},
+    {"rigid_plastic", 17, 17, 2, rigidPlastic},
     {"twist_alone", 17, 17, 2, twistAlone},
     {"never_asleep", 17, 17, 2, neverAsleep},
     {"always_asleep", 17, 17, 2, alwaysAsleep, 120},

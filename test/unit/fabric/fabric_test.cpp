@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -11,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "fabric/fabric_search.h"
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/types.h"
 
@@ -377,6 +379,17 @@ TEST_F(FabricFile, IsFoundByPathThenInTheSearchPathThenBesideTheScenes) {
   setenv("HAPTIC_CLOTH_FABRIC_PATH", ("/nowhere::" + (directory_ / "mine").string()).c_str(), 1);
   EXPECT_EQ(findFabric("a", base), mine);
   unsetenv("HAPTIC_CLOTH_FABRIC_PATH");
+}
+
+TEST_F(FabricFile, EachPlaceIsSearchedOnce) {
+  const std::string base = (directory_ / "scenes").string();
+  setenv("HAPTIC_CLOTH_FABRIC_PATH", (base + "/../fabrics:" + base + "/.").c_str(), 1);
+  std::vector<std::string> places = fabricCandidates("a", base);
+  unsetenv("HAPTIC_CLOTH_FABRIC_PATH");
+  EXPECT_EQ(places.at(0), (directory_ / "fabrics/a.yaml").string());
+  EXPECT_EQ(places.at(1), (directory_ / "scenes/a.yaml").string());
+  std::sort(places.begin(), places.end());
+  EXPECT_EQ(std::unique(places.begin(), places.end()), places.end());
 }
 
 TEST(ShippedFabrics, AllLoad) {

@@ -27,6 +27,9 @@ Loop bending() {
   return Loop(-256.0, 0.5, upper, lower, 20.0);
 }
 
+/// Rigid-plastic law: level branches, which the path crosses within 12.8.
+Loop rigidPlastic() { return Loop(-256.0, 256.0, {5.0, 5.0, 5.0}, {-5.0, -5.0, -5.0}, 20.0, 12.8); }
+
 Loop tensile() {
   std::vector<double> upper{-1.0}, lower{-1.0};
   for (int k = 0; k <= 512; ++k) {
@@ -45,8 +48,9 @@ struct Case {
 class LoopTest : public ::testing::TestWithParam<int> {
  protected:
   Case get() const {
-    return GetParam() == 0 ? Case{"bending", bending(), -250, 250, 500}
-                           : Case{"tensile", tensile(), -0.005, 0.065, 490};
+    if (GetParam() == 0) return {"bending", bending(), -250, 250, 500};
+    if (GetParam() == 1) return {"tensile", tensile(), -0.005, 0.065, 490};
+    return {"rigid-plastic", rigidPlastic(), -250, 250, 5};
   }
   double at(const Case& c, double t) const { return c.low + (0.5 + 0.5 * t) * (c.high - c.low); }
 };
@@ -128,7 +132,7 @@ TEST_P(LoopTest, WorkIsNeverLessThanWhatIsStored) {
   EXPECT_GT(dissipated, 0.0);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, LoopTest, ::testing::Values(0, 1));
+INSTANTIATE_TEST_SUITE_P(All, LoopTest, ::testing::Values(0, 1, 2));
 
 TEST(LoopTest, FullBendingCycleHasTheMeasuredLoss) {
   // The loss of a full cycle is width · range, minus the two corners that the finite stiffness
@@ -152,6 +156,13 @@ TEST(LoopTest, FullBendingCycleHasTheMeasuredLoss) {
   go(-250);
   go(250);
   EXPECT_NEAR(work, 10.0 * 500.0, tolerance(0.01) * 5000.0);
+}
+
+TEST(LoopTest, PathIsSteepEnoughForTheLongestCrossing) {
+  const Loop loop = rigidPlastic();
+  const double play = loop.commit(loop.commit(0.0, 250.0), 250.0 - 12.8);
+  EXPECT_NEAR(loop.force(loop.commit(0.0, 250.0), 250.0), 5.0, tolerance(1e-12));
+  EXPECT_NEAR(loop.force(play, 250.0 - 12.8), -5.0, tolerance(1e-4));  // 1e-6 of the path is left
 }
 
 TEST(LoopTest, OddLoopIsOddPastItsEnds) {

@@ -207,6 +207,7 @@ TEST(Scene, WrongDocumentsAreNamed) {
        {"{}", "scene: cloth: is required, with cloth.fabric in it"},
        {"cloth: {}", "scene: cloth.fabric: is required"},
        {"cloth: {fabric: [a]}", "scene: cloth.fabric = [a]: must be text"},
+       {"cloth: {fabric: \"\"}", "scene: cloth.fabric = \"\": must not be empty"},
        {"cloth: {fabric: \"a\\0b\"}", "scene: cloth.fabric = \"a b\": must be text without a NUL character"},
        {"cloth: {fabric: linear}\n---\na: b", "scene: must hold one YAML document, not several"}});
   EXPECT_EQ(message("cloth: [").find("scene: malformed YAML: "), 0U);
@@ -282,7 +283,8 @@ TEST(Scene, WrongTypesAreNamed) {
         "tolerance, "
         "max_iterations, time_budget, sleep_speed, threads"},
        {ok + "solver: {max_iterations: 0.1}", "scene: solver.max_iterations = 0.1: must be an integer"},
-       {ok + "solver: {threads: 99999999999}", "scene: solver.threads = 99999999999: must be an integer"},
+       {ok + "solver: {threads: 99999999999}",
+        "scene: solver.threads = 99999999999: must be within -2147483648 to 2147483647"},
        {ok + "solver: {threads: \"2\"}", "scene: solver.threads = \"2\": must be an integer"},
        {ok + "solver: {cost: split}", "scene: solver.cost = split: must be one of condensed, joint"},
        {ok + "solver: {preconditioner: ilu}",
@@ -314,6 +316,7 @@ TEST(Scene, ImpossibleValuesAreNamed) {
        {withCloth("size: [0.3, 0]"), "scene: cloth.size[1] = 0: must be > 0"},
        {withCloth("size: [0.3, 1e7]"), "scene: cloth.size[1] = 1e+07: must be at most 1e6"},
        {ok + "stop: {time: 1e13}", "scene: stop.time = 1e+13: must be within 1e-12 to 1e12"},
+       {ok + "solver: {time_step: 2}", "scene: solver.time_step = 2: must be at most 1"},
        {ok + "solver: {time_step: 1e-13}", "scene: solver.time_step = 1e-13: must be within 1e-12 to 1e12"},
        {ok + "air_damping: 1e13", "scene: air_damping = 1e+13: must be at most 1e12"},
        {ok + "probe: {path: [[1e13, 0, 0, 0]]}",

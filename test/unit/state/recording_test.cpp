@@ -80,7 +80,7 @@ TEST(Recording, SaysWhatDoesNotFit) {
   expect(text, "");
   EXPECT_EQ(messageOf(text, run.scene), "");
   expect("", "must be a recording");
-  expect(with("recording 2", "recording 1"), "version = 1: must be 2");
+  expect(with("recording 3", "recording 2"), "version = 2: must be 3");
   expect(text.substr(0, text.rfind("end")), "cut off");
   expect(with("step 3", "step 2"), "its replay with");
   expect(with("\nstep 3", "\nstep 0"), "must have a length");
@@ -98,7 +98,23 @@ TEST(Recording, SaysWhatDoesNotFit) {
   EXPECT_EQ(messageOf(text + "\n\n", run.scene), "");
   Scene other = run.scene;
   other.cloth.fabric.areal_density *= 2.0;
-  EXPECT_NE(messageOf(text, other).find("must be that of the scene"), std::string::npos);
+  EXPECT_NE(
+      messageOf(text, other).find("file: cloth.fabric.areal_density = 0.2635: the scene here has 0.527; "),
+      std::string::npos)
+      << messageOf(text, other);
+  other = run.scene;
+  other.cloth.pose.position.x() += 1e-3;
+  EXPECT_NE(messageOf(text, other).find("file: cloth.position = "), std::string::npos)
+      << messageOf(text, other);
+  other = run.scene;
+  other.cloth.pins.clear();
+  EXPECT_NE(messageOf(text, other).find("cloth.pins (how many) = "), std::string::npos)
+      << messageOf(text, other);
+  expect(with("scene cloth.size = ", "scene cloth.other = "), "cloth.other = ");
+  expect(with("scene cloth.size = ", "scene cloth.size "), "must have the form");
+  expect(with("scene cloth.size = ", "step 1"), "must be about the scene");
+  expect(with("instructions ", "scene more = 1\ninstructions "),
+         "more = 1: the scene here has no such entry");
 }
 
 }  // namespace

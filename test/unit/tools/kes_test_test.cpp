@@ -90,6 +90,46 @@ TEST(KesValues, BendingOfABulkyFabricIsThatOfTheFileOnEveryMesh) {
   }
 }
 
+TEST(KesValues, StretchIsThatOfTheFileUpToTheLongest) {
+  const std::string head = "source: test\nareal_density: 0.2\nthickness: 5.0e-4\ntensile: {LT: 0.6, EMT: ";
+  for (const double strain : {50.0, 200.0, 900.0}) {
+    const Fabric fabric = parseFabric(head + std::to_string(strain) + "}\n", "stretch", "");
+    const auto values =
+        kesValues(runKesTest(fabric, KesTest::Tensile, kWarp, SpecimenMesh::Finest), KesTest::Tensile);
+    EXPECT_NEAR(values[0].second, std::min(strain, 400.0), tolerance(1e-6) * strain);
+  }
+}
+
+TEST(KesValues, WideLoopsAreThoseOfTheFile) {
+  // Branches that are level, or flat for the width of the loop. The path crosses within 5 % of the range,
+  // which is 2.5 % of the area; values to 1 %, of B to 1 % of what the width alone would give: 2HB/cm.
+  const struct {
+    KesTest test;
+    const char* law;
+    std::map<std::string, double> expected, rounding;
+  } cases[] = {
+      {KesTest::Bending, "bending: {B: 0, 2HB: 0.05}", {{"B", 0}, {"2HB", 0.05}}, {{"B", 0.05}}},
+      {KesTest::Bending, "bending: {B: 1.0e-4, 2HB: 0.05}", {{"B", 1e-4}, {"2HB", 0.05}}, {{"B", 0.05}}},
+      {KesTest::Bending, "bending: {B: 0.1, 2HB: 5}", {{"B", 0.1}, {"2HB", 5}}, {}},
+      {KesTest::Shear, "shear: {G: 0, 2HG: 1}", {{"G", 0}, {"2HG", 1}, {"2HG5", 1}}, {{"G", 0.1}}},
+      {KesTest::Shear, "shear: {G: 0.01, 2HG: 5}", {{"G", 0.01}, {"2HG", 5}, {"2HG5", 5}}, {{"G", 0.5}}},
+  };
+  for (const auto& one : cases) {
+    SCOPED_TRACE(one.law);
+    const std::string head =
+        "source: test\nareal_density: 0.2\nthickness: 5.0e-4\ntensile: {stiffness: 1000}\n";
+    const Fabric fabric = parseFabric(head + one.law + '\n', "wide", "");
+    const std::vector<KesRow> rows = runKesTest(fabric, one.test, kWarp, SpecimenMesh::Finest);
+    for (const auto& [name, value] : kesValues(rows, one.test)) {
+      const double expected = one.expected.at(name);
+      const double scale = one.rounding.count(name) > 0 ? one.rounding.at(name) : expected;
+      EXPECT_NEAR(value, expected, tolerance(0.01) * scale) << name;
+    }
+    const LoopAreas areas = loopAreas(rows, one.test);
+    EXPECT_NEAR(areas.measured, areas.input, tolerance(0.03) * areas.input);
+  }
+}
+
 TEST(BiasBending, TwistTermMakesItUp) {
   // Cylinder w = ½ κ s² with s along 0°, 45°, 90°: energy over ½ B_θ κ² A, with B_45 = (B_warp +
   // B_weft)/4 + B_t/2 [docs/model.md]. Triples leave out half a cell at each end, patches do not;

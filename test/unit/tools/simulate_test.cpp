@@ -322,6 +322,8 @@ TEST_F(Simulate, RefusesBadInput) {
   expectRefused("broken.yaml", {"broken.yaml"});
   expectRefused("absent.yaml", {"absent.yaml"});
   expectRefused("scene.yaml --set solver.time_step=-1", {"solver.time_step", "-1", "> 0"});
+  expectRefused("scene.yaml --set solver.time_step=0.1",
+                {"scene.yaml: solver.time_step = 0.1: must be at most stop.time = 0.03"});
   expectRefused("scene.yaml --set nothing.here=1", {"nothing"});
   expectRefused("scene.yaml --set cloth.fabric=velvet_of_nowhere", {"cloth.fabric", "velvet_of_nowhere"});
   expectRefused("scene.yaml --bogus", {"--bogus"});
@@ -340,6 +342,18 @@ TEST_F(Simulate, RefusesBadCommandLines) {
   expectRefused("scene.yaml --out other", {"--out", "more than once"});
   expectRefused("scene.yaml --set -1", {"--set: -1", "KEY=VALUE"});
   expectRefused("scene.yaml --set ''", {"--set", "KEY=VALUE"});
+}
+
+TEST_F(Simulate, RefusesEmptyNames) {
+  for (const std::string option : {"--resume", "--save-state", "--replay"})
+    expectRefused("scene.yaml " + option + " ''", {"simulate: " + option + ": must have a name"});
+  expectRefused("''", {"simulate: SCENE: must have a name"});
+  for (const std::string option : {"--out", "--plot", "--direction"}) {
+    const Outcome outcome =
+        runProgram("'" HAPTIC_CLOTH_KES_TEST "' linen.yaml --test tensile " + option + " ''");
+    EXPECT_EQ(outcome.status, 2) << option;
+    EXPECT_EQ(outcome.error, "kes_test: " + option + ": must have a name (see --help)\n");
+  }
 }
 
 TEST_F(Simulate, TakesEverySpellingOfAnOption) {
@@ -511,7 +525,8 @@ TEST_F(Simulate, ReplaysARecording) {
                 {"solver.time_budget", "must be 0"});
   expectRefused("scene.yaml --replay linen.yaml", {"linen.yaml", "must be a recording"});
   expectRefused("scene.yaml --replay /dev/zero", {"/dev/zero", "regular file"});
-  expectRefused("scene.yaml --replay session --set gravity='[0,0,-1]'", {"session", "scene at hand"});
+  expectRefused("scene.yaml --replay session --set gravity='[0,0,-1]'",
+                {"session: gravity = [0, 0, -9.81]: the scene here has [0, 0, -1]"});
 }
 
 TEST_F(Simulate, ReplaysAFold) {
@@ -569,6 +584,41 @@ TEST_F(Simulate, KesTestLeavesNoHalfFile) {
   EXPECT_TRUE(fs::is_fifo(folder_ / "fifo"));
   ASSERT_EQ(runProgram(command + "curve.csv >output.txt").status, 0);
   EXPECT_GT(readLines(folder_ / "curve.csv").size(), 100u);
+}
+
+/// Only files of its own kind are replaced: the fabric, a scene or a program would be lost.
+TEST_F(Simulate, KesTestKeepsForeignFiles) {
+  const std::string command = "'" HAPTIC_CLOTH_KES_TEST "' linen.yaml --test tensile";
+  fs::create_symlink("linen.yaml", folder_ / "link.csv");
+  write("mine.png", "no picture");
+  write("mine.svg", "<?xml version=\"1.0\"?>\n<launch/>\n");
+  for (const std::string option : {" --out linen.yaml", " --out link.csv", " --out scene.yaml",
+                                   " --plot mine.png", " --plot mine.svg"}) {
+    const Outcome outcome = runProgram(command + option);
+    EXPECT_EQ(outcome.status, 2) << option;
+    EXPECT_NE(outcome.error.find("what it holds would be lost"), std::string::npos) << outcome.error;
+  }
+  for (const std::string option : {" --plot linen.yaml", " --plot mine.sh", " --plot mine"}) {
+    const Outcome outcome = runProgram(command + option);
+    EXPECT_EQ(outcome.status, 2) << option;
+    EXPECT_NE(outcome.error.find("must end in .pdf, .png or .svg"), std::string::npos) << outcome.error;
+  }
+  EXPECT_EQ(readText(folder_ / "linen.yaml"), kFabric);
+  EXPECT_EQ(readText(folder_ / "mine.png"), "no picture");
+  write("curve.csv", "");  // an empty file, then a curve, is replaced
+  for (int run = 0; run < 2; ++run) EXPECT_EQ(runProgram(command + " --out curve.csv").status, 0);
+  EXPECT_GT(readLines(folder_ / "curve.csv").size(), 100u);
+}
+
+TEST_F(Simulate, KesTestNamesALawThatIsMissing) {
+  write("bare.yaml",
+        "source: test\nareal_density: 0.15\nthickness: 0.0005\ntensile: {stiffness: 1000}\n"
+        "bending: {B: 0}\n");
+  for (const std::string test : {"shear", "bending"}) {
+    const Outcome outcome = runProgram("'" HAPTIC_CLOTH_KES_TEST "' bare.yaml --test " + test);
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_EQ(outcome.error, "bare.yaml: " + test + ": must have a stiffness or a loop for this test\n");
+  }
 }
 
 /// A module in place of matplotlib ends Python before it reads the curve, which is longer than a pipe.
