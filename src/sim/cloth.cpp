@@ -104,10 +104,9 @@ void Cloth::move(const ClothObjective& solved, const std::vector<char>& jumped) 
 
 double Cloth::limitKineticEnergy(double allowed) {
   constexpr double kLeastLeft = 0.25;  // of the energy within the cloth, before the rest pays, too
-  const double pinned = pinnedKineticEnergy(), rigid = rigidKineticEnergy(), free = kineticEnergy() - pinned;
-  const double inner = free - rigid, most = std::max(0.0, allowed - pinned);
-  const double left = std::max(most - rigid, kLeastLeft * inner);
-  const double whole = left + rigid > most ? std::sqrt(most / (left + rigid)) : 1.0;
+  const double rigid = rigidKineticEnergy(), inner = kineticEnergy() - rigid;
+  const double left = std::max(allowed - rigid, kLeastLeft * inner);
+  const double whole = left + rigid > allowed ? std::sqrt(allowed / (left + rigid)) : 1.0;
   const double factor = inner > 0.0 ? whole * std::sqrt(left / inner) : whole;
   integrator_.slow(mesh_, nodes_, factor, whole, velocities_);
   return factor;

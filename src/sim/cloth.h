@@ -76,8 +76,9 @@ class Cloth {
   /// Stops cloth that obstacles eject: it is not thrown.
   void stopEjected(const ContactSet& contacts) { contacts.stopEjected(velocities_); }
 
-  /// Lowers the kinetic energy to `allowed` [J]. Pins move as they are told. What moves free cloth as a rigid
-  /// body stays, because forces within the cloth cannot change it, unless that alone is more.
+  /// Lowers the kinetic energy to `allowed` [J]. What moves free cloth as a rigid body stays as long as the
+  /// rest can pay, because forces within the cloth cannot change it. Pins move on as they are told: only
+  /// their share of the energy stays too high.
   /// @return factor of all other velocities
   double limitKineticEnergy(double allowed);
 

@@ -425,6 +425,12 @@ Vec3 ClothObjective::pinForce() const {
   return force;
 }
 
+double ClothObjective::workUndone() const {
+  double work = 0.0;
+  for (int n = 0; n < mesh_.free; ++n) work -= gradient_[n].dot(nodes_[n] - start_[n]);
+  return work;
+}
+
 double ClothObjective::pinWork() const {
   double work = 0.0;
   for (int n = mesh_.free; n < mesh_.active(); ++n) work += gradient_[n].dot(nodes_[n] - start_[n]);

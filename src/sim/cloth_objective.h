@@ -189,6 +189,8 @@ class ClothObjective : public Objective {
   Vec3 pinForce() const;      ///< force of the pins on the cloth [N]
   /// Work of that force as the pins move from x⁰ to where they are [J].
   double pinWork() const;
+  /// Work of Newton's residual on the free nodes from x⁰ to where they are [J].
+  double workUndone() const;
 
  private:
   struct Coupling {

@@ -177,7 +177,8 @@ void ClothWorld::accept(StepReport& report) {
   const Vec3 pinned_force = (momentum - momentum_before) / h + scene_.air_damping * momentum;
   sleep_.update(cloth_.mesh(), cloth_.velocities(), solved.awake().flags(), ejected_);
   cloth_.stopEjected(contacts_);
-  report.velocity_scale = energy_.guard(kinetic_before, gravity_work, solved, cloth_);
+  report.velocity_scale = energy_.guard(kinetic_before, gravity_work, solved,
+                                        report.minimizer.why == Termination::Converged, cloth_);
   cloth_.commit(team_);
   force_error_.noteCloth(cloth_, feelsCloth(), adaptation_.decidesAt(ticks_));
   probes_.accept(solved, contacts_, cloth_.mesh(), grasps_, force_error_);

@@ -28,10 +28,28 @@ void EnergyBalance::noteStart(const StepSolver::Start& start, bool solids_move) 
 }
 
 double EnergyBalance::guard(double kinetic_before, double gravity_work, const ClothObjective& solved,
-                            Cloth& cloth) const {
-  const double spent = solved.storedAndLost();
-  const double allowed = std::max(0.0, energy_before_ + kinetic_before + gravity_work + pin_work_ - spent);
-  return cloth.kineticEnergy() <= allowed ? 1.0 : cloth.limitKineticEnergy(allowed);
+                            bool converged, Cloth& cloth) {
+  const double spent = solved.storedAndLost(), kinetic = cloth.kineticEnergy();
+  double allowed = std::max(0.0, energy_before_ + kinetic_before + gravity_work + pin_work_ - spent);
+  if (converged) allowed += balanceUndone(solved.workUndone(), kinetic - allowed);
+  if (kinetic <= allowed) return 1.0;
+  const double scale = cloth.limitKineticEnergy(allowed);
+  pin_work_ += (1.0 - scale * scale) * cloth.pinnedKineticEnergy();  // what moves the pins pays their share
+  return scale;
+}
+
+/// The forces that a converged solve leaves undone would have done work. Motion that lacks it may have it
+/// from a later step that did too much. If only the latter were taken back, small swings would fade.
+/// @param work that was not done, negative: too much [J]
+/// @param excess kinetic energy above what is allowed [J]  @return part of the excess that is kept [J]
+double EnergyBalance::balanceUndone(double work, double excess) {
+  if (work > 0.0) {
+    undone_ += std::clamp(-excess, 0.0, work);
+    return 0.0;
+  }
+  const double kept = std::clamp(excess, 0.0, std::min(-work, undone_));
+  undone_ -= kept;
+  return kept;
 }
 
 void EnergyBalance::update(const Scene& scene, const ClothObjective& solved, const ContactSet& contacts,
@@ -68,6 +86,8 @@ EnergyReport EnergyBalance::report(const Cloth& cloth, const ClothObjective& sol
 
 void EnergyBalance::serialize(Archive& archive) {
   archive("supplied", supplied_);
+  archive("undone", undone_);
+  archive.check(undone_ >= 0.0, "undone", "must be >= 0");
   archive("ejection_work", ejection_work_);
 }
 

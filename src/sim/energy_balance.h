@@ -42,8 +42,10 @@ class EnergyBalance {
   /// buckle.
   /// @param kinetic_before at the start of the step [J]
   /// @param gravity_work in the step [J]
-  /// @return factor applied to the velocities, 1 if none was needed
-  double guard(double kinetic_before, double gravity_work, const ClothObjective& solved, Cloth& cloth) const;
+  /// @param converged whether the step was solved to its tolerance
+  /// @return factor applied to the velocities within the cloth, 1 if none was needed
+  double guard(double kinetic_before, double gravity_work, const ClothObjective& solved, bool converged,
+               Cloth& cloth);
 
   /// Adds the work of devices, obstacles and pins. Devices work on spring and damper of their couplings;
   /// removing a device removes the energy of its spring. Obstacles work by moving and by ejecting
@@ -59,8 +61,11 @@ class EnergyBalance {
   void serialize(Archive& archive);
 
  private:
+  double balanceUndone(double work, double excess);
+
   double initial_ = 0.0;             ///< energy at the start [J]
   double supplied_ = 0.0;            ///< initial_ plus work of devices, obstacles and pins [J]
+  double undone_ = 0.0;              ///< work that converged solves left undone, not yet made good [J]
   double pin_work_ = 0.0;            ///< in the current step [J]
   double pin_drag_ = 0.0;            ///< in the current step [J]
   double created_by_mesh_ = 0.0;     ///< in the current step [J]

@@ -279,7 +279,6 @@ bool StepSolver::balanceAfter(const MinimizerReport& report, double& value) {
 bool StepSolver::balanceNetForce(double& value, double most_residual) {
   constexpr double kLeast = 0.01;      // of the tolerance: not worth an evaluation
   constexpr double kRounding = 1e-10;  // relative to Φ, as in the line search of the minimizer
-  constexpr int kTrials = 4;
   const int size = objective_.size(), free = cloth_.mesh().free;
   const double least =
       kLeast * scene_.solver.minimizer.tolerance * cloth_.mass() * objective_.accelerationUnit();
@@ -289,6 +288,7 @@ bool StepSolver::balanceNetForce(double& value, double most_residual) {
     objective_.awake().clearSleepers(motion_);
   };
   const bool all_free = objective_.allFree();
+  const int trials = all_free ? 4 : 1;
   const auto newtonStep = [&](const Vec3& net) {
     const Vec3 step = all_free ? objective_.freeMotion(net) : net;
     setMotion(step);
@@ -297,7 +297,7 @@ bool StepSolver::balanceNetForce(double& value, double most_residual) {
   };
   Vec3 net = objective_.netForce(), step = Vec3::Zero();
   bool at_x = true, evaluated = false;
-  for (int trial = 0; trial < kTrials && net.norm() > least; ++trial) {
+  for (int trial = 0; trial < trials && net.norm() > least; ++trial) {
     if (at_x) step = newtonStep(net);
     setMotion(step);
     motion_.head(size) += x_.head(size);
@@ -310,7 +310,6 @@ bool StepSolver::balanceNetForce(double& value, double most_residual) {
       x_.swap(motion_);
       value = there;
       net = left;
-      if (!all_free) break;
     } else {
       // Too far, because friction or contact set in on the way: to where the force would vanish if it fell
       // evenly.

@@ -179,8 +179,10 @@ TEST_P(TortureLoops, ThatTouch) {
   strip.scene.stop.time = length > 1 ? 0.8 : 0.3;
   if (length > 1) {
     strip.scene.solver.minimizer.time_budget = 1e-12;
-    // A pin that catches up makes this way in a step, most of which an iteration may leave to a cell.
-    strip.limits.strain = 2.0 * speed * step / 0.005;
+    // A pin that catches up makes twice its way in a step, and an iteration may leave all of it to one cell.
+    // That cell may be twice as long as at rest before: steps without such a jump reach strains of 1.1
+    // to 1.7.
+    strip.limits.strain = 1.0 + 2.0 * speed * step / 0.005;
   }
   tortureLayers(strip);
 }
