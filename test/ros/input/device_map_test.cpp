@@ -335,8 +335,9 @@ TEST(DeviceMap, DriversSideUndoesPlaced) {
   device.orientation = Quat(Eigen::AngleAxisd(0.8, Vec3(1, -2, 0.5).normalized()));
   const Vec3 position(0.4, 0.5, -0.6);
   const Quat orientation(Eigen::AngleAxisd(1.3, Vec3(0, 1, 2).normalized()));
-  EXPECT_LT((placed(device, positionForDriver(device, position)) - position).norm(), 1e-12);
-  EXPECT_LT(placed(device, orientationForDriver(device, orientation)).angularDistance(orientation), 1e-7);
+  const Pose sent = poseForDriver(device, {position, orientation});
+  EXPECT_LT((placed(device, sent.position) - position).norm(), 1e-12);
+  EXPECT_LT(placed(device, sent.orientation).angularDistance(orientation), 1e-7);
   // A body keeps its shape: rotating the body or the driver's axes gives the same place of its tip.
   const Vec3 tip(0.0, 0.0, 0.02);
   device.position_scale = 1.0;
