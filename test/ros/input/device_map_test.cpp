@@ -286,9 +286,23 @@ TEST(UnitCheck, SpeedAloneIsEnoughButNotOneJump) {
 }
 
 TEST(UnitCheck, OneStrayPositionRaisesNoDoubt) {
+  // Also a device at 0.6 m with a pose of zeros: 0.6 m is beyond the reach of one with 75 mm, 0.45 m.
+  for (const double stray : {7.0, 0.0}) {
+    for (const int at : {50, 0}) {
+      UnitCheck check(0.075);
+      for (int k = 0; k < 1000; ++k) {
+        const double z = k % 100 == at ? stray : 0.6;
+        EXPECT_EQ(check.look(Vec3(0, 0, z), k * 1e-3), UnitDoubt::None) << stray << ' ' << k;
+      }
+    }
+  }
+}
+
+TEST(UnitCheck, AStrayFirstPositionHidesNoDoubt) {
   UnitCheck check(0.075);
-  for (int k = 0; k < 1000; ++k)
-    EXPECT_EQ(check.look(Vec3(0, 0, k % 100 == 50 ? 7.0 : 0.0), k * 1e-3), UnitDoubt::None) << k;
+  UnitDoubt doubt = check.look(Vec3(0, 0, 3.0), 0.0);
+  for (int k = 1; k <= 20; ++k) doubt = check.look(Vec3(0, 0, 0.03 * k), 0.1 * k);  // slow, but 0.6 m
+  EXPECT_EQ(doubt, UnitDoubt::TooFar);
 }
 
 TEST(UnitCheck, DiagnosticsNameTheRemedy) {
