@@ -36,5 +36,5 @@ foreach(name ros_test_support ${ros_test_programs})
   target_include_directories(${name} SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
   target_link_libraries(${name} haptic_cloth_ros)
   add_dependencies(${name} ${${PROJECT_NAME}_EXPORTED_TARGETS} haptic_cloth_node haptic_cloth_nodelet hand mouse_hand
-    path_hand monitor device_adapter grasp_button simulate)
+    path_hand monitor device_adapter grasp_button latency_probe simulate)
 endforeach()

@@ -42,8 +42,10 @@ class ProbeSession {
 
   /// Hands the newest pose, grasp and coupling to the simulation, just before step(). Without a pose
   /// for HapticOptions::probe_timeout the probe leaves the scene; if the device jumps (isJump()),
-  /// the probe lets go and enters the scene again at the new place. After a late step a hand that
-  /// holds cloth moves at most twice as fast as it did and catches up in later steps; what it lags behind by
+  /// the probe lets go and enters the scene again at the new place. After pause(), or if no step began
+  /// for HapticOptions::snapshot_timeout, a probe that holds no cloth enters the scene again, too, if the
+  /// device has moved by more than max_force / coupling_stiffness. After a late step a hand that holds
+  /// cloth moves at most twice as fast as it did and catches up in later steps; what it lags behind by
   /// more than 0.1 s is made up at once.
   /// @param length of the step, as for Simulation::step()
   void beforeStep(Simulation& simulation, double now, int length = 1);
@@ -87,7 +89,8 @@ class ProbeSession {
   const ProbeSnapshot& newestSnapshot() { return snapshot_.read(); }
 
  private:
-  void takeDevice(Simulation& simulation, double timeout, double time_step, double now);
+  void takeDevice(Simulation& simulation, const HapticOptions& options, double time_step, bool first,
+                  double now);
   DeviceSample catchingUp(const DeviceSample& newest) const;
   void leave(Simulation& simulation);
   void open(Simulation& simulation);

@@ -50,9 +50,11 @@ void AdmittanceLoop::setOptions(const HapticOptions& options, double unit) {
 
 void AdmittanceLoop::tick(const ForceSample& hand, const ProbeSnapshot& snapshot, bool paused, double now) {
   const double period = 1.0 / options_.rate;
-  const double elapsed =
-      last_tick_ >= 0.0 ? std::clamp(now - last_tick_, 0.0, kMaxLateTicks * period) : period;
-  last_tick_ = now;
+  double elapsed = period;
+  if (last_tick_ >= 0.0 && std::isfinite(now)) {
+    elapsed = std::clamp(now - last_tick_, 0.0, kMaxLateTicks * period);
+  }
+  if (std::isfinite(now)) last_tick_ = now;
 
   const HapticStatus hand_status = judge(options_.admittance, hand, now);
   const bool fresh = hand_status == HapticStatus::Free;

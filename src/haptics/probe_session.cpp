@@ -45,16 +45,26 @@ void ProbeSession::takeOptions(const HapticOptions& options) {
 void ProbeSession::beforeStep(Simulation& simulation, double now, int length) {
   const double time_step = length * simulation.scene().solver.time_step;
   const HapticOptions& options = options_for_solver_.read();
-  step_interval_->begin(now, time_step, options.snapshot_timeout);
+  const bool first = step_interval_->begin(now, time_step, options.snapshot_timeout);
   simulation.setCoupling(number_, options.coupling_stiffness, options.coupling_damping);
-  takeDevice(simulation, options.probe_timeout, time_step, now);
+  takeDevice(simulation, options, time_step, first, now);
 }
 
-void ProbeSession::takeDevice(Simulation& simulation, double timeout, double time_step, double now) {
+/// @param first the step is the first after a pause or a stall
+void ProbeSession::takeDevice(Simulation& simulation, const HapticOptions& options, double time_step,
+                              bool first, double now) {
   const DeviceSample& newest = device_for_solver_.read();
-  const bool fresh = newest.received >= 0.0 && now - newest.received <= timeout;
+  const bool fresh = newest.received >= 0.0 && now - newest.received <= options.probe_timeout;
   const double since = newest.received - newest_device_.received;
-  if (present_ && isJump((newest.position - newest_device_.position).norm(), since)) leave(simulation);
+  const double way = (newest.position - newest_device_.position).norm();
+  if (present_ && isJump(way, since)) {
+    open(simulation);
+    leave(simulation);
+  }
+  // All of the motion during a pause or a stall would go into this one step. A hand that rests keeps its
+  // contact: one that moved no farther than the coupling stretches under the largest force.
+  const bool far = options.coupling_stiffness * way > options.max_force;
+  if (present_ && first && far && grasp_ != GraspState::Holding) leave(simulation);
   const DeviceSample device = catchingUp(newest);
   if (fresh) {
     const double elapsed = device.received - step_device_.received;
@@ -93,7 +103,6 @@ DeviceSample ProbeSession::catchingUp(const DeviceSample& newest) const {
 /// Takes the probe away from where it was. The learned behaviour of the cloth there is worth
 /// nothing elsewhere, and the force starts softly.
 void ProbeSession::leave(Simulation& simulation) {
-  open(simulation);
   simulation.removeDevice(number_);
   tracker_->reset();
   present_ = false;
@@ -125,6 +134,7 @@ void ProbeSession::pause(Simulation& simulation) {
 }
 
 void ProbeSession::restart(Simulation& simulation) {
+  open(simulation);
   leave(simulation);
   step_interval_->interrupt();
   // "None yet": the force ramps down. A tick that misses it still starts softly on another cloth.

@@ -13,8 +13,10 @@ class StepInterval {
   /// @param now steady clock [s]
   /// @param time_step simulated time of the step [s]: no step is counted as shorter
   /// @param pause longer times between two starts do not count [s]
-  void begin(double now, double time_step, double pause) {
-    if (now - last_start_ <= pause) {
+  /// @return whether the step is the first since the start or a pause
+  bool begin(double now, double time_step, double pause) {
+    const bool first = !(now - last_start_ <= pause);
+    if (!first) {
       const double newest = (now - last_start_) / time_step_;
       slowness_ += kSmoothing * (newest - slowness_);
       steady_ = std::max(1.0, std::min(newest, newest_));
@@ -23,6 +25,7 @@ class StepInterval {
     slowness_ = std::max(slowness_, 1.0);
     time_step_ = time_step;
     last_start_ = now;
+    return first;
   }
 
   /// The time until the next start is a pause and does not count.

@@ -22,8 +22,9 @@ void IdleTracker::note(const StepReport& report, const Probes& probes, double sl
     return !probe.present || probe.velocity.norm() < sleep_speed;
   });
   const bool changed = !devicesStay(probes) || report.refined > 0 || report.coarsened > 0 || report.failed;
-  quiet_ = report.awake_particles == 0 && proxies_rest && !changed ? quiet_ + 1 : 0;
-  idle_ = quiet_ >= SleepTracker::kSteps;  // the mesh has had time to adapt
+  constexpr int kEnough = SleepTracker::kSteps;  // the mesh has had time to adapt
+  quiet_ = report.awake_particles == 0 && proxies_rest && !changed ? std::min(quiet_, kEnough - 1) + 1 : 0;
+  idle_ = quiet_ >= kEnough;
   probes_ = probes.steps();
   if (!report.failed) residual_ = report.minimizer.residual;  // that of a failed step may not be finite
   self_contacts_ = report.self_contacts;

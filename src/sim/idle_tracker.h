@@ -35,8 +35,8 @@ class IdleTracker {
  private:
   bool devicesStay(const Probes& probes) const;
 
-  int count_;                      ///< number of probes
-  int quiet_ = 0;                  ///< steps in a row in which all slept and no input changed
+  int count_;      ///< number of probes
+  int quiet_ = 0;  ///< steps in a row in which all slept and no input changed; no more count than are enough
   bool idle_ = false;              ///< quiet_ is large enough
   std::vector<ProbeStep> probes_;  ///< in the last solved step; empty before it
   double residual_ = 0.0;

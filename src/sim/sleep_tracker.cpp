@@ -34,7 +34,7 @@ void SleepTracker::update(const ActiveMesh& mesh, const Field& velocities, const
     Particle& p = particles_[mesh.particle[n]];
     const bool still = velocities[n].norm() < speed_ && disturbed_[n] == 0 && driven[n] == 0;
     p.known = false;
-    p.still = still ? p.still + 1 : 0;
+    p.still = still ? std::min(p.still, kSteps - 1) + 1 : 0;
   }
 }
 

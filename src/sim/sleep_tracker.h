@@ -50,7 +50,7 @@ class SleepTracker {
 
  private:
   struct Particle {
-    int still = 0;       ///< successive steps in which it was slow
+    int still = 0;       ///< successive steps in which it was slow; no more than kSteps count
     bool known = false;  ///< `force` is valid: the force when it fell asleep [N]
     Vec3 force = Vec3::Zero();
   };

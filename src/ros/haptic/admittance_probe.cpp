@@ -39,8 +39,8 @@ void AdmittanceProbe::sendCommand(const StampedPose& device, const ros::Time& st
   command.header.stamp = stamp;
   command.header.frame_id = device.received >= 0.0 ? device.frame_id : frame_id_;
   const Quat into = device.frame_rotation.conjugate();
-  command.pose = toPose(positionForDriver(gains_.device(), into * (target_.position - device.frame_position)),
-                        orientationForDriver(gains_.device(), into * target_.orientation));
+  const Pose target = {into * (target_.position - device.frame_position), into * target_.orientation};
+  command.pose = toPose(poseForDriver(gains_.device(), target));
   command_.publish(command);
 }
 

@@ -56,13 +56,10 @@ Vec3 placed(const DeviceOptions& device, const Vec3& position) {
 
 Quat placed(const DeviceOptions& device, const Quat& orientation) { return device.orientation * orientation; }
 
-Vec3 positionForDriver(const DeviceOptions& device, const Vec3& position) {
-  return device.orientation.conjugate() * (position - device.offset) /
-         (device.position_scale * device.position_unit);
-}
-
-Quat orientationForDriver(const DeviceOptions& device, const Quat& orientation) {
-  return device.orientation.conjugate() * orientation;
+Pose poseForDriver(const DeviceOptions& device, const Pose& pose) {
+  const Quat into = device.orientation.conjugate();
+  return {into * (pose.position - device.offset) / (device.position_scale * device.position_unit),
+          into * pose.orientation};
 }
 
 Vec3 forceForDriver(const DeviceOptions& device, const Quat& frame, const Vec3& force) {

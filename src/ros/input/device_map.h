@@ -50,8 +50,7 @@ Quat placed(const DeviceOptions& device, const Quat& orientation);
 
 /// Inverse of placed(): what a driver must send for a device at this place in the frame of its
 /// pose.
-Vec3 positionForDriver(const DeviceOptions& device, const Vec3& position);
-Quat orientationForDriver(const DeviceOptions& device, const Quat& orientation);
+Pose poseForDriver(const DeviceOptions& device, const Pose& pose);
 
 /// Maps the force on the probe [N] to the force that the driver must apply to the hand: scaled, in
 /// the axes in which the driver takes forces. With f the force on the probe and v its velocity, the

@@ -18,8 +18,11 @@ constexpr int kFarPositions = 3;     ///< in a row; a single one may be a fault 
 UnitDoubt UnitCheck::look(const Vec3& position, double received) {
   if (!started_) {
     started_ = true;
-    first_ = window_start_ = position;
+    reference_ = window_start_ = position;
     window_begin_ = received;
+  } else if (!has_neighbour_) {
+    has_neighbour_ = inReach(position);
+    if (!has_neighbour_) reference_ = position;
   }
   if (doubt_ != UnitDoubt::None) return doubt_;
   far_positions_ = tooFar(position) ? far_positions_ + 1 : 0;
@@ -33,7 +36,12 @@ UnitDoubt UnitCheck::look(const Vec3& position, double received) {
 
 bool UnitCheck::tooFar(const Vec3& position) const {
   if (position.norm() > kFarthest) return true;
-  return workspace_radius_ > 0.0 && (position - first_).norm() > kReach * workspace_radius_;
+  return !inReach(position);
+}
+
+/// Tells whether the device reaches a position as well as the reference.
+bool UnitCheck::inReach(const Vec3& position) const {
+  return workspace_radius_ == 0.0 || (position - reference_).norm() <= kReach * workspace_radius_;
 }
 
 bool UnitCheck::tooFast(const Vec3& position, double received) {

@@ -22,12 +22,14 @@ class UnitCheck {
 
  private:
   bool tooFar(const Vec3& position) const;
+  bool inReach(const Vec3& position) const;
   bool tooFast(const Vec3& position, double received);
 
   double workspace_radius_;
   UnitDoubt doubt_ = UnitDoubt::None;
   bool started_ = false;
-  Vec3 first_ = Vec3::Zero();         ///< position
+  bool has_neighbour_ = false;        ///< the reference; a stray position has none
+  Vec3 reference_ = Vec3::Zero();     ///< first position after which one in its reach came
   Vec3 window_start_ = Vec3::Zero();  ///< position
   double window_begin_ = 0.0;         ///< start of the window [s]
   int fast_windows_ = 0;              ///< fast windows in a row

@@ -90,6 +90,8 @@ bool isUnit(const geometry_msgs::Quaternion& orientation) {
   return std::abs(toQuat(orientation).norm() - 1.0) <= 0.1;
 }
 
+geometry_msgs::Pose toPose(const Pose& pose) { return toPose(pose.position, pose.orientation); }
+
 Pose toPose(const geometry_msgs::Pose& pose) { return {toVec3(pose.position), toQuat(pose.orientation)}; }
 
 Pose toPose(const geometry_msgs::TransformStamped& transform) {

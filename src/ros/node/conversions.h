@@ -20,6 +20,7 @@ Vec3 toVec3(const geometry_msgs::Point& point);
 geometry_msgs::Point toPoint(const Vec3& position);
 Quat toQuat(const geometry_msgs::Quaternion& orientation);
 geometry_msgs::Pose toPose(const Vec3& position, const Quat& orientation = Quat::Identity());
+geometry_msgs::Pose toPose(const Pose& pose);
 Pose toPose(const geometry_msgs::Pose& pose);
 
 /// Time from one stamp to another [s]. The difference of two ros::Time throws beyond 68 years, and stamps

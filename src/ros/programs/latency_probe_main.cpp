@@ -2,7 +2,7 @@
 /// bench/latency. It follows the path of the node's first probe after the cloth has hung for ~hang
 /// simulated seconds. It measures for ~seconds, beginning at the second row of the path. With
 /// ~nodelet the node runs in this process as a nodelet. A wrench has the stamp of the pose it
-/// answers. All times are from one steady clock.
+/// answers. All times are from one steady clock. A run that is interrupted writes nothing.
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/WrenchStamped.h>
@@ -12,10 +12,7 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -29,6 +26,7 @@
 #include "ros/node/topics.h"
 #include "ros/programs/parameters.h"
 #include "ros/programs/program.h"
+#include "state/new_file.h"
 
 namespace {
 
@@ -63,10 +61,12 @@ double quantile(std::vector<double> values, double share) {
 /// Sends poses on its own thread, as a driver does.
 class Sender {
  public:
+  /// @param device driver whose poses are sent
   Sender(ros::NodeHandle& node, const std::string& frame_id, const haptic_cloth::ProbeOptions& probe,
-         std::size_t most)
+         const haptic_cloth::DeviceOptions& device, std::size_t most)
       : frame_id_(frame_id),
-        path_(probe.path),
+        probe_(probe),
+        device_(device),
         publisher_(node.advertise<geometry_msgs::PoseStamped>(topics::ofProbe(probe.name, topics::kPose),
                                                               topics::kPoseQueue)) {
     sent_.resize(most);
@@ -99,7 +99,8 @@ class Sender {
       const double time = set_out_at_ < 0.0 ? 0.0 : steadyNow() - set_out_at_;
       // A new message each time, because within one process it is shared, not copied.
       auto message = boost::make_shared<geometry_msgs::PoseStamped>();
-      message->pose = haptic_cloth::toPose(haptic_cloth::pathPosition(path_, time));
+      message->pose = haptic_cloth::toPose(
+          poseForDriver(device_, {haptic_cloth::pathPosition(probe_.path, time), probe_.orientation}));
       message->header.frame_id = frame_id_;
       message->header.stamp = ros::Time::now();
       const long number = count();
@@ -110,7 +111,8 @@ class Sender {
   }
 
   std::string frame_id_, scheduling_;
-  std::vector<haptic_cloth::PathPoint> path_;
+  haptic_cloth::ProbeOptions probe_;
+  haptic_cloth::DeviceOptions device_;
   ros::Publisher publisher_;
   std::vector<SentPose> sent_;
   std::atomic<long> count_{0};
@@ -250,14 +252,20 @@ nlohmann::json evaluate(const Sender& sender, const std::vector<ReceivedWrench>&
           {"force_mean_n", force / std::max(1, count)}};
 }
 
-/// Writes the result; to standard output, too, if it would be lost. @param path empty: there alone
+/// Writes the result; to standard output if it would be lost. @param path empty: there alone
 void write(const std::string& result, const std::string& path) {
-  errno = 0;
-  const bool written = !path.empty() && std::ofstream(path) << result << std::flush;
-  const int reason = errno;
-  if (written) return;
-  std::fputs(result.c_str(), stdout);
-  if (!path.empty()) throw haptic_cloth::OutputError(path, std::strerror(reason));
+  if (path.empty()) {
+    std::fputs(result.c_str(), stdout);
+    return;
+  }
+  try {
+    haptic_cloth::NewFiles files;
+    files.add(path).stream() << result;
+    files.publish();
+  } catch (const haptic_cloth::OutputError&) {
+    std::fputs(result.c_str(), stdout);
+    throw;
+  }
 }
 
 int run(int argc, char** argv) {
@@ -268,6 +276,7 @@ int run(int argc, char** argv) {
   const haptic_cloth::ProbeOptions& probe = served.scene.probes[0];
   if (probe.path.size() < 2)
     throw haptic_cloth::InputError(options.node, "probe.path", "", "must have two rows");
+  if (!options.out.empty()) haptic_cloth::checkNewFile(options.out);
 
   std::unique_ptr<nodelet::Loader> loader;
   if (options.nodelet) {
@@ -277,7 +286,7 @@ int run(int argc, char** argv) {
   }
   const double approach = probe.path[1].time;
   const auto most = static_cast<std::size_t>((10.0 * kPatience + approach + options.seconds) / kPeriod);
-  Sender sender(node, served.frame_id, probe, most);
+  Sender sender(node, served.frame_id, probe, served.probes[0].device, most);
   Diagnostics diagnostics(node);
   Receiver receiver(node, topics::ofProbe(probe.name, topics::kReaction), sender, most);
   sender.start();
@@ -289,7 +298,9 @@ int run(int argc, char** argv) {
   if (!spinUntil([&] { return sender.setOutAt() >= 0.0; }, kPatience))
     throw std::runtime_error("no poses go out");
   const double begin = sender.setOutAt() + approach;
-  spinUntil([&] { return steadyNow() > begin + options.seconds + kTail; }, approach + options.seconds + 1.0);
+  const double end = begin + options.seconds + kTail;
+  if (!spinUntil([&] { return steadyNow() > end; }, end + 1.0 - steadyNow()))
+    throw std::runtime_error("interrupted: there is no result");
   sender.stop();
   receiver.stop();
 

@@ -51,7 +51,7 @@ InteractiveMarker probeHandle(const ProbeOptions& probe, const Pose& pose, const
   handle.header.frame_id = frame_id;
   handle.name = probe.name;
   handle.description = probe.name;
-  handle.pose = toPose(pose.position, pose.orientation);
+  handle.pose = toPose(pose);
   handle.scale = static_cast<float>(kArrowLength * probe.radius + probe.length);
 
   InteractiveMarkerControl ball;

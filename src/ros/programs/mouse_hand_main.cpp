@@ -52,8 +52,7 @@ class MouseProbe {
     geometry_msgs::PoseStamped message;
     message.header.stamp = ros::Time::now();
     message.header.frame_id = frame_id_;
-    message.pose = haptic_cloth::toPose(positionForDriver(device_, hand.position),
-                                        orientationForDriver(device_, hand.orientation));
+    message.pose = haptic_cloth::toPose(poseForDriver(device_, hand));
     pose_.publish(message);
   }
 

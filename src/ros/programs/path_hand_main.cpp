@@ -91,8 +91,8 @@ class PathProbe {
     geometry_msgs::PoseStamped message;
     message.header.stamp = ros::Time::now();
     message.header.frame_id = frame_id_;
-    message.pose = haptic_cloth::toPose(positionForDriver(device_, pathPosition(probe_.path, time)),
-                                        orientationForDriver(device_, probe_.orientation));
+    message.pose =
+        haptic_cloth::toPose(poseForDriver(device_, {pathPosition(probe_.path, time), probe_.orientation}));
     pose_.publish(message);
     std_msgs::Bool closed;
     closed.data = time > 0.0 && std::any_of(probe_.grasp.begin(), probe_.grasp.end(), [&](const auto& times) {

@@ -286,9 +286,23 @@ TEST(UnitCheck, SpeedAloneIsEnoughButNotOneJump) {
 }
 
 TEST(UnitCheck, OneStrayPositionRaisesNoDoubt) {
+  // Also a device at 0.6 m with a pose of zeros: 0.6 m is beyond the reach of one with 75 mm, 0.45 m.
+  for (const double stray : {7.0, 0.0}) {
+    for (const int at : {50, 0}) {
+      UnitCheck check(0.075);
+      for (int k = 0; k < 1000; ++k) {
+        const double z = k % 100 == at ? stray : 0.6;
+        EXPECT_EQ(check.look(Vec3(0, 0, z), k * 1e-3), UnitDoubt::None) << stray << ' ' << k;
+      }
+    }
+  }
+}
+
+TEST(UnitCheck, AStrayFirstPositionHidesNoDoubt) {
   UnitCheck check(0.075);
-  for (int k = 0; k < 1000; ++k)
-    EXPECT_EQ(check.look(Vec3(0, 0, k % 100 == 50 ? 7.0 : 0.0), k * 1e-3), UnitDoubt::None) << k;
+  UnitDoubt doubt = check.look(Vec3(0, 0, 3.0), 0.0);
+  for (int k = 1; k <= 20; ++k) doubt = check.look(Vec3(0, 0, 0.03 * k), 0.1 * k);  // slow, but 0.6 m
+  EXPECT_EQ(doubt, UnitDoubt::TooFar);
 }
 
 TEST(UnitCheck, DiagnosticsNameTheRemedy) {
@@ -335,8 +349,9 @@ TEST(DeviceMap, DriversSideUndoesPlaced) {
   device.orientation = Quat(Eigen::AngleAxisd(0.8, Vec3(1, -2, 0.5).normalized()));
   const Vec3 position(0.4, 0.5, -0.6);
   const Quat orientation(Eigen::AngleAxisd(1.3, Vec3(0, 1, 2).normalized()));
-  EXPECT_LT((placed(device, positionForDriver(device, position)) - position).norm(), 1e-12);
-  EXPECT_LT(placed(device, orientationForDriver(device, orientation)).angularDistance(orientation), 1e-7);
+  const Pose sent = poseForDriver(device, {position, orientation});
+  EXPECT_LT((placed(device, sent.position) - position).norm(), 1e-12);
+  EXPECT_LT(placed(device, sent.orientation).angularDistance(orientation), 1e-7);
   // A body keeps its shape: rotating the body or the driver's axes gives the same place of its tip.
   const Vec3 tip(0.0, 0.0, 0.02);
   device.position_scale = 1.0;

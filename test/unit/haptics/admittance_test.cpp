@@ -199,6 +199,22 @@ TEST(AdmittanceLoop, AForceThatIsNotFiniteIsNone) {
   EXPECT_TRUE(moving.loop.device().position.allFinite());
 }
 
+TEST(AdmittanceLoop, ATimeThatIsNotFiniteIsThatOfOneFaultyTick) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const double bad : {nan, infinity, -infinity}) {
+    MovingLoop moving;
+    const double good = moving.now;
+    moving.loop.tick(pushed(Vec3(1, 0, 0), good), nothingTouched(good), false, bad);
+    EXPECT_NE(moving.loop.status(), HapticStatus::Free) << bad;
+    const double before = moving.loop.device().position.x();
+    for (int k = 0; k < 10; ++k) moving.step(pushed(Vec3(1, 0, 0), moving.now), moving.now, false);
+    EXPECT_EQ(moving.loop.status(), HapticStatus::Free) << bad;
+    EXPECT_TRUE(moving.loop.position().allFinite()) << bad;
+    EXPECT_GT(moving.loop.position().x(), before) << bad;
+  }
+}
+
 TEST(AdmittanceLoop, TheForceComesInSoftlyAndNoStrongerThanItMay) {
   HapticOptions options;  // with a soft start of half a second
   AdmittanceLoop loop(options);

@@ -175,6 +175,86 @@ TEST_F(HapticSessionTest, LetsGoInAPause) {
   EXPECT_EQ(session_.grasp(), GraspState::Closed);  // with nothing in it
 }
 
+/// Moves the hand from above the sheet to below it within 0.5 s while no step is made. Criterion: the next
+/// step does not move the sheet, which lies still. If all of the motion went into that step, it would supply
+/// 2.3 J and drive the sheet at 41 m/s.
+class MotionWithoutSteps : public HapticSessionTest {
+ protected:
+  static constexpr double kHeight = 0.05;  ///< of the hand, above the sheet and then below it [m]
+  static constexpr double kStill = 0.01;   ///< a sheet at rest is slower [m/s]
+
+  void rest() {
+    for (int k = 0; k < 1000; ++k) {
+      tick(Vec3(0.0, 0.0, kHeight));
+      step();
+    }
+    work_ = simulation_.energy().work;
+    ASSERT_LT(simulation_.maxSpeed(), kStill);
+    ASSERT_TRUE(probe().present);
+  }
+
+  void move(bool paused) {
+    constexpr int kTicks = 500;
+    for (int k = 1; k <= kTicks; ++k) {
+      tick(Vec3(0.0, 0.0, kHeight * (1.0 - 2.0 * k / kTicks)), paused);
+      if (paused) session_.pause(simulation_);
+    }
+  }
+
+  void stepQuietly() {
+    step();
+    EXPECT_EQ(probe().device, Vec3(0.0, 0.0, -kHeight));
+    EXPECT_FALSE(probe().contact);
+    EXPECT_NEAR(simulation_.energy().work, work_, 1e-6);
+    EXPECT_LT(simulation_.maxSpeed(), kStill);
+  }
+
+  double work_ = 0.0;  ///< of the probe before the hand moves [J]
+};
+
+TEST_F(MotionWithoutSteps, InAPauseDoesNotPushTheCloth) {
+  rest();
+  move(true);
+  stepQuietly();
+}
+
+TEST_F(MotionWithoutSteps, InAStallDoesNotPushTheCloth) {
+  rest();
+  session_.setGrasp(true);
+  step();
+  move(false);
+  stepQuietly();
+  EXPECT_EQ(session_.grasp(), GraspState::Closed);  // only a hand that jumps opens
+}
+
+TEST_F(MotionWithoutSteps, OfAHandThatRestsOnTheClothIsNone) {
+  press();
+  const double before = force();
+  ASSERT_GT(before, 0.1);
+  const Vec3 there = probe().device;
+  for (int k = 0; k < 200; ++k) tick(there);  // a stall
+  step();
+  EXPECT_TRUE(probe().contact);
+  for (int k = 0; k < 200; ++k) {
+    tick(there, true);
+    session_.pause(simulation_);
+  }
+  EXPECT_EQ(force(), 0.0);
+  for (int k = 0; k < 1000; ++k) {
+    tick(there);
+    step();
+  }
+  EXPECT_NEAR(force(), before, 0.02 * before);  // the sheet still swings a little
+}
+
+TEST_F(MotionWithoutSteps, InAStepThatIsLatePushesTheCloth) {
+  rest();
+  // The force is not taken away before snapshot_timeout, 100 ms.
+  for (int k = 1; k <= 99; ++k) tick(Vec3(0.0, 0.0, kHeight - 6e-4 * k));
+  step();
+  EXPECT_TRUE(probe().contact);
+}
+
 TEST_F(HapticSessionTest, AHandThatHoldsClothCatchesUpAtTwiceItsSpeed) {
   session_.setGrasp(true);
   press();
@@ -365,15 +445,16 @@ TEST_F(AdmittanceSessionTest, StopsWithoutForcesAndLeavesTheScene) {
 TEST(StepInterval, IsTheMeanOfTheTimeBetweenStepsWithoutPauses) {
   StepInterval interval;
   double now = 5.0;
-  const auto begin = [&](double passed) { interval.begin(now += passed, 1e-3, 0.1); };
-  begin(0.0);
+  const auto begin = [&](double passed) { return interval.begin(now += passed, 1e-3, 0.1); };
+  EXPECT_TRUE(begin(0.0));
   EXPECT_EQ(interval.seconds(), 1e-3);
   for (int k = 0; k < 200; ++k) begin(3e-3);
   EXPECT_NEAR(interval.seconds(), 3e-3, 1e-9);  // 0.9^200 of 2 ms
-  begin(10.0);
+  EXPECT_FALSE(begin(3e-3));
+  EXPECT_TRUE(begin(10.0));
   EXPECT_NEAR(interval.seconds(), 3e-3, 1e-9);
   interval.interrupt();
-  begin(0.05);
+  EXPECT_TRUE(begin(0.05));
   EXPECT_NEAR(interval.seconds(), 3e-3, 1e-9);
   for (int k = 0; k < 200; ++k) begin(1e-5);
   EXPECT_EQ(interval.seconds(), 1e-3);  // a solver that catches up is no faster than the clock

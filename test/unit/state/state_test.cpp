@@ -220,6 +220,46 @@ TEST_F(State, ImpossibleValuesAreRefusedByName) {
   expectRefused(sealState(entries), {"support_force", "missing"});
 }
 
+/// Steps at rest count on after a state whose counters are as large as a state may have them: the next
+/// state can be loaded as well. A counter that grew with each step would come there after days.
+TEST(LongRest, LeavesAStateThatCanBeLoaded) {
+  constexpr int kLargest = std::numeric_limits<int>::max();
+  LinearFabric linear;
+  Scene scene = sheetScene(makeFabric(linear), 9, 9, 0.08, 0.08);
+  pinAllSides(scene);
+  scene.gravity.setZero();
+  scene.solver.sleep_speed = 0.1;
+  // Closed on nothing, so all sleep and no step is skipped; or in the cloth, whose particles move slowly.
+  for (const double height : {0.1, 0.001}) {
+    Simulation simulation(scene);
+    const auto step = [height](Simulation& steps, int count) {
+      for (int k = 0; k < count; ++k) {
+        steps.setDevice(0, {Vec3(0.0, 0.0, height), Vec3::Zero()});
+        steps.setGrasp(0, true);
+        steps.step();
+      }
+    };
+    simulation.setDevice(0, {Vec3(0.0, 0.0, 0.1), Vec3::Zero()});
+    step(simulation, 200);
+    std::vector<StateEntry> entries = stateEntries(simulation.saveState());
+    int changed = 0;
+    for (StateEntry& entry : entries) {
+      if (entry.name == "idle.quiet") {
+        set(entry, 0, kLargest / 2);
+        ++changed;
+      } else if (entry.name == "rest.still") {
+        for (std::size_t k = 0; k < entry.bytes.size() / sizeof(int); ++k) set(entry, k, kLargest);
+        ++changed;
+      }
+    }
+    EXPECT_EQ(changed, 2);
+    Simulation old(scene), later(scene);
+    old.loadState(sealState(entries), "old");
+    step(old, 3);
+    EXPECT_NO_THROW(later.loadState(old.saveState(), "later")) << height;
+  }
+}
+
 class StateFile : public State {
  protected:
   StateFile() : folder_(fs::temp_directory_path() / ("haptic_cloth_state_" + std::to_string(getpid()))) {
