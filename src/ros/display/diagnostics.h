@@ -35,7 +35,7 @@ diagnostic_msgs::DiagnosticStatus hapticStatus(const HapticStats& stats, const s
 /// Status of the live changes of options.
 diagnostic_msgs::DiagnosticStatus optionsStatus(const LiveReport& report);
 
-/// @param registrations number of registrations with a new master
+/// @param registrations see MasterWatch::renewals()
 diagnostic_msgs::DiagnosticStatus displayStatus(std::uint64_t marker_frames, std::uint64_t state_frames,
                                                 bool master_reachable, std::uint64_t registrations);
 

@@ -70,7 +70,7 @@ void MasterWatch::look() {
   incomplete_ = !registerAnew();
   if (incomplete_) return;
   ++renewals_;
-  ROS_WARN("registered with the new ROS master");
+  ROS_WARN("registered again with the ROS master");
 }
 
 bool MasterWatch::isKnown() const {
@@ -83,15 +83,15 @@ bool MasterWatch::isKnown() const {
 bool MasterWatch::registerAnew() const {
   const std::string uri = ros::XMLRPCManager::instance()->getServerURI();
   XmlRpc::XmlRpcValue payload;
-  std::vector<std::string> topics;
+  std::vector<std::string> advertised, subscribed;  // roscpp appends to what it gets
   bool complete = true;
-  ros::this_node::getAdvertisedTopics(topics);
-  for (const std::string& topic : topics) {
+  ros::this_node::getAdvertisedTopics(advertised);
+  for (const std::string& topic : advertised) {
     const ros::PublicationPtr publication = ros::TopicManager::instance()->lookupPublication(topic);
     if (publication) complete &= call("registerPublisher", {topic, publication->getDataType(), uri}, payload);
   }
-  ros::this_node::getSubscribedTopics(topics);
-  for (const std::string& topic : topics) {
+  ros::this_node::getSubscribedTopics(subscribed);
+  for (const std::string& topic : subscribed) {
     const bool taken = call("registerSubscriber", {topic, "*", uri}, payload);
     if (taken) connectTo(topic, payload);
     complete &= taken;

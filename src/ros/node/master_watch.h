@@ -22,7 +22,7 @@ class MasterWatch {
 
   bool reachable() const { return reachable_; }
 
-  /// Number of registrations with a new master.
+  /// Number of times that everything was registered again.
   std::uint64_t renewals() const { return renewals_; }
 
  private:

@@ -269,11 +269,19 @@ TEST_F(LifecycleTest, ANewMasterFindsTheNodeAgain) {
   EXPECT_TRUE(waitFor([&] { return master.knowsService("/cloth/reset"); })) << process.output();
   EXPECT_TRUE(master.knows("/cloth"));
 
+  EXPECT_TRUE(waitFor(
+      [&] { return process.output().find("registered again with the ROS master") != std::string::npos; }));
+  Process info({"rostopic", "info", "/probe/reaction"}, {"ROS_MASTER_URI=" + master.uri()});
+  EXPECT_EQ(info.wait(), 0);
+  EXPECT_NE(info.output().find("Subscribers: None"), std::string::npos)
+      << "the node is registered as a subscriber of its output: " << info.output();
+
   // A new subscriber finds the topic and gets the force: rostopic echo ends after one message.
   Process echo({"rostopic", "echo", "-n1", "/probe/reaction"}, {"ROS_MASTER_URI=" + master.uri()});
   EXPECT_EQ(echo.wait(), 0) << echo.output();
   process.signal(SIGTERM);
   EXPECT_EQ(process.wait(), 0);
+  EXPECT_FALSE(master.knows("/cloth")) << "a dead node is left in the master";
 }
 
 }  // namespace
