@@ -195,6 +195,39 @@ TEST_F(LifecycleTest, APathHandWithoutPathsEndsWithAnError) {
   EXPECT_NE(hand.output().find("no probe of the scene has a path"), std::string::npos) << hand.output();
 }
 
+TEST_F(LifecycleTest, AHandSaysThatItsNodeHasNoParameters) {
+  for (const char* const program : {"/path_hand", "/mouse_hand"}) {
+    Process hand({programDirectory() + program, "_node:=nope"});
+    EXPECT_EQ(hand.wait(), 2);
+    EXPECT_NE(hand.output().find("/nope: no parameters; is `node` right?"), std::string::npos)
+        << hand.output();
+  }
+}
+
+/// Parameters of earlier launches or runs do not act on a launch that does not name them.
+TEST_F(LifecycleTest, ALaunchForgetsEarlierParameters) {
+  const auto forgets = [](const std::vector<std::string>& arguments,
+                          const std::vector<std::string>& earlier) {
+    for (const std::string& name : earlier) ros::param::set(name, 1);
+    std::vector<std::string> command{"roslaunch", "haptic_cloth"};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    Process launch(command);
+    EXPECT_TRUE(waitFor([] { return ros::service::exists("/haptic_cloth/reset", false); }))
+        << launch.output();
+    for (const std::string& name : earlier) EXPECT_FALSE(ros::param::has(name)) << name;
+    launch.signal(SIGINT);
+    EXPECT_GE(launch.wait(), 0) << launch.output();
+  };
+  forgets({"device.launch", "driver:=chai3d", "scene:=" + kScene},
+          {"/device_adapter/force/timeout", "/grasp_button/earlier"});
+  EXPECT_TRUE(ros::param::has("/grasp_button/number")) << "an argument of the launch file";
+  forgets({"demo.launch", "mouse:=true", "rviz:=false", "scene:=" + kScene}, {"/mouse_hand/rate"});
+  forgets({"demo.launch", "path:=true", "hand:=false", "rviz:=false", "scene:=" + kScene},
+          {"/path_hand/rate", "/path_hand/node"});
+  EXPECT_TRUE(ros::param::has("/path_hand/repeat_after"));
+  for (const char* const node : {"/haptic_cloth", "/grasp_button", "/path_hand"}) ros::param::del(node);
+}
+
 TEST_F(LifecycleTest, RespawnDoesNotRepeatBadParameters) {
   // roslaunch restarts every program that ends, so this one must not end: it reports one error and
   // waits for a signal.
