@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <thread>
+#include <utility>
 
 #include "ros/node/steady_clock.h"
 #include "sim/recording.h"
@@ -24,7 +25,7 @@ Scene sceneFor(Scene scene) {
 
 }  // namespace
 
-SolverLoop::SolverLoop(const NodeOptions& options, SharedState& shared)
+SolverLoop::SolverLoop(const NodeOptions& options, SharedState& shared, RecordFile recording)
     : shared_(shared),
       live_(shared.live_for_solver),
       simulation_(sceneFor(options.scene)),
@@ -32,8 +33,8 @@ SolverLoop::SolverLoop(const NodeOptions& options, SharedState& shared)
       probes_(options.probes),
       pacer_(simulation_, options.pace) {
   window_.meets_itself = simulation_.meetsItself();
-  if (options.record.empty()) return;
-  recorder_.emplace(options.record);
+  if (recording == nullptr) return;
+  recorder_.emplace(options.record, std::move(recording));
   recorder_->write(recorded::header(simulation_));
   simulation_.record([this](const std::string& line) { recorder_->write(line); });
 }

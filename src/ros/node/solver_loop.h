@@ -15,8 +15,9 @@ namespace haptic_cloth {
 
 class SolverLoop {
  public:
+  /// @param recording from openRecording(); null: nothing is recorded
   /// @throws InputError if the scene is not valid
-  SolverLoop(const NodeOptions& options, SharedState& shared);
+  SolverLoop(const NodeOptions& options, SharedState& shared, RecordFile recording = nullptr);
 
   /// Runs until `shared.stop`.
   void run();

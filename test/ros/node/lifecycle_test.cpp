@@ -184,6 +184,8 @@ TEST_F(LifecycleTest, BadParametersAreNamed) {
   expectRefused({scene, "_max_pose_age:=soon"}, "max_pose_age");
   expectRefused({scene, "_probe/radius:=-0.01"}, "probe.radius");
   expectRefused({"_scene_file:=/nowhere/scene.yaml"}, "/nowhere/scene.yaml");
+  for (const std::string file : {"/nowhere/session", "/tmp", "/dev/full", "/etc/hostname"})
+    expectRefused({scene, "_step_budget:=0.0", "_record:=" + file}, "record = " + file);
 }
 
 /// It must not reset a cloth that others work on, which is the first thing that it does to the node.
