@@ -90,7 +90,7 @@ DiagnosticStatus solverStatus(const SolverStats& stats, bool paused, double now)
     const std::string& given_up = stats.quality.given_up;
     judge(status, DiagnosticStatus::OK, given_up.empty() ? "running" : "running with " + given_up);
   }
-  const bool stands = paused || !(stats.wall > 0.0);  // then the statistics are those of earlier steps
+  const bool stands = paused || !(stats.wall > 0.0);  // then there are no rates
   add(status, "steps per second", stands ? 0.0 : stats.steps / stats.wall);
   add(status, "real-time factor", stands ? 0.0 : stats.real_time_factor);
   add(status, "simulated time [s]", stats.time);

@@ -47,7 +47,7 @@ void SolverLoop::run() {
     copyFrameWhenWanted();
     if (shared_.paused) {
       pacer_.restart();
-      window_start_ = -1.0;
+      if (window_start_ >= 0.0) endWindow();
       for (SharedProbe& probe : shared_.probes) probe.session().pause(simulation_);
       sleepUntil(steadyNow() + kIdle);
       continue;
@@ -100,7 +100,9 @@ void SolverLoop::startAnew() {
     targets_seen_[k] = shared_.obstacles[k].read().number;
   pacer_.restart();
   last_ = StepReport();
-  window_start_ = -1.0;
+  last_.active_particles = simulation_.activeParticles();
+  window_.iterations = 0.0;
+  endWindow();
   shared_.frame_wanted = true;
   copyFrameWhenWanted();
 }
@@ -182,9 +184,25 @@ void SolverLoop::record(const StepReport& report) {
   if (now - window_start_ < kWindow) return;
   window_.taken = now;
   window_.wall = now - window_start_;
-  window_.time = simulation_.time();
-  window_.real_time_factor = (window_.time - window_start_time_) / window_.wall;
+  window_.real_time_factor = (simulation_.time() - window_start_time_) / window_.wall;
   window_.iterations = window_iterations_ / window_.steps;
+  writeStats();
+  window_start_ = now;
+  window_start_time_ = window_.time;
+  window_.steps = 0;
+  window_iterations_ = 0.0;
+}
+
+/// Ends the window before its time, because no step follows or the cloth is another.
+void SolverLoop::endWindow() {
+  window_start_ = -1.0;
+  window_.wall = 0.0;
+  writeStats();
+}
+
+/// Writes the statistics with the values of the cloth as it is.
+void SolverLoop::writeStats() {
+  window_.time = simulation_.time();
   window_.quality = pacer_.quality();
   window_.kinetic = simulation_.energy().kinetic;
   window_.force_errors.clear();
@@ -192,12 +210,8 @@ void SolverLoop::record(const StepReport& report) {
     window_.force_errors.push_back(forceError(k));
   }
   window_.failed = failed_;
-  window_.last = report;
+  window_.last = last_;
   shared_.solver_stats.write(window_);
-  window_start_ = now;
-  window_start_time_ = window_.time;
-  window_.steps = 0;
-  window_iterations_ = 0.0;
 }
 
 }  // namespace haptic_cloth

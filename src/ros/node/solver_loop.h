@@ -40,6 +40,8 @@ class SolverLoop {
   void copyFrameWhenWanted();
   void moveObstacles();
   void record(const StepReport& report);
+  void endWindow();
+  void writeStats();
   double forceError(std::size_t probe) const;
 
   SharedState& shared_;
