@@ -88,7 +88,7 @@ class HapticClothServer::Implementation {
         probes_(offerProbes()),
         obstacles_(offerObstacles()),
         haptics_(options_, publishers(), shared_),
-        master_(services()),
+        master_(services(), outputs()),
         display_(options_, advertise(node_), {name(), probes_, obstacles_, haptics_, master_}, shared_),
         pose_spinner_(1, &pose_queue_) {
     for (const std::string& warning : deviceWarnings(options_)) ROS_WARN_STREAM(warning);
@@ -162,6 +162,16 @@ class HapticClothServer::Implementation {
         private_node_.resolveName(topics::kSetOptions), ros::this_node::getName() + "/get_loggers",
         ros::this_node::getName() + "/set_logger_level"};
     for (const ProbeTopics& probe : probes_) names.push_back(probe.service());
+    return names;
+  }
+
+  /// Full names of the topics that devices follow.
+  std::vector<std::string> outputs() const {
+    std::vector<std::string> names;
+    for (const ProbeTopics& probe : probes_) {
+      names.push_back(probe.reaction().getTopic());
+      names.push_back(probe.command().getTopic());  // "" without one
+    }
     return names;
   }
 

@@ -175,6 +175,25 @@ TEST_F(LifecycleTest, NodesInTwoNamespacesAreToldApart) {
   ros::param::del("/right");
 }
 
+/// A device that follows two nodes in turn is a mistake that neither of them feels.
+TEST_F(LifecycleTest, ASecondPublisherOfAForceIsNamed) {
+  const DiagnosticsListener diagnostics(node_);
+  const auto others = [&] { return diagnostics.value("probe", "other publishers"); };
+  const std::string own = ros::this_node::getName();
+  Process process(readableCommand());
+  ASSERT_TRUE(waitFor([&] { return others() == "none"; })) << process.output();
+  {
+    const ros::Publisher second = node_.advertise<geometry_msgs::WrenchStamped>("probe/reaction", 1);
+    EXPECT_TRUE(waitFor([&] { return others() == own; }));
+  }
+  EXPECT_TRUE(waitFor([&] { return others() == "none"; }));
+  const std::string warning = "/probe/reaction is also published by " + own, output = process.output();
+  EXPECT_NE(output.find(warning), std::string::npos) << output;
+  EXPECT_EQ(output.find(warning), output.rfind(warning)) << "once a change: " << output;
+  process.signal(SIGTERM);
+  EXPECT_EQ(process.wait(), 0);
+}
+
 TEST_F(LifecycleTest, BadParametersAreNamed) {
   const std::string scene = "_scene_file:=" + kScene;
   expectRefused({}, "cloth");
