@@ -146,10 +146,14 @@ class HapticSession : public ProbeSession {
   void setPose(const Pose& pose, double received);
 
   /// Changes options from the next tick on, the coupling from the next step on too. The force
-  /// continues within max_force_rate.
+  /// continues within max_force_rate. The check allocates memory.
   /// @param unit see HapticLoop::setOptions() [-]
-  /// @pre the options are valid (validateHapticOptions())
+  /// @throws InputError if an option or the unit is not valid; then nothing has changed
   void setOptions(const HapticOptions& options, double unit = 1.0);
+
+  /// Does the same without the check, and allocates nothing.
+  /// @pre the options are valid (validateHapticOptions())
+  void setCheckedOptions(const HapticOptions& options, double unit);
 
   /// Tells why the last tick gave a force, or none.
   HapticStatus status() const { return loop_.status(); }
@@ -195,6 +199,9 @@ class AdmittanceSession : public ProbeSession {
 
   /// Does the same as HapticSession::setOptions(). The tool keeps its place and its velocity.
   void setOptions(const HapticOptions& options, double unit = 1.0);
+
+  /// See HapticSession.
+  void setCheckedOptions(const HapticOptions& options, double unit);
 
   bool hasStarted() const;      ///< whether there was a force
   bool isAtRest() const;        ///< whether the tool stands still

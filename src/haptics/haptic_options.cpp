@@ -11,51 +11,51 @@ namespace {
 constexpr Range kRates{1.0, kMostTickRate};
 
 Options hapticOptions(HapticOptions& haptics) {
-  return {{"rate", field(haptics.rate), kRates, "Hz", "ticks of the haptic thread", Live{100.0, 4000.0}},
-          {"max_force", field(haptics.max_force), kFinitePositive, "N",
-           "largest force on the hand; `admittance`: of the hand", Live{0.1, 12.0}},
-          {"max_force_rate", field(haptics.max_force_rate), kFinitePositive, "N/s",
-           "largest change of the force on the hand", Live{1.0, 1000.0}},
-          {"max_torque", field(haptics.max_torque), kFiniteNotNegative, "N·m",
-           "largest torque on the hand; 0: none", Live{0.0, 1.0}},
-          {"soft_start", field(haptics.soft_start), kFiniteNotNegative, "s",
-           "rise of the limits after start, pause and fault", Live{0.0, 5.0}},
-          {"pose_timeout", field(haptics.pose_timeout), kFinitePositive, "s",
-           "an older pose ramps the force to zero", Live{0.01, 0.5}},
-          {"snapshot_timeout", field(haptics.snapshot_timeout), kFinitePositive, "s",
-           "an older snapshot of the solver ramps the force to zero", Live{0.01, 1.0}},
-          {"ramp_time", field(haptics.ramp_time), kFinitePositive, "s", "from full force to zero",
-           Live{0.001, 0.5}}};
+  return {
+      {"rate", field(haptics.rate), kRates, "Hz", "ticks of the haptic thread", Live{100.0, 4000.0}},
+      {"max_force", field(haptics.max_force), kPositive, "N",
+       "largest force on the hand; `admittance`: of the hand", Live{0.1, 12.0}},
+      {"max_force_rate", field(haptics.max_force_rate), kPositive, "N/s",
+       "largest change of the force on the hand", Live{1.0, 1000.0}},
+      {"max_torque", field(haptics.max_torque), kNotNegative, "N·m", "largest torque on the hand; 0: none",
+       Live{0.0, 1.0}},
+      {"soft_start", field(haptics.soft_start), kNotNegative, "s",
+       "rise of the limits after start, pause and fault", Live{0.0, 5.0}},
+      {"pose_timeout", field(haptics.pose_timeout), kPositive, "s", "an older pose ramps the force to zero",
+       Live{0.01, 0.5}},
+      {"snapshot_timeout", field(haptics.snapshot_timeout), kPositive, "s",
+       "an older snapshot of the solver ramps the force to zero", Live{0.01, 1.0}},
+      {"ramp_time", field(haptics.ramp_time), kPositive, "s", "from full force to zero", Live{0.001, 0.5}}};
 }
 
 Options passivityOptions(PassivityOptions& passivity) {
-  return {{"damping", field(passivity.damping), kFiniteNotNegative, "N·s/m",
+  return {{"damping", field(passivity.damping), kNotNegative, "N·s/m",
            "largest damping that the controller adds", Live{0.0, 20.0}},
-          {"debt", field(passivity.debt), kFiniteNotNegative, "J",
+          {"debt", field(passivity.debt), kNotNegative, "J",
            "energy debt that halves the coupling's force; 0: never", Live{0.0, 0.01}},
-          {"store", field(passivity.store), kFiniteNotNegative, "J",
-           "energy in the cloth that may come out again", Live{0.0, 0.5}},
-          {"device_damping", field(passivity.device_damping), kFiniteNotNegative, "N·s/m",
+          {"store", field(passivity.store), kNotNegative, "J", "energy in the cloth that may come out again",
+           Live{0.0, 0.5}},
+          {"device_damping", field(passivity.device_damping), kNotNegative, "N·s/m",
            "damping that mechanism and hand have at least", Live{0.0, 10.0}},
           {"loop_delay", field(passivity.loop_delay), Range{0.0, kMostLoopDelay}, "s",
            "from a force to the pose that it moved, without the tick itself", Live{0.0, 0.02}}};
 }
 
 Options admittanceOptions(AdmittanceOptions& tool) {
-  return {{"mass", field(tool.mass), kFinitePositive, "kg", "mass of the tool"},
-          {"damping", field(tool.damping), kFinitePositive, "N·s/m",
-           "in free space a force F leads to the speed F/damping"},
-          {"deadband", field(tool.deadband), kFiniteNotNegative, "N",
-           "subtracted from every force, against sensor drift"},
-          {"force_timeout", field(tool.force_timeout), kFinitePositive, "s",
-           "after an older force the tool brakes"},
-          {"max_speed", field(tool.max_speed), kFinitePositive, "m/s", "largest speed"},
-          {"max_acceleration", field(tool.max_acceleration), kFinitePositive, "m/s²",
-           "largest acceleration, also in braking"},
-          {"start", field(tool.start), kPosition, "m", "in the workspace; if the device has sent no pose"},
-          {"workspace_low", field(tool.workspace_low), kPosition, "m", "corner of the tool's box"},
-          {"workspace_high", field(tool.workspace_high), kPosition, "m",
-           "opposite corner; above `workspace_low`"}};
+  return {
+      {"mass", field(tool.mass), kPositive, "kg", "mass of the tool"},
+      {"damping", field(tool.damping), kPositive, "N·s/m",
+       "in free space a force F leads to the speed F/damping"},
+      {"deadband", field(tool.deadband), kNotNegative, "N",
+       "subtracted from every force, against sensor drift"},
+      {"force_timeout", field(tool.force_timeout), kPositive, "s", "after an older force the tool brakes"},
+      {"max_speed", field(tool.max_speed), kPositive, "m/s", "largest speed"},
+      {"max_acceleration", field(tool.max_acceleration), kPositive, "m/s²",
+       "largest acceleration, also in braking"},
+      {"start", field(tool.start), kPosition, "m", "in the workspace; if the device has sent no pose"},
+      {"workspace_low", field(tool.workspace_low), kPosition, "m", "corner of the tool's box"},
+      {"workspace_high", field(tool.workspace_high), kPosition, "m",
+       "opposite corner; above `workspace_low`"}};
 }
 
 void checkWorkspace(const AdmittanceOptions& tool, const std::string& origin) {
@@ -80,9 +80,9 @@ std::vector<OptionGroup> groupsOf(HapticOptions& haptics) {
 }
 
 Options poseOptions(HapticOptions& haptics) {
-  return {{"probe_timeout", field(haptics.probe_timeout), kFinitePositive, "s",
+  return {{"probe_timeout", field(haptics.probe_timeout), kPositive, "s",
            "after this silence the probe leaves the scene", Live{0.1, 10.0}},
-          {"velocity_time_constant", field(haptics.velocity_time_constant), kFinitePositive, "s",
+          {"velocity_time_constant", field(haptics.velocity_time_constant), kPositive, "s",
            "low-pass filter of the device's velocity", Live{0.001, 0.05}}};
 }
 

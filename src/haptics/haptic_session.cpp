@@ -2,8 +2,10 @@
 
 #include <cmath>
 
+#include "haptic_cloth/error.h"
 #include "haptics/admittance_loop.h"
 #include "haptics/velocity_filter.h"
+#include "state/number_text.h"
 
 namespace haptic_cloth {
 namespace {
@@ -11,6 +13,13 @@ namespace {
 bool isPose(const Pose& pose) {
   const Eigen::Vector4d turn = pose.orientation.coeffs();
   return pose.position.allFinite() && turn.allFinite() && turn.norm() > 0.0;
+}
+
+/// Checks what setOptions() takes.
+void check(const HapticOptions& options, double unit) {
+  validateHapticOptions(options, "haptic options");
+  if (unit > 0.0 && std::isfinite(unit)) return;
+  throw InputError("haptic options", "unit", shortestText(unit), "must be finite and > 0");
 }
 
 }  // namespace
@@ -42,6 +51,11 @@ void HapticSession::setPose(const Pose& pose, double received) {
 }
 
 void HapticSession::setOptions(const HapticOptions& options, double unit) {
+  check(options, unit);
+  setCheckedOptions(options, unit);
+}
+
+void HapticSession::setCheckedOptions(const HapticOptions& options, double unit) {
   takeOptions(options);
   loop_.setOptions(options, unit);
   filter_->setTimes(options.velocity_time_constant, options.pose_timeout);
@@ -79,6 +93,11 @@ void AdmittanceSession::setPose(const Pose& pose) {
 }
 
 void AdmittanceSession::setOptions(const HapticOptions& options, double unit) {
+  check(options, unit);
+  setCheckedOptions(options, unit);
+}
+
+void AdmittanceSession::setCheckedOptions(const HapticOptions& options, double unit) {
   takeOptions(options);
   loop_->setOptions(options, unit);
 }

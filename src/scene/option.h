@@ -45,7 +45,6 @@ constexpr Range kNoRange{};  ///< of options that are not numbers
 constexpr Range kPositive{0.0, kLargest, true}, kNotNegative{0.0, kLargest};
 constexpr Range kLength{0.0, kMostLength, true}, kDistance{0.0, kMostLength};
 constexpr Range kPosition{-kMostLength, kMostLength};
-constexpr Range kFinitePositive{0.0, kInfinity, true}, kFiniteNotNegative{0.0, kInfinity};
 constexpr Range atLeast(int least) { return {static_cast<double>(least), kInfinity}; }
 
 /// One number, or a list of them.

@@ -90,7 +90,7 @@ DiagnosticStatus solverStatus(const SolverStats& stats, bool paused, double now)
     const std::string& given_up = stats.quality.given_up;
     judge(status, DiagnosticStatus::OK, given_up.empty() ? "running" : "running with " + given_up);
   }
-  const bool stands = paused || !(stats.wall > 0.0);  // then the statistics are those of earlier steps
+  const bool stands = paused || !(stats.wall > 0.0);  // then there are no rates
   add(status, "steps per second", stands ? 0.0 : stats.steps / stats.wall);
   add(status, "real-time factor", stands ? 0.0 : stats.real_time_factor);
   add(status, "simulated time [s]", stats.time);
@@ -151,13 +151,16 @@ DiagnosticStatus optionsStatus(const LiveReport& report) {
 }
 
 DiagnosticStatus probeStatus(const std::string& name, const InputCounters& counters, const FeltForce& felt,
-                             GraspState grasp, double force_error, double now, const std::string& message) {
+                             GraspState grasp, double force_error, double now, const std::string& message,
+                             const std::string& others) {
   DiagnosticStatus status;
   status.name = name;
   const std::uint64_t dropped = counters.dropped();
   const UnitDoubt doubt = counters.doubt;
   const bool stale = felt.status == HapticStatus::PoseStale || felt.status == HapticStatus::ForceStale;
-  if (counters.received == 0) {
+  if (!others.empty()) {
+    judge(status, DiagnosticStatus::WARN, "the device also gets messages of " + others);
+  } else if (counters.received == 0) {
     judge(status, DiagnosticStatus::OK, "no " + message + " yet");
   } else if (felt.status == HapticStatus::SnapshotStale) {
     judge(status, DiagnosticStatus::WARN, "the solver stalls; no force");
@@ -186,6 +189,7 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
   add(status, "force off: solver stalled", felt.snapshot_stops);
   add(status, "units", std::string(doubt == UnitDoubt::None ? "plausible" : toText(doubt)));
   add(status, "taken: bad quaternion", counters.bad_quaternion.load());
+  add(status, "other publishers", others.empty() ? std::string("none") : others);
   return status;
 }
 

@@ -20,9 +20,11 @@ diagnostic_msgs::DiagnosticStatus solverStatus(const SolverStats& stats, bool pa
 /// at most 5 s.
 /// @param force_error estimated error of the force on the hand [N]
 /// @param message kind of message that the device sends: "pose" or "force"
+/// @param others other nodes that publish to the device; empty: none
 diagnostic_msgs::DiagnosticStatus probeStatus(const std::string& name, const InputCounters& counters,
                                               const FeltForce& felt, GraspState grasp, double force_error,
-                                              double now, const std::string& message = "pose");
+                                              double now, const std::string& message = "pose",
+                                              const std::string& others = "");
 
 /// Status of one obstacle that can be moved. A dropped pose is a warning for 5 s.
 diagnostic_msgs::DiagnosticStatus obstacleStatus(const std::string& name, const ObstacleCounters& counters,
@@ -35,7 +37,7 @@ diagnostic_msgs::DiagnosticStatus hapticStatus(const HapticStats& stats, const s
 /// Status of the live changes of options.
 diagnostic_msgs::DiagnosticStatus optionsStatus(const LiveReport& report);
 
-/// @param registrations number of registrations with a new master
+/// @param registrations see MasterWatch::renewals()
 diagnostic_msgs::DiagnosticStatus displayStatus(std::uint64_t marker_frames, std::uint64_t state_frames,
                                                 bool master_reachable, std::uint64_t registrations);
 

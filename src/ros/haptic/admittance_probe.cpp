@@ -18,7 +18,9 @@ AdmittanceProbe::AdmittanceProbe(const NodeOptions& options, std::size_t number,
 
 void AdmittanceProbe::tick(double now, bool paused) {
   const ros::Time stamp = ros::Time::now();  // that of `now`, whatever keeps the command from going out
-  gains_.move(now, [this](const HapticOptions& options, double unit) { session_.setOptions(options, unit); });
+  gains_.move(now, [this](const HapticOptions& options, double unit) {
+    session_.setCheckedOptions(options, unit);  // checked when they were asked for
+  });
   const StampedForce& hand = shared_.force.read();
   const StampedPose& device = shared_.pose.read();
   heard_ = hand.received;

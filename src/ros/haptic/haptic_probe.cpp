@@ -15,7 +15,9 @@ HapticProbe::HapticProbe(const std::string& frame_id, const ProbeSettings& setti
       session_(*shared.impedance) {}
 
 void HapticProbe::tick(double now, bool paused) {
-  gains_.move(now, [this](const HapticOptions& options, double unit) { session_.setOptions(options, unit); });
+  gains_.move(now, [this](const HapticOptions& options, double unit) {
+    session_.setCheckedOptions(options, unit);  // checked when they were asked for
+  });
   const StampedPose& device = shared_.pose.read();
   heard_ = device.received;
   session_.setPose(device.pose, device.received);

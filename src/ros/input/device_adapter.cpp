@@ -22,19 +22,19 @@ constexpr double kFlush = 0.05;       ///< time for the last message to leave th
 
 std::vector<OptionGroup> groupsOf(AdapterOptions& adapter) {
   const std::string known = "no longer exists: the adapter knows the types in docs/guide/devices.md";
-  return {{"", "", {}},
-          {"pose/",
-           "device/pose",
-           {{"frame_id", field(adapter.pose_frame), kNoRange, "",
-             "frame of the poses; empty: that of the driver's header"}},
-           {{"field", known}}},
-          {"force/",
-           "device/force",
-           {{"type", field(adapter.force_type), kNoRange, "",
-             "package/Name; empty: the type that the driver subscribes to"},
-            {"timeout", field(adapter.timeout), kFinitePositive, "s",
-             "zeros go out after this silence of the node"}},
-           {{"field", known}, {"definition", known}}}};
+  return {
+      {"", "", {}},
+      {"pose/",
+       "device/pose",
+       {{"frame_id", field(adapter.pose_frame), kNoRange, "",
+         "frame of the poses; empty: that of the driver's header"}},
+       {{"field", known}}},
+      {"force/",
+       "device/force",
+       {{"type", field(adapter.force_type), kNoRange, "",
+         "package/Name; empty: the type that the driver subscribes to"},
+        {"timeout", field(adapter.timeout), kPositive, "s", "zeros go out after this silence of the node"}},
+       {{"field", known}, {"definition", known}}}};
 }
 
 std::optional<std::string> typeOnMaster(const std::string& topic) {

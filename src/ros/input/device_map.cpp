@@ -36,11 +36,11 @@ Options optionsOf(DeviceOptions& device) {
        "of the force's axes, seen from those of the positions"},
       {"use_tf", field(device.use_tf), kNoRange, "",
        "tf transforms the frame of the poses; else it is `frame_id`"},
-      {"max_stiffness", field(device.max_stiffness), kFiniteNotNegative, "N/m",
+      {"max_stiffness", field(device.max_stiffness), kNotNegative, "N/m",
        "largest that the device renders; 0: unknown"},
-      {"max_damping", field(device.max_damping), kFiniteNotNegative, "N·s/m",
+      {"max_damping", field(device.max_damping), kNotNegative, "N·s/m",
        "largest that the device renders; 0: unknown"},
-      {"workspace_radius", field(device.workspace_radius), kFiniteNotNegative, "m",
+      {"workspace_radius", field(device.workspace_radius), kNotNegative, "m",
        "warns if poses cannot be in metres; 0: unknown"}};
 }
 

@@ -11,6 +11,8 @@
 #include <xmlrpcpp/XmlRpcClient.h>
 #include <xmlrpcpp/XmlRpcValue.h>
 
+#include <algorithm>
+
 #include "ros/node/steady_clock.h"
 
 namespace haptic_cloth {
@@ -62,6 +64,7 @@ void MasterWatch::look() {
   // registered. So everything is registered again. A master that already knows it changes nothing.
   if (reachable && !reachable_) incomplete_ = true;
   reachable_ = reachable;
+  if (reachable) findOtherPublishers();
   unknown_ = !reachable || isKnown() ? 0 : unknown_ + 1;
   // Two checks in a row are needed, because a node that is being renamed or killed is briefly
   // unknown.
@@ -70,7 +73,38 @@ void MasterWatch::look() {
   incomplete_ = !registerAnew();
   if (incomplete_) return;
   ++renewals_;
-  ROS_WARN("registered with the new ROS master");
+  ROS_WARN("registered again with the ROS master");
+}
+
+/// A device that gets messages of two nodes follows them in turn.
+void MasterWatch::findOtherPublishers() {
+  XmlRpc::XmlRpcValue state;
+  if (!call("getSystemState", {}, state)) return;
+  XmlRpc::XmlRpcValue& published = state[0];  // pairs of a topic and its publishers
+  std::map<std::string, std::string> found;
+  for (int k = 0; k < published.size(); ++k) {
+    const auto topic = static_cast<std::string>(published[k][0]);
+    if (std::find(outputs_.begin(), outputs_.end(), topic) == outputs_.end()) continue;
+    XmlRpc::XmlRpcValue& nodes = published[k][1];
+    for (int i = 0; i < nodes.size(); ++i) {
+      const auto node = static_cast<std::string>(nodes[i]);
+      if (node == ros::this_node::getName()) continue;
+      std::string& others = found[topic];
+      others += (others.empty() ? "" : ", ") + node;
+    }
+  }
+  for (const auto& [topic, others] : found) {
+    if (others != otherPublishers(topic))
+      ROS_WARN_STREAM(topic << " is also published by " << others << ": the device gets messages of both");
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  others_ = found;
+}
+
+std::string MasterWatch::otherPublishers(const std::string& output) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = others_.find(output);
+  return found == others_.end() ? "" : found->second;
 }
 
 bool MasterWatch::isKnown() const {
@@ -83,15 +117,15 @@ bool MasterWatch::isKnown() const {
 bool MasterWatch::registerAnew() const {
   const std::string uri = ros::XMLRPCManager::instance()->getServerURI();
   XmlRpc::XmlRpcValue payload;
-  std::vector<std::string> topics;
+  std::vector<std::string> advertised, subscribed;  // roscpp appends to what it gets
   bool complete = true;
-  ros::this_node::getAdvertisedTopics(topics);
-  for (const std::string& topic : topics) {
+  ros::this_node::getAdvertisedTopics(advertised);
+  for (const std::string& topic : advertised) {
     const ros::PublicationPtr publication = ros::TopicManager::instance()->lookupPublication(topic);
     if (publication) complete &= call("registerPublisher", {topic, publication->getDataType(), uri}, payload);
   }
-  ros::this_node::getSubscribedTopics(topics);
-  for (const std::string& topic : topics) {
+  ros::this_node::getSubscribedTopics(subscribed);
+  for (const std::string& topic : subscribed) {
     const bool taken = call("registerSubscriber", {topic, "*", uri}, payload);
     if (taken) connectTo(topic, payload);
     complete &= taken;

@@ -1,8 +1,11 @@
-/// Keeps the node registered when the ROS master is lost and comes back.
+/// Keeps the node registered when the ROS master is lost and comes back, and looks for nodes that
+/// publish to the same devices.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
+#include <map>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -15,28 +18,36 @@ namespace haptic_cloth {
 class MasterWatch {
  public:
   /// @param services full names of the services of this node
-  explicit MasterWatch(const std::vector<std::string>& services) : services_(services) {}
+  /// @param outputs full names of the topics that its devices follow
+  MasterWatch(const std::vector<std::string>& services, const std::vector<std::string>& outputs)
+      : services_(services), outputs_(outputs) {}
 
   /// Runs until `stop`.
   void run(const std::atomic<bool>& stop);
 
   bool reachable() const { return reachable_; }
 
-  /// Number of registrations with a new master.
+  /// Number of times that everything was registered again.
   std::uint64_t renewals() const { return renewals_; }
+
+  /// Names of the other nodes that publish an output; empty: none.
+  std::string otherPublishers(const std::string& output) const;
 
  private:
   void look();
+  void findOtherPublishers();
   /// @return whether the master knows the node and all its services
   bool isKnown() const;
   /// @return whether the master accepted everything
   bool registerAnew() const;
 
-  std::vector<std::string> services_;
+  std::vector<std::string> services_, outputs_;
   bool incomplete_ = false;  ///< whether the last registration must be repeated
   int unknown_ = 0;          ///< checks in a row at which the master did not know this node
   std::atomic<bool> reachable_{true};
   std::atomic<std::uint64_t> renewals_{0};
+  mutable std::mutex mutex_;                   ///< of the member below
+  std::map<std::string, std::string> others_;  ///< other publishers of each output that has some
 };
 
 }  // namespace haptic_cloth

@@ -10,8 +10,9 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <memory>
 #include <utility>
+
+#include "haptic_cloth/error.h"
 
 namespace haptic_cloth {
 namespace {
@@ -19,11 +20,6 @@ namespace {
 constexpr auto kPeriod = std::chrono::milliseconds(200);  ///< between two writes
 constexpr std::size_t kMost = 64 << 20;                   ///< lines that may wait for the disk [bytes]
 constexpr char kBegin[] = "haptic_cloth recording";
-
-struct Close {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-using File = std::unique_ptr<std::FILE, Close>;
 
 /// The first of PATH.1, PATH.2, … that nothing has.
 std::string unusedName(const std::string& path) {
@@ -37,7 +33,33 @@ std::string unusedName(const std::string& path) {
 
 }  // namespace
 
-RecordWriter::RecordWriter(std::string path) : path_(std::move(path)), thread_([this] { run(); }) {}
+RecordFile openRecording(const std::string& path, const std::string& origin) {
+  const auto refuse = [&](const std::string& rule) { throw InputError(origin, "record", path, rule); };
+  // Locks the file. File systems without locks do not refuse.
+  const auto open = [&] {
+    RecordFile file(std::fopen(path.c_str(), "a+e"));
+    if (file == nullptr) refuse(std::string("cannot be written: ") + std::strerror(errno));
+    if (flock(fileno(file.get()), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+      refuse("is being written by another program");
+    return file;
+  };
+  std::error_code none;  // what does not exist is made; a FIFO would block
+  if (std::filesystem::exists(path, none) && !std::filesystem::is_regular_file(path, none))
+    refuse("must be a regular file");
+  RecordFile file = open();
+  std::string begin(sizeof(kBegin) - 1, ' ');
+  begin.resize(std::fread(&begin[0], 1, begin.size(), file.get()));
+  if (begin.empty()) return file;
+  if (begin != kBegin) refuse("must be a new file or a recording");
+  const std::string kept = unusedName(path);
+  // The older recording is locked until it has its other name.
+  if (std::rename(path.c_str(), kept.c_str()) != 0) refuse(kept + ": " + std::strerror(errno));
+  ROS_INFO_STREAM("the older recording is now " << kept);
+  return open();
+}
+
+RecordWriter::RecordWriter(std::string path, RecordFile file)
+    : path_(std::move(path)), file_(std::move(file)), thread_([this] { run(); }) {}
 
 RecordWriter::~RecordWriter() {
   end("");
@@ -67,6 +89,7 @@ void RecordWriter::write(const std::string& line) {
 
 void RecordWriter::run() {
   const std::string error = writeAll();
+  file_.reset();
   if (error.empty()) return;
   ROS_ERROR_STREAM("the recording ends: " << path_ << ": " << error);
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -76,42 +99,15 @@ void RecordWriter::run() {
 
 /// Writes all lines until the end. @return what went wrong; empty: nothing
 std::string RecordWriter::writeAll() {
-  std::error_code none;  // what does not exist is made; a FIFO would block
-  if (std::filesystem::exists(path_, none) && !std::filesystem::is_regular_file(path_, none))
-    return "is there and is no regular file";
-  File file(std::fopen(path_.c_str(), "a+e"));
-  if (file == nullptr) return std::strerror(errno);
-  std::string refused = refusal(*file);
-  if (!refused.empty()) return refused;
-  if (std::ftell(file.get()) > 0) {
-    const std::string kept = unusedName(path_);
-    // Locked until it has its other name.
-    if (std::rename(path_.c_str(), kept.c_str()) != 0) return kept + ": " + std::strerror(errno);
-    ROS_INFO_STREAM("the older recording is now " << kept);
-    file.reset(std::fopen(path_.c_str(), "a+e"));
-    if (file == nullptr) return std::strerror(errno);
-    refused = refusal(*file);
-    if (!refused.empty()) return refused;
-  }
   ROS_INFO_STREAM("recording into " << path_);
   std::string lines;
   for (bool more = true; more;) {
     more = take(lines);
     if (lines.size() > kMost) return "the disk is too slow";
-    const bool written = std::fwrite(lines.data(), 1, lines.size(), file.get()) == lines.size();
-    if (!written || std::fflush(file.get()) != 0) return std::strerror(errno);
+    const bool written = std::fwrite(lines.data(), 1, lines.size(), file_.get()) == lines.size();
+    if (!written || std::fflush(file_.get()) != 0) return std::strerror(errno);
   }
   return "";
-}
-
-/// Locks the file as long as it is open. @return why a recording may not take its place; empty: it may
-std::string RecordWriter::refusal(std::FILE& file) {
-  // File systems without locks do not refuse.
-  if (flock(fileno(&file), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-    return "another program is writing it";
-  std::string begin(sizeof(kBegin) - 1, ' ');
-  begin.resize(std::fread(&begin[0], 1, begin.size(), &file));
-  return begin.empty() || begin == kBegin ? "" : "is there and is no recording";
 }
 
 /// Waits for lines. @return false: these are the last ones

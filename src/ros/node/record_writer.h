@@ -3,19 +3,32 @@
 
 #include <condition_variable>
 #include <cstdio>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
 
 namespace haptic_cloth {
 
-/// A file to which another thread writes lines. The solver never waits for the disk. A file that cannot be
-/// written ends the recording, with an error in the log, and never the node.
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+/// A file that was opened for a recording, locked as long as it is open.
+using RecordFile = std::unique_ptr<std::FILE, CloseFile>;
+
+/// Opens and locks the file of a recording.
+/// @param path of a file that is new, empty, or another recording, which then gets the name path.1, or the
+/// next number that is free
+/// @param origin of the path, for messages
+/// @throws InputError if the file cannot be written, or holds something else, or is being written
+RecordFile openRecording(const std::string& path, const std::string& origin);
+
+/// A file to which another thread writes lines. The solver never waits for the disk. A disk that is full or
+/// too slow ends the recording, with an error in the log, and never the node.
 class RecordWriter {
  public:
-  /// @param path of a file that is new, empty, or another recording, which then gets the name path.1, or the
-  /// next number that is free
-  explicit RecordWriter(std::string path);
+  /// @param path for messages  @param file from openRecording()
+  RecordWriter(std::string path, RecordFile file);
 
   /// Writes what is left.
   ~RecordWriter();
@@ -32,10 +45,10 @@ class RecordWriter {
  private:
   void run();
   std::string writeAll();
-  static std::string refusal(std::FILE& file);
   bool take(std::string& lines);
 
   std::string path_;
+  RecordFile file_;   ///< of the thread
   std::mutex mutex_;  ///< of the two members below
   std::string lines_;
   enum class Phase { Open, Ending, Failed } phase_ = Phase::Open;

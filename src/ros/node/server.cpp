@@ -15,6 +15,7 @@
 #include <deque>
 #include <future>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "ros/display/display_thread.h"
@@ -60,30 +61,34 @@ struct ServiceThread {
 
 }  // namespace
 
-std::optional<NodeOptions> readParameters(const ros::NodeHandle& private_node,
-                                          const std::function<bool()>& called_off) {
+std::optional<NodeInput> readParameters(const ros::NodeHandle& private_node,
+                                        const std::function<bool()>& called_off) {
   XmlRpc::XmlRpcValue tree;
   private_node.getParam(private_node.getNamespace(), tree);
   const std::string origin = private_node.getNamespace() + " (parameters)";
-  const auto options = std::make_shared<NodeOptions>();
-  const auto parse = [options, tree, origin] { *options = parseNodeOptions(tree, origin); };
-  if (!runFileWork(parse, called_off)) return std::nullopt;
-  return *options;
+  const auto input = std::make_shared<NodeInput>();
+  const auto read = [input, tree, origin] {
+    input->options = parseNodeOptions(tree, origin);
+    const std::string& record = input->options.record;
+    if (!record.empty()) input->recording = openRecording(record, origin);
+  };
+  if (!runFileWork(read, called_off)) return std::nullopt;
+  return std::move(*input);
 }
 
 class HapticClothServer::Implementation {
  public:
-  Implementation(const ros::NodeHandle& node, const ros::NodeHandle& private_node, const NodeOptions& options)
-      : options_(options),
+  Implementation(const ros::NodeHandle& node, const ros::NodeHandle& private_node, NodeInput input)
+      : options_(std::move(input.options)),
         shared_(options_),
-        solver_(options_, shared_),
+        solver_(options_, shared_, std::move(input.recording)),
         node_(node),
         private_node_(private_node),
         transform_input_(transforms_),
         probes_(offerProbes()),
         obstacles_(offerObstacles()),
         haptics_(options_, publishers(), shared_),
-        master_(services()),
+        master_(services(), outputs()),
         display_(options_, advertise(node_), {name(), probes_, obstacles_, haptics_, master_}, shared_),
         pose_spinner_(1, &pose_queue_) {
     for (const std::string& warning : deviceWarnings(options_)) ROS_WARN_STREAM(warning);
@@ -160,6 +165,16 @@ class HapticClothServer::Implementation {
     return names;
   }
 
+  /// Full names of the topics that devices follow.
+  std::vector<std::string> outputs() const {
+    std::vector<std::string> names;
+    for (const ProbeTopics& probe : probes_) {
+      names.push_back(probe.reaction().getTopic());
+      names.push_back(probe.command().getTopic());  // "" without one
+    }
+    return names;
+  }
+
   void offerServices() {
     ros::NodeHandle quick = quick_thread_.handle(private_node_), reset = reset_thread_.handle(private_node_);
     pause_service_ = quick.advertiseService(topics::kPause, &Implementation::pause, this);
@@ -216,8 +231,8 @@ class HapticClothServer::Implementation {
 };
 
 HapticClothServer::HapticClothServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
-                                     const NodeOptions& options)
-    : implementation_(std::make_unique<Implementation>(node, private_node, options)) {}
+                                     NodeInput input)
+    : implementation_(std::make_unique<Implementation>(node, private_node, std::move(input))) {}
 
 HapticClothServer::~HapticClothServer() = default;
 

@@ -7,21 +7,27 @@
 #include <memory>
 #include <optional>
 
+#include "ros/node/record_writer.h"
 #include "ros/options/node_options.h"
 
 namespace haptic_cloth {
 
-/// Reads the private parameters and the files they name.
+/// What the node starts with.
+struct NodeInput {
+  NodeOptions options;
+  RecordFile recording;  ///< null: nothing is recorded
+};
+
+/// Reads the private parameters and the files they name, and opens the recording.
 /// @param called_off asked while a file system does not answer; true cancels
-/// @return the options, or nothing if cancelled  @throws InputError for bad parameters
-std::optional<NodeOptions> readParameters(
+/// @return the input, or nothing if cancelled  @throws InputError for bad parameters
+std::optional<NodeInput> readParameters(
     const ros::NodeHandle& private_node, const std::function<bool()>& called_off = [] { return false; });
 
 class HapticClothServer {
  public:
-  /// Starts all threads. @param options from readParameters()
-  HapticClothServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
-                    const NodeOptions& options);
+  /// Starts all threads. @param input from readParameters()
+  HapticClothServer(const ros::NodeHandle& node, const ros::NodeHandle& private_node, NodeInput input);
 
   /// Calls stop().
   ~HapticClothServer();

@@ -80,10 +80,11 @@ struct DisplayFrame {
   StepReport last;
 };
 
-/// The solver over one window of about a second.
+/// The solver over one window of about a second, and the cloth at its end. A pause, a reset and a
+/// loaded state end a window early.
 struct SolverStats {
-  double taken = -1.0;          ///< steady clock at the end of the window [s]; < 0: none yet
-  double wall = 0.0;            ///< length of the window [s]
+  double taken = -1.0;          ///< steady clock at the end of the last whole window [s]; < 0: none yet
+  double wall = 0.0;            ///< length of the window [s]; 0: it ended early
   double time = 0.0;            ///< simulated since reset [s]
   int steps = 0;                ///< in the window
   double real_time_factor = 0;  ///< simulated over wall time [-]

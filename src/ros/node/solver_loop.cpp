@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <thread>
+#include <utility>
 
 #include "ros/node/steady_clock.h"
 #include "sim/recording.h"
@@ -24,7 +25,7 @@ Scene sceneFor(Scene scene) {
 
 }  // namespace
 
-SolverLoop::SolverLoop(const NodeOptions& options, SharedState& shared)
+SolverLoop::SolverLoop(const NodeOptions& options, SharedState& shared, RecordFile recording)
     : shared_(shared),
       live_(shared.live_for_solver),
       simulation_(sceneFor(options.scene)),
@@ -32,8 +33,8 @@ SolverLoop::SolverLoop(const NodeOptions& options, SharedState& shared)
       probes_(options.probes),
       pacer_(simulation_, options.pace) {
   window_.meets_itself = simulation_.meetsItself();
-  if (options.record.empty()) return;
-  recorder_.emplace(options.record);
+  if (recording == nullptr) return;
+  recorder_.emplace(options.record, std::move(recording));
   recorder_->write(recorded::header(simulation_));
   simulation_.record([this](const std::string& line) { recorder_->write(line); });
 }
@@ -46,7 +47,7 @@ void SolverLoop::run() {
     copyFrameWhenWanted();
     if (shared_.paused) {
       pacer_.restart();
-      window_start_ = -1.0;
+      if (window_start_ >= 0.0) endWindow();
       for (SharedProbe& probe : shared_.probes) probe.session().pause(simulation_);
       sleepUntil(steadyNow() + kIdle);
       continue;
@@ -99,7 +100,9 @@ void SolverLoop::startAnew() {
     targets_seen_[k] = shared_.obstacles[k].read().number;
   pacer_.restart();
   last_ = StepReport();
-  window_start_ = -1.0;
+  last_.active_particles = simulation_.activeParticles();
+  window_.iterations = 0.0;
+  endWindow();
   shared_.frame_wanted = true;
   copyFrameWhenWanted();
 }
@@ -181,9 +184,25 @@ void SolverLoop::record(const StepReport& report) {
   if (now - window_start_ < kWindow) return;
   window_.taken = now;
   window_.wall = now - window_start_;
-  window_.time = simulation_.time();
-  window_.real_time_factor = (window_.time - window_start_time_) / window_.wall;
+  window_.real_time_factor = (simulation_.time() - window_start_time_) / window_.wall;
   window_.iterations = window_iterations_ / window_.steps;
+  writeStats();
+  window_start_ = now;
+  window_start_time_ = window_.time;
+  window_.steps = 0;
+  window_iterations_ = 0.0;
+}
+
+/// Ends the window before its time, because no step follows or the cloth is another.
+void SolverLoop::endWindow() {
+  window_start_ = -1.0;
+  window_.wall = 0.0;
+  writeStats();
+}
+
+/// Writes the statistics with the values of the cloth as it is.
+void SolverLoop::writeStats() {
+  window_.time = simulation_.time();
   window_.quality = pacer_.quality();
   window_.kinetic = simulation_.energy().kinetic;
   window_.force_errors.clear();
@@ -191,12 +210,8 @@ void SolverLoop::record(const StepReport& report) {
     window_.force_errors.push_back(forceError(k));
   }
   window_.failed = failed_;
-  window_.last = report;
+  window_.last = last_;
   shared_.solver_stats.write(window_);
-  window_start_ = now;
-  window_start_time_ = window_.time;
-  window_.steps = 0;
-  window_iterations_ = 0.0;
 }
 
 }  // namespace haptic_cloth

@@ -15,8 +15,9 @@ namespace haptic_cloth {
 
 class SolverLoop {
  public:
+  /// @param recording from openRecording(); null: nothing is recorded
   /// @throws InputError if the scene is not valid
-  SolverLoop(const NodeOptions& options, SharedState& shared);
+  SolverLoop(const NodeOptions& options, SharedState& shared, RecordFile recording = nullptr);
 
   /// Runs until `shared.stop`.
   void run();
@@ -39,6 +40,8 @@ class SolverLoop {
   void copyFrameWhenWanted();
   void moveObstacles();
   void record(const StepReport& report);
+  void endWindow();
+  void writeStats();
   double forceError(std::size_t probe) const;
 
   SharedState& shared_;

@@ -68,6 +68,9 @@ void validateNodeOptions(const NodeOptions& options, const std::string& origin) 
   for (std::size_t k = 0; k < node.probes.size(); ++k) {
     checkOptions(optionsOf(node.probes[k].device), "devices/" + node.scene.probes[k].name + '/', locate);
     validateHapticOptions(node.probes[k].haptics, origin);
+    // The session gets what the scales of the device make of them.
+    validateHapticOptions(limitsAtProbe(node.probes[k].haptics, node.probes[k].device),
+                          origin + ", on the probe " + node.scene.probes[k].name);
   }
 }
 

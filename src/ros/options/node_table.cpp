@@ -16,17 +16,17 @@ Options generalOptions(NodeOptions& node) {
       {"scene_file", field(node.scene_file), kNoRange, "", "read first; scene parameters override it"},
       {"scene_directory", field(node.scene_directory), kNoRange, "",
        "without `scene_file`: folder of relative fabric paths"},
-      {"max_pose_age", field(node.max_pose_age), kFiniteNotNegative, "s",
+      {"max_pose_age", field(node.max_pose_age), kNotNegative, "s",
        "a pose with an older stamp is dropped; 0: never", Live{0.0, 2.0}},
       {"step_budget", field(node.step_budget), kNotNegative, "s",
        "wall clock of one step, whatever the scene; 0: no limit", Live{0.0, 0.1}},
       {"keep_clock", field(node.pace.keep_clock), kNoRange, "",
        "a late solver gives up quality instead of simulated time", Live{0.0, 1.0}},
-      {"max_time_step", field(node.pace.max_time_step), kFinitePositive, "s", "longest step of a late solver",
+      {"max_time_step", field(node.pace.max_time_step), kPositive, "s", "longest step of a late solver",
        Live{0.001, 0.02}},
       {"record", field(node.record), kNoRange, "",
        "file for a recording that `simulate` replays; empty: none"},
-      {"gain_ramp", field(node.gain_ramp), kFiniteNotNegative, "s", "time in which changed gains are reached",
+      {"gain_ramp", field(node.gain_ramp), kNotNegative, "s", "time in which changed gains are reached",
        Live{0.0, 5.0}},
       {"devices", OwnReader{"{}", "map"}, kNoRange, "", "other values of `device` for a probe, by its name"}};
   for (const Option& option : poseOptions(node.haptics)) options.push_back(option);
@@ -35,13 +35,13 @@ Options generalOptions(NodeOptions& node) {
 
 Options markerOptions(MarkerOptions& markers) {
   return {{"rate", field(markers.rate), kDisplayRate, "Hz", "rate of `cloth/markers`", Live{1.0, 60.0}},
-          {"force_scale", field(markers.force_scale), kFinitePositive, "m/N", "length of the force arrow",
+          {"force_scale", field(markers.force_scale), kPositive, "m/N", "length of the force arrow",
            Live{0.001, 0.5}},
           {"colouring", field(markers.colouring, colouringNames()), kNoRange, "",
            "what the lines of the mesh show", Live{}},
-          {"full_tension", field(markers.full_tension), kFinitePositive, "N/m",
+          {"full_tension", field(markers.full_tension), kPositive, "N/m",
            "tension at which a line has its full colour", Live{0.1, 500.0}},
-          {"full_bending", field(markers.full_bending), kFinitePositive, "J/m²",
+          {"full_bending", field(markers.full_bending), kPositive, "J/m²",
            "bending energy at which a line has its full colour", Live{1e-4, 1.0}}};
 }
 

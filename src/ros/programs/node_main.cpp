@@ -5,6 +5,7 @@
 #include <atomic>
 #include <csignal>
 #include <cstdlib>
+#include <utility>
 
 #include "ros/node/server.h"
 #include "ros/node/shutdown.h"
@@ -36,12 +37,12 @@ int run(int argc, char** argv) {
   if (!haptic_cloth::waitForMaster(signals)) return 0;
   ros::NodeHandle node, private_node("~");
   bool ended = false;
-  const auto options = haptic_cloth::readParameters(private_node, [&] {
+  auto input = haptic_cloth::readParameters(private_node, [&] {
     ended = asked || !ros::ok() || signals.wait(0);
     return ended;
   });
   if (ended) endAtOnce();
-  haptic_cloth::HapticClothServer server(node, private_node, *options);
+  haptic_cloth::HapticClothServer server(node, private_node, std::move(*input));
   ROS_INFO("ready");
   while (!asked && ros::ok() && !signals.wait(100)) server.check();
   haptic_cloth::endWithin(kEnd);

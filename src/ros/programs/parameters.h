@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "haptic_cloth/error.h"
 #include "ros/options/node_options.h"
 #include "ros/options/parameter_group.h"
 #include "ros/programs/program_options.h"
@@ -30,10 +31,10 @@ ProgramOptions ownOptions(const ros::NodeHandle& private_node) {
 }
 
 /// Options of the node whose resolved name is `node_name`.
-/// @throws InputError as parseNodeOptions()
+/// @throws InputError if it has no parameters, or as parseNodeOptions()
 inline NodeOptions optionsOf(const ros::NodeHandle& node, const std::string& node_name) {
   XmlRpc::XmlRpcValue tree;
-  node.getParam(node_name, tree);
+  if (!node.getParam(node_name, tree)) throw InputError(node_name, "", "", "no parameters; is `node` right?");
   return parseNodeOptions(tree, node_name + " (parameters)");
 }
 

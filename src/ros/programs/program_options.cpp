@@ -23,39 +23,38 @@ std::string tableOf(ProgramOptions options) {
 }  // namespace
 
 std::vector<OptionGroup> groupsOf(HandOptions& hand) {
-  return {{"",
-           "",
-           {{"start", field(hand.start), kPosition, "m", "waiting position above the cloth"},
-            {"press", field(hand.press), kPosition, "m", "target of the pressing hand"},
-            {"slide", field(hand.slide), kPosition, "m", "displacement while it presses"},
-            {"delay", field(hand.delay), kFiniteNotNegative, "s", "before the first approach"},
-            {"approach_time", field(hand.approach_time), kFinitePositive, "s", "down to `press`"},
-            {"hold_time", field(hand.hold_time), kFiniteNotNegative, "s",
-             "rest at both ends of the slide, and above"},
-            {"slide_time", field(hand.slide_time), kFinitePositive, "s", "duration of the slide"},
-            {"lift_time", field(hand.lift_time), kFinitePositive, "s", "back to `start`"},
-            {"mass", field(hand.mass), kFinitePositive, "kg", "mass of device and finger"},
-            {"stiffness", field(hand.stiffness), kFinitePositive, "N/m", "stiffness of the arm"},
-            {"damping", field(hand.damping), kFiniteNotNegative, "N·s/m", "damping of the arm"},
-            {"rate", field(hand.rate), kFinitePositive, "Hz", "poses per second"},
-            {"frame_id", field(hand.frame_id), kNoRange, "", "frame of the poses"}}}};
-}
-
-std::vector<OptionGroup> groupsOf(MouseHandOptions& hand) {
   return {
       {"",
        "",
-       {{"node", field(hand.node), kNoRange, "", kServed},
-        {"rate", field(hand.rate), kFinitePositive, "Hz", "poses per second"},
-        {"time_constant", field(hand.time_constant), kFinitePositive, "s", "lag between marker and hand"}}}};
+       {{"start", field(hand.start), kPosition, "m", "waiting position above the cloth"},
+        {"press", field(hand.press), kPosition, "m", "target of the pressing hand"},
+        {"slide", field(hand.slide), kPosition, "m", "displacement while it presses"},
+        {"delay", field(hand.delay), kNotNegative, "s", "before the first approach"},
+        {"approach_time", field(hand.approach_time), kPositive, "s", "down to `press`"},
+        {"hold_time", field(hand.hold_time), kNotNegative, "s", "rest at both ends of the slide, and above"},
+        {"slide_time", field(hand.slide_time), kPositive, "s", "duration of the slide"},
+        {"lift_time", field(hand.lift_time), kPositive, "s", "back to `start`"},
+        {"mass", field(hand.mass), kPositive, "kg", "mass of device and finger"},
+        {"stiffness", field(hand.stiffness), kPositive, "N/m", "stiffness of the arm"},
+        {"damping", field(hand.damping), kNotNegative, "N·s/m", "damping of the arm"},
+        {"rate", field(hand.rate), kPositive, "Hz", "poses per second"},
+        {"frame_id", field(hand.frame_id), kNoRange, "", "frame of the poses"}}}};
+}
+
+std::vector<OptionGroup> groupsOf(MouseHandOptions& hand) {
+  return {{"",
+           "",
+           {{"node", field(hand.node), kNoRange, "", kServed},
+            {"rate", field(hand.rate), kPositive, "Hz", "poses per second"},
+            {"time_constant", field(hand.time_constant), kPositive, "s", "lag between marker and hand"}}}};
 }
 
 std::vector<OptionGroup> groupsOf(PathHandOptions& hand) {
   return {{"",
            "",
            {{"node", field(hand.node), kNoRange, "", kServed},
-            {"rate", field(hand.rate), kFinitePositive, "Hz", "poses per second"},
-            {"repeat_after", field(hand.repeat_after), kFiniteNotNegative, "s",
+            {"rate", field(hand.rate), kPositive, "Hz", "poses per second"},
+            {"repeat_after", field(hand.repeat_after), kNotNegative, "s",
              "wait after the end of all paths before they start again with a reset; 0: they do not"}}}};
 }
 
@@ -63,13 +62,13 @@ std::vector<OptionGroup> groupsOf(MonitorOptions& monitor) {
   return {{"",
            "",
            {{"node", field(monitor.node), kNoRange, "", kServed},
-            {"seconds", field(monitor.seconds), kFiniteNotNegative, "s",
+            {"seconds", field(monitor.seconds), kNotNegative, "s",
              "length of the measurement once all topics flow; 0: until interrupted"},
-            {"patience", field(monitor.patience), kFinitePositive, "s",
+            {"patience", field(monitor.patience), kPositive, "s",
              "longest wait for parameters, then for the first messages"},
-            {"reaction_rate", field(monitor.reaction_rate), kFiniteNotNegative, "Hz",
+            {"reaction_rate", field(monitor.reaction_rate), kNotNegative, "Hz",
              "lowest good rate of `NAME/reaction`"},
-            {"display_rate", field(monitor.display_rate), kFiniteNotNegative, "Hz",
+            {"display_rate", field(monitor.display_rate), kNotNegative, "Hz",
              "lowest good rate of markers and state"}}}};
 }
 
@@ -79,14 +78,14 @@ std::vector<OptionGroup> groupsOf(GraspButtonOptions& button) {
 }
 
 std::vector<OptionGroup> groupsOf(LatencyProbeOptions& probe) {
-  return {{"",
-           "",
-           {{"node", field(probe.node), kNoRange, "", "node that is measured"},
-            {"out", field(probe.out), kNoRange, "", "JSON file of the result; empty: standard output"},
-            {"nodelet", field(probe.nodelet), kNoRange, "", "loads the node into this process as a nodelet"},
-            {"hang", field(probe.hang), kFiniteNotNegative, "s",
-             "simulated time before the probe follows its path"},
-            {"seconds", field(probe.seconds), atLeast(1), "s", "length of the measurement"}}}};
+  return {
+      {"",
+       "",
+       {{"node", field(probe.node), kNoRange, "", "node that is measured"},
+        {"out", field(probe.out), kNoRange, "", "JSON file of the result; empty: standard output"},
+        {"nodelet", field(probe.nodelet), kNoRange, "", "loads the node into this process as a nodelet"},
+        {"hang", field(probe.hang), kNotNegative, "s", "simulated time before the probe follows its path"},
+        {"seconds", field(probe.seconds), atLeast(1), "s", "length of the measurement"}}}};
 }
 
 std::vector<std::pair<std::string, std::string>> programTables() {

@@ -339,6 +339,10 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
     felt.status = stopped;
     EXPECT_EQ(probe().level, DiagnosticStatus::WARN);
   }
+  const DiagnosticStatus shared =
+      probeStatus("thumb", counters, felt, GraspState::Open, 0.0, 10.0, "pose", "/other");
+  EXPECT_EQ(shared.level, DiagnosticStatus::WARN);
+  EXPECT_EQ(shared.message, "the device also gets messages of /other");
   EXPECT_EQ(displayStatus(0, 0, false, 0).level, DiagnosticStatus::WARN);
 }
 

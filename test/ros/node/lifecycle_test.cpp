@@ -175,6 +175,25 @@ TEST_F(LifecycleTest, NodesInTwoNamespacesAreToldApart) {
   ros::param::del("/right");
 }
 
+/// A device that follows two nodes in turn is a mistake that neither of them feels.
+TEST_F(LifecycleTest, ASecondPublisherOfAForceIsNamed) {
+  const DiagnosticsListener diagnostics(node_);
+  const auto others = [&] { return diagnostics.value("probe", "other publishers"); };
+  const std::string own = ros::this_node::getName();
+  Process process(readableCommand());
+  ASSERT_TRUE(waitFor([&] { return others() == "none"; })) << process.output();
+  {
+    const ros::Publisher second = node_.advertise<geometry_msgs::WrenchStamped>("probe/reaction", 1);
+    EXPECT_TRUE(waitFor([&] { return others() == own; }));
+  }
+  EXPECT_TRUE(waitFor([&] { return others() == "none"; }));
+  const std::string warning = "/probe/reaction is also published by " + own, output = process.output();
+  EXPECT_NE(output.find(warning), std::string::npos) << output;
+  EXPECT_EQ(output.find(warning), output.rfind(warning)) << "once a change: " << output;
+  process.signal(SIGTERM);
+  EXPECT_EQ(process.wait(), 0);
+}
+
 TEST_F(LifecycleTest, BadParametersAreNamed) {
   const std::string scene = "_scene_file:=" + kScene;
   expectRefused({}, "cloth");
@@ -184,6 +203,8 @@ TEST_F(LifecycleTest, BadParametersAreNamed) {
   expectRefused({scene, "_max_pose_age:=soon"}, "max_pose_age");
   expectRefused({scene, "_probe/radius:=-0.01"}, "probe.radius");
   expectRefused({"_scene_file:=/nowhere/scene.yaml"}, "/nowhere/scene.yaml");
+  for (const std::string file : {"/nowhere/session", "/tmp", "/dev/full", "/etc/hostname"})
+    expectRefused({scene, "_step_budget:=0.0", "_record:=" + file}, "record = " + file);
 }
 
 /// It must not reset a cloth that others work on, which is the first thing that it does to the node.
@@ -193,6 +214,39 @@ TEST_F(LifecycleTest, APathHandWithoutPathsEndsWithAnError) {
   Process hand({programDirectory() + "/path_hand", "_node:=/cloth"});
   EXPECT_EQ(hand.wait(), 2);
   EXPECT_NE(hand.output().find("no probe of the scene has a path"), std::string::npos) << hand.output();
+}
+
+TEST_F(LifecycleTest, AHandSaysThatItsNodeHasNoParameters) {
+  for (const char* const program : {"/path_hand", "/mouse_hand"}) {
+    Process hand({programDirectory() + program, "_node:=nope"});
+    EXPECT_EQ(hand.wait(), 2);
+    EXPECT_NE(hand.output().find("/nope: no parameters; is `node` right?"), std::string::npos)
+        << hand.output();
+  }
+}
+
+/// Parameters of earlier launches or runs do not act on a launch that does not name them.
+TEST_F(LifecycleTest, ALaunchForgetsEarlierParameters) {
+  const auto forgets = [](const std::vector<std::string>& arguments,
+                          const std::vector<std::string>& earlier) {
+    for (const std::string& name : earlier) ros::param::set(name, 1);
+    std::vector<std::string> command{"roslaunch", "haptic_cloth"};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    Process launch(command);
+    EXPECT_TRUE(waitFor([] { return ros::service::exists("/haptic_cloth/reset", false); }))
+        << launch.output();
+    for (const std::string& name : earlier) EXPECT_FALSE(ros::param::has(name)) << name;
+    launch.signal(SIGINT);
+    EXPECT_GE(launch.wait(), 0) << launch.output();
+  };
+  forgets({"device.launch", "driver:=chai3d", "scene:=" + kScene},
+          {"/device_adapter/force/timeout", "/grasp_button/earlier"});
+  EXPECT_TRUE(ros::param::has("/grasp_button/number")) << "an argument of the launch file";
+  forgets({"demo.launch", "mouse:=true", "rviz:=false", "scene:=" + kScene}, {"/mouse_hand/rate"});
+  forgets({"demo.launch", "path:=true", "hand:=false", "rviz:=false", "scene:=" + kScene},
+          {"/path_hand/rate", "/path_hand/node"});
+  EXPECT_TRUE(ros::param::has("/path_hand/repeat_after"));
+  for (const char* const node : {"/haptic_cloth", "/grasp_button", "/path_hand"}) ros::param::del(node);
 }
 
 TEST_F(LifecycleTest, RespawnDoesNotRepeatBadParameters) {
@@ -207,7 +261,7 @@ TEST_F(LifecycleTest, RespawnDoesNotRepeatBadParameters) {
   Process launch({"roslaunch", "haptic_cloth", "haptic_cloth.launch", "respawn:=true", "scene:=" + kScene,
                   std::string("settings:=") + settings});
   const auto errors = [&] {
-    const std::string output = launch.output(), rule = "must be finite and > 0";
+    const std::string output = launch.output(), rule = "must be > 0";
     int count = 0;
     for (auto at = output.find(rule); at != std::string::npos; at = output.find(rule, at + 1)) ++count;
     return count;
@@ -269,11 +323,19 @@ TEST_F(LifecycleTest, ANewMasterFindsTheNodeAgain) {
   EXPECT_TRUE(waitFor([&] { return master.knowsService("/cloth/reset"); })) << process.output();
   EXPECT_TRUE(master.knows("/cloth"));
 
+  EXPECT_TRUE(waitFor(
+      [&] { return process.output().find("registered again with the ROS master") != std::string::npos; }));
+  Process info({"rostopic", "info", "/probe/reaction"}, {"ROS_MASTER_URI=" + master.uri()});
+  EXPECT_EQ(info.wait(), 0);
+  EXPECT_NE(info.output().find("Subscribers: None"), std::string::npos)
+      << "the node is registered as a subscriber of its output: " << info.output();
+
   // A new subscriber finds the topic and gets the force: rostopic echo ends after one message.
   Process echo({"rostopic", "echo", "-n1", "/probe/reaction"}, {"ROS_MASTER_URI=" + master.uri()});
   EXPECT_EQ(echo.wait(), 0) << echo.output();
   process.signal(SIGTERM);
   EXPECT_EQ(process.wait(), 0);
+  EXPECT_FALSE(master.knows("/cloth")) << "a dead node is left in the master";
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 /// Files of recordings. Criteria: a file holds every line up to the end; one that cannot or must not be
-/// written is left alone, and the solver does not notice.
+/// written is refused and left alone; of a full disk the solver does not notice.
 #include "ros/node/record_writer.h"
 
 #include <gtest/gtest.h>
@@ -8,7 +8,10 @@
 
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <sstream>
+
+#include "haptic_cloth/error.h"
 
 namespace haptic_cloth {
 namespace {
@@ -28,23 +31,37 @@ class RecordWriterTest : public testing::Test {
     return text.str();
   }
 
+  std::unique_ptr<RecordWriter> writer() const {
+    return std::make_unique<RecordWriter>(file_, openRecording(file_, "test"));
+  }
+
+  /// Message with which a file is refused.
+  static std::string refusal(const std::string& file) {
+    try {
+      openRecording(file, "test");
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
   const std::string file_;
 };
 
 TEST_F(RecordWriterTest, WritesEveryLineUpToTheEnd) {
   for (const std::string last : {"end 1", "end 2"}) {  // the second recording takes the place of the first
     std::string expected = "haptic_cloth recording 1\n";
-    RecordWriter writer(file_);
-    writer.write("haptic_cloth recording 1");
+    const auto writer = this->writer();
+    writer->write("haptic_cloth recording 1");
     for (int k = 0; k < 100000; ++k) {
-      writer.write("step " + std::to_string(k));
+      writer->write("step " + std::to_string(k));
       expected += "step " + std::to_string(k) + '\n';
     }
-    EXPECT_TRUE(writer.isOpen());
-    EXPECT_TRUE(writer.end(last));
-    EXPECT_FALSE(writer.isOpen());
-    EXPECT_FALSE(writer.end("end 3"));
-    writer.write("step 1");
+    EXPECT_TRUE(writer->isOpen());
+    EXPECT_TRUE(writer->end(last));
+    EXPECT_FALSE(writer->isOpen());
+    EXPECT_FALSE(writer->end("end 3"));
+    writer->write("step 1");
     expected += last + '\n';
     for (int k = 0; k < 300 && content() != expected; ++k) usleep(100000);
     EXPECT_TRUE(content() == expected);
@@ -55,9 +72,9 @@ TEST_F(RecordWriterTest, WritesEveryLineUpToTheEnd) {
 TEST_F(RecordWriterTest, KeepsOlderRecordings) {
   const std::string begin = "haptic_cloth recording 2\n";
   for (const std::string session : {"1", "2", "3"}) {
-    RecordWriter writer(file_);
-    writer.write("haptic_cloth recording 2");
-    writer.end("end " + session);
+    const auto writer = this->writer();
+    writer->write("haptic_cloth recording 2");
+    writer->end("end " + session);
   }
   EXPECT_EQ(content(".1"), begin + "end 1\n");
   EXPECT_EQ(content(".2"), begin + "end 2\n");
@@ -67,43 +84,44 @@ TEST_F(RecordWriterTest, KeepsOlderRecordings) {
 
 TEST_F(RecordWriterTest, LeavesOtherFilesAlone) {
   std::ofstream(file_) << "the user's";
-  {
-    RecordWriter writer(file_);
-    writer.write("haptic_cloth recording 1");
-  }
+  EXPECT_EQ(refusal(file_), "test: record = " + file_ + ": must be a new file or a recording");
   EXPECT_EQ(content(), "the user's");
 }
 
 TEST_F(RecordWriterTest, LeavesTheFileOfAnotherWriterAlone) {
   {
-    RecordWriter first(file_);
-    first.write("haptic_cloth recording 1");
+    const auto first = writer();
+    EXPECT_EQ(refusal(file_), "test: record = " + file_ + ": is being written by another program");
+    first->write("haptic_cloth recording 1");
     for (int k = 0; k < 300 && content().empty(); ++k) usleep(100000);
-    RecordWriter second(file_);
-    second.write("haptic_cloth recording 1");
-    for (int k = 0; k < 300 && second.end("end 2"); ++k) usleep(100000);  // it has ended by itself
-    first.write("step 1");
-    first.end("end 1");
+    EXPECT_EQ(refusal(file_), "test: record = " + file_ + ": is being written by another program");
+    first->end("end 1");
   }
-  EXPECT_EQ(content(), "haptic_cloth recording 1\nstep 1\nend 1\n");
+  EXPECT_EQ(content(), "haptic_cloth recording 1\nend 1\n");
 }
 
-/// To open a FIFO that nobody reads would block for ever, and then so would the end of the writer.
+/// To open a FIFO that nobody reads would block for ever.
 TEST_F(RecordWriterTest, LeavesAFifoAlone) {
   ASSERT_EQ(mkfifo(file_.c_str(), 0600), 0);
-  {
-    RecordWriter writer(file_);
-    writer.write("haptic_cloth recording 1");
-  }
+  EXPECT_EQ(refusal(file_), "test: record = " + file_ + ": must be a regular file");
   EXPECT_TRUE(fs::is_fifo(file_));
 }
 
-TEST_F(RecordWriterTest, SurvivesAFileThatCannotBeWritten) {
-  RecordWriter nowhere("/nowhere/file"), folder(testing::TempDir());
-  for (RecordWriter* writer : {&nowhere, &folder}) {
-    for (int k = 0; k < 1000; ++k) writer->write("step 1");
-    writer->end("end 1");
+TEST_F(RecordWriterTest, RefusesAFileThatCannotBeWritten) {
+  EXPECT_EQ(refusal("/nowhere/file"),
+            "test: record = /nowhere/file: cannot be written: No such file or directory");
+  EXPECT_EQ(refusal("/dev/full"), "test: record = /dev/full: must be a regular file");
+  EXPECT_EQ(refusal(testing::TempDir()), "test: record = " + testing::TempDir() + ": must be a regular file");
+}
+
+TEST_F(RecordWriterTest, SurvivesADiskThatIsFull) {
+  RecordWriter writer("/dev/full", RecordFile(std::fopen("/dev/full", "a")));
+  for (int k = 0; k < 300 && writer.isOpen(); ++k) {
+    writer.write("step 1");
+    usleep(100000);
   }
+  EXPECT_FALSE(writer.isOpen());
+  EXPECT_FALSE(writer.end("end 1"));
 }
 
 }  // namespace

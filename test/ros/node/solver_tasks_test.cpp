@@ -6,6 +6,7 @@
 #include <ros/time.h>
 
 #include <atomic>
+#include <chrono>
 #include <future>
 #include <memory>
 #include <string>
@@ -107,6 +108,39 @@ TEST_F(SolverTasksTest, AStateSavedInAPauseHasTheOptionsOfThePause) {
   Scene asked = options_.scene;
   asked.solver.minimizer.tolerance = 0.2;
   EXPECT_NO_THROW(Simulation(asked).loadState(loop_.saveState(), "saved"));
+}
+
+/// Diagnostics in a pause show the cloth that is there: where it stopped, after a reset, after a load.
+TEST_F(SolverTasksTest, StatisticsInAPauseAreThoseOfTheCloth) {
+  std::thread solver([this] { loop_.run(); });
+  double time = 0.0;
+  std::string saved;
+  const auto look = [&](SolverLoop& loop) { time = loop.simulation().time(); };
+  const auto task = [&](const SolverTasks::Work& work) {
+    ASSERT_TRUE(shared_.tasks.run(work, shared_.stop, kPatience));
+  };
+  const auto shows = [&](double expected) {
+    for (int k = 0; k < 1000 && shared_.solver_stats.read().time != expected; ++k)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    return shared_.solver_stats.read();
+  };
+  while (time < 0.05) task(look);
+  shared_.paused = true;
+  task(look);  // no step follows
+  EXPECT_GT(time, 0.0);
+  EXPECT_EQ(shows(time).time, time);
+  task([&](SolverLoop& loop) { saved = loop.saveState(); });
+  ++shared_.resets_wanted;
+  const SolverStats after_reset = shows(0.0);
+  EXPECT_EQ(after_reset.time, 0.0);
+  EXPECT_EQ(after_reset.kinetic, 0.0);
+  EXPECT_GT(after_reset.last.active_particles, 0);
+  EXPECT_EQ(after_reset.wall, 0.0) << "rates are those of the other cloth";
+  task([&](SolverLoop& loop) { loop.loadState(saved, "saved"); });
+  EXPECT_EQ(shows(time).time, time);
+  EXPECT_EQ(shared_.solver_stats.read().force_errors.size(), 1u);
+  shared_.stop = true;
+  solver.join();
 }
 
 TEST_F(SolverTasksTest, ARampGoesOnAfterAStateWasSaved) {

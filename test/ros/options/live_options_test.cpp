@@ -129,9 +129,9 @@ TEST(LiveOptions, ImpossibleOnesAreRefusedByNameValueAndRule) {
   expect({{"devices/probe/force_scale", 0}}, "devices/probe/force_scale = 0: must be in 1e-6 to 100000");
   expect({{"devices/probe/force_scale", std::string("x")}},
          "devices/probe/force_scale = x: must be a number");
-  expect({{"haptics/max_force", infinity}}, "haptics/max_force = inf: must be finite and > 0");
-  expect({{"haptics/max_torque", -1.0}}, "haptics/max_torque = -1: must be finite and >= 0");
-  expect({{"haptics/max_torque", nan}}, "haptics/max_torque = nan: must be finite and >= 0");
+  expect({{"haptics/max_force", infinity}}, "haptics/max_force = inf: must be within 1e-12 to 1e12");
+  expect({{"haptics/max_torque", -1.0}}, "haptics/max_torque = -1: must be >= 0");
+  expect({{"haptics/max_torque", nan}}, "haptics/max_torque = nan: must be >= 0");
   expect({{"haptics/rate", 1e6}}, "haptics/rate = 1e+06: must be in 1 to 10000");
   expect({{"markers/rate", 1e9}}, "markers/rate = 1e+09: must be at most 1000");
   expect({{"markers/colouring", std::string("blue")}},

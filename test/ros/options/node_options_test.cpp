@@ -119,7 +119,7 @@ TEST(NodeOptions, BadOnesAreNamed) {
   };
   EXPECT_EQ(messageOf(sceneParameters()), "");
   EXPECT_NE(with("frame_id", 7).find("frame_id = 7: must be text"), std::string::npos);
-  EXPECT_NE(with("max_pose_age", -1.0).find("max_pose_age = -1: must be finite and >= 0"), std::string::npos);
+  EXPECT_NE(with("max_pose_age", -1.0).find("max_pose_age = -1: must be >= 0"), std::string::npos);
   EXPECT_NE(with("max_pose_age", kNaN).find("max_pose_age"), std::string::npos);
   EXPECT_NE(with("haptics", 3).find("must be a map"), std::string::npos);
   // The known keys are the node's own parameters and the keys of a scene.
@@ -133,6 +133,28 @@ TEST(NodeOptions, BadOnesAreNamed) {
                 .find("haptics/max_farce: unknown parameter; known here: admittance, max_force, "),
             std::string::npos);
   EXPECT_NE(messageOf(XmlRpcValue()).find("/cloth (parameters)"), std::string::npos);
+}
+
+/// Numbers have the limits of those in scenes, also in the scale of the probe.
+TEST(NodeOptions, NumbersThatAreTooLargeOrTooSmallAreNamed) {
+  const auto with = [](const std::string& key, double value, double force_scale = 1.0) {
+    XmlRpcValue parameters = sceneParameters();
+    parameters["haptics"][key] = value;
+    parameters["device"]["force_scale"] = force_scale;
+    return messageOf(parameters);
+  };
+  const auto has = [](const std::string& message, const std::string& words) {
+    EXPECT_NE(message.find(words), std::string::npos) << message;
+  };
+  EXPECT_EQ(with("max_force", 1e12), "");
+  EXPECT_EQ(with("max_force", 1e-12), "");
+  has(with("max_force", 1e300), "haptics/max_force = 1e+300: must be within 1e-12 to 1e12");
+  has(with("max_force", 5e-324), "must be within 1e-12 to 1e12");
+  has(with("max_force_rate", 1e300), "haptics/max_force_rate = 1e+300: must be within 1e-12 to 1e12");
+  has(with("max_torque", 1e300), "haptics/max_torque = 1e+300: must be at most 1e12");
+  has(with("ramp_time", 5e-324), "must be within 1e-12 to 1e12");
+  EXPECT_EQ(with("max_force", 1e6, 1e-6), "");
+  has(with("max_force", 1e7, 1e-6), ", on the probe probe: haptics/max_force = 1e+13: must be within");
 }
 
 }  // namespace

@@ -364,6 +364,30 @@ TEST_F(HapticSessionTest, RefusesWhatItCannotServe) {
   EXPECT_THROW(HapticSession(simulation_.scene(), 0, options), InputError);
 }
 
+/// Bad limits and couplings are refused on the device's thread, before anything changes.
+TEST_F(HapticSessionTest, RefusesOtherOptionsThatAreBad) {
+  press();
+  const auto refuse = [&](double HapticOptions::*option, double value) {
+    HapticOptions bad = session_.options();
+    bad.max_torque = 0.0;  // a good change beside the bad one
+    bad.*option = value;
+    EXPECT_THROW(session_.setOptions(bad), InputError) << value;
+  };
+  for (const double value : {std::numeric_limits<double>::quiet_NaN(), -1.0, 0.0}) {
+    for (const auto option : {&HapticOptions::max_force, &HapticOptions::max_force_rate,
+                              &HapticOptions::ramp_time, &HapticOptions::coupling_stiffness})
+      refuse(option, value);
+  }
+  refuse(&HapticOptions::coupling_damping, -1.0);
+  for (const double unit : {std::numeric_limits<double>::quiet_NaN(), -1.0, 0.0})
+    EXPECT_THROW(session_.setOptions(session_.options(), unit), InputError) << unit;
+  EXPECT_EQ(session_.options().max_torque, HapticOptions().max_torque);
+  const double before = force();
+  press(50);  // each tick checks the limits
+  EXPECT_EQ(simulation_.scene().probes[0].coupling_stiffness, session_.options().coupling_stiffness);
+  EXPECT_GT(before, 0.1);
+}
+
 /// A hand that pushes an admittance device.
 class AdmittanceSessionTest : public ::testing::Test {
  protected:
@@ -428,6 +452,16 @@ TEST_F(AdmittanceSessionTest, StartsAndTurnsWithTheDevice) {
   EXPECT_TRUE(session_.isPresent());
   EXPECT_LT(target_.position.z(), device.position.z());
   EXPECT_TRUE(session_.orientation().isApprox(device.orientation, kRoundOff));
+}
+
+TEST_F(AdmittanceSessionTest, RefusesOtherOptionsThatAreBad) {
+  HapticOptions bad = session_.options();
+  bad.admittance.mass = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(session_.setOptions(bad), InputError);
+  bad = session_.options();
+  bad.admittance.workspace_high = bad.admittance.workspace_low;
+  EXPECT_THROW(session_.setOptions(bad), InputError);
+  EXPECT_EQ(session_.options().admittance.mass, options().admittance.mass);
 }
 
 TEST_F(AdmittanceSessionTest, StopsWithoutForcesAndLeavesTheScene) {
