@@ -5,7 +5,9 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <cstring>
@@ -17,18 +19,34 @@
 namespace haptic_cloth {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr auto kPeriod = std::chrono::milliseconds(200);  ///< between two writes
 constexpr std::size_t kMost = 64 << 20;                   ///< lines that may wait for the disk [bytes]
 constexpr char kBegin[] = "haptic_cloth recording";
+constexpr int kMostKept = 1000000;  ///< a file with a larger number was not named here
 
-/// The first of PATH.1, PATH.2, … that nothing has.
+/// PATH.N with N above the numbers of all such files, so that the highest is always the newest.
 std::string unusedName(const std::string& path) {
+  const fs::path file(path);
+  const std::string start = file.filename().string() + '.';
   std::error_code none;
-  for (int number = 1;; ++number) {
-    const std::string name = path + '.' + std::to_string(number);
-    if (std::filesystem::symlink_status(name, none).type() == std::filesystem::file_type::not_found)
-      return name;
+  int highest = 0;
+  fs::directory_iterator entry(fs::path(".") / file.parent_path(), none);
+  for (; entry != fs::directory_iterator(); entry.increment(none)) {
+    const std::string name = entry->path().filename().string();
+    if (name.rfind(start, 0) != 0) continue;
+    const char* last = name.data() + name.size();
+    int number = 0;
+    const bool numbered = std::from_chars(name.data() + start.size(), last, number).ptr == last;
+    if (numbered && number <= kMostKept) highest = std::max(highest, number);
   }
+  // A folder that cannot be listed may have such files, too. A name that cannot be used fails in rename().
+  std::string name;
+  do {
+    name = path + '.' + std::to_string(++highest);
+  } while (fs::exists(fs::symlink_status(name, none)));
+  return name;
 }
 
 }  // namespace
@@ -44,8 +62,7 @@ RecordFile openRecording(const std::string& path, const std::string& origin) {
     return file;
   };
   std::error_code none;  // what does not exist is made; a FIFO would block
-  if (std::filesystem::exists(path, none) && !std::filesystem::is_regular_file(path, none))
-    refuse("must be a regular file");
+  if (fs::exists(path, none) && !fs::is_regular_file(path, none)) refuse("must be a regular file");
   RecordFile file = open();
   std::string begin(sizeof(kBegin) - 1, ' ');
   begin.resize(std::fread(&begin[0], 1, begin.size(), file.get()));

@@ -17,8 +17,8 @@ struct CloseFile {
 using RecordFile = std::unique_ptr<std::FILE, CloseFile>;
 
 /// Opens and locks the file of a recording.
-/// @param path of a file that is new, empty, or another recording, which then gets the name path.1, or the
-/// next number that is free
+/// @param path of a file that is new, empty, or another recording, which then gets the name path.1, or that
+/// with the number after the highest
 /// @param origin of the path, for messages
 /// @throws InputError if the file cannot be written, or holds something else, or is being written
 RecordFile openRecording(const std::string& path, const std::string& origin);

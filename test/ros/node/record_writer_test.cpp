@@ -22,7 +22,7 @@ class RecordWriterTest : public testing::Test {
  protected:
   RecordWriterTest() : file_(testing::TempDir() + "haptic_cloth_record_" + std::to_string(getpid())) {}
   ~RecordWriterTest() override {
-    for (const char* number : {"", ".1", ".2", ".3"}) fs::remove(file_ + number);
+    for (const char* number : {"", ".1", ".2", ".3", ".1.txt"}) fs::remove(file_ + number);
   }
 
   std::string content(const std::string& number = "") const {
@@ -80,6 +80,26 @@ TEST_F(RecordWriterTest, KeepsOlderRecordings) {
   EXPECT_EQ(content(".2"), begin + "end 2\n");
   EXPECT_EQ(content(), begin + "end 3\n");
   EXPECT_FALSE(fs::exists(file_ + ".3"));
+}
+
+TEST_F(RecordWriterTest, GivesTheNewestOfTheKeptTheHighestNumber) {
+  std::ofstream(file_ + ".1.txt") << "notes";
+  for (const std::string number : {".1", ".2"}) std::ofstream(file_ + number) << "end" << number;
+  std::ofstream(file_) << "haptic_cloth recording 2\n";
+  fs::remove(file_ + ".1");
+  writer();
+  EXPECT_FALSE(fs::exists(file_ + ".1"));
+  EXPECT_EQ(content(".2"), "end.2");
+  EXPECT_EQ(content(".3"), "haptic_cloth recording 2\n");
+}
+
+/// The name of the kept recording would be longer than a file system takes, 255 bytes.
+TEST_F(RecordWriterTest, RefusesARecordingThatItCannotKeep) {
+  const std::string longest = testing::TempDir() + std::string(255, 'r');
+  std::ofstream(longest) << "haptic_cloth recording 2\n";
+  EXPECT_NE(refusal(longest).find(longest + ".1: File name too long"), std::string::npos) << refusal(longest);
+  EXPECT_TRUE(fs::exists(longest));
+  fs::remove(longest);
 }
 
 TEST_F(RecordWriterTest, LeavesOtherFilesAlone) {
