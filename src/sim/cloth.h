@@ -25,6 +25,8 @@ class ClothObjective;
 /// accepted step and loading change the state.
 class Cloth {
  public:
+  static constexpr double kSlow = 1e-3;  ///< rms speed that is not seen [m/s]
+
   /// Flat cloth at rest.
   explicit Cloth(const Scene& scene);
   Cloth(const Cloth&) = delete;  // its fabric refers to its mesh

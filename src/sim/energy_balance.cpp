@@ -31,7 +31,9 @@ double EnergyBalance::guard(double kinetic_before, double gravity_work, const Cl
                             bool converged, Cloth& cloth) {
   const double spent = solved.storedAndLost(), kinetic = cloth.kineticEnergy();
   double allowed = std::max(0.0, energy_before_ + kinetic_before + gravity_work + pin_work_ - spent);
-  if (converged) allowed += balanceUndone(solved.workUndone(), kinetic - allowed);
+  // The noise of cloth that nearly rests must fade.
+  const bool moves = kinetic > 0.5 * cloth.mass() * Cloth::kSlow * Cloth::kSlow;
+  if (converged && moves) allowed += balanceUndone(solved.workUndone(), kinetic - allowed);
   if (kinetic <= allowed) return 1.0;
   const double scale = cloth.limitKineticEnergy(allowed);
   pin_work_ += (1.0 - scale * scale) * cloth.pinnedKineticEnergy();  // what moves the pins pays their share

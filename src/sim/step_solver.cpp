@@ -217,14 +217,13 @@ MinimizerReport StepSolver::minimizeCondensed() {
 /// knows no elastic force on a single node, so a gentle swing, whose forces are within the tolerance, would
 /// fade.
 bool StepSolver::moves() const {
-  constexpr double kSlow = 1e-3;  // rms speed that is not seen [m/s]
   double mass = 0.0, twice_kinetic = 0.0;
   for (int n = 0; n < cloth_.mesh().free; ++n) {
     if (!objective_.awake().contains(n)) continue;
     mass += cloth_.mesh().mass[n];
     twice_kinetic += cloth_.mesh().mass[n] * cloth_.velocities()[n].squaredNorm();
   }
-  return twice_kinetic > kSlow * kSlow * mass;
+  return twice_kinetic > Cloth::kSlow * Cloth::kSlow * mass;
 }
 
 /// Wakes nodes that may not sleep at the last evaluated point. @return whether there were any
