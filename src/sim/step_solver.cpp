@@ -266,16 +266,16 @@ MinimizerReport StepSolver::minimizeJoint() {
 bool StepSolver::balanceAfter(const MinimizerReport& report, double& value) {
   if (isCut(report)) return balanceNetForce(value);
   if (report.why != Termination::Converged || !objective_.allFree()) return false;
-  return balanceNetForce(value, scene_.solver.minimizer.tolerance);
+  return balanceNetForce(value, 2, scene_.solver.minimizer.tolerance);
 }
 
 /// Moves the awake cloth as a whole to the minimum of Φ's quadratic model: along the net force on it, or, if
 /// it is free, in any direction. So its centre of mass obeys Newton's law at a guess, and however a solve
 /// ended. A net force may be far below the tolerance and still be all that lets cloth slide.
 /// @pre the last evaluation was at x_  @param value Φ at x_, which it may lower
-/// @param most_residual that it may leave [-]
+/// @param trials evaluations that it may take  @param most_residual that it may leave [-]
 /// @return whether Φ was evaluated; then gradient_ is that at x_
-bool StepSolver::balanceNetForce(double& value, double most_residual) {
+bool StepSolver::balanceNetForce(double& value, int trials, double most_residual) {
   constexpr double kLeast = 0.01;      // of the tolerance: not worth an evaluation
   constexpr double kRounding = 1e-10;  // relative to Φ, as in the line search of the minimizer
   const int size = objective_.size(), free = cloth_.mesh().free;
@@ -287,7 +287,6 @@ bool StepSolver::balanceNetForce(double& value, double most_residual) {
     objective_.awake().clearSleepers(motion_);
   };
   const bool all_free = objective_.allFree();
-  const int trials = all_free ? 4 : 1;
   const auto newtonStep = [&](const Vec3& net) {
     const Vec3 step = all_free ? objective_.freeMotion(net) : net;
     setMotion(step);

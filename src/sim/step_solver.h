@@ -82,7 +82,8 @@ class StepSolver {
   bool moves() const;
   bool wakeDisturbed();
   bool balanceAfter(const MinimizerReport& report, double& value);
-  bool balanceNetForce(double& value, double most_residual = std::numeric_limits<double>::infinity());
+  bool balanceNetForce(double& value, int trials = 1,
+                       double most_residual = std::numeric_limits<double>::infinity());
 
   /// Minimum of a quadratic model of Φ at x⁰.
   struct ModelMinimum {
