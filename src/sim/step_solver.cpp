@@ -266,7 +266,7 @@ MinimizerReport StepSolver::minimizeJoint() {
 bool StepSolver::balanceAfter(const MinimizerReport& report, double& value) {
   if (isCut(report)) return balanceNetForce(value);
   if (report.why != Termination::Converged || !objective_.allFree()) return false;
-  return balanceNetForce(value, 2, scene_.solver.minimizer.tolerance);
+  return balanceNetForce(value, 3, scene_.solver.minimizer.tolerance);
 }
 
 /// Moves the awake cloth as a whole to the minimum of Φ's quadratic model: along the net force on it, or, if
