@@ -93,24 +93,13 @@ std::string Archive::sealed() const {
 
 std::vector<std::pair<std::string, std::string>> Archive::texts() const {
   std::vector<std::pair<std::string, std::string>> texts;
-  const char* at = entries_.data();
-  const auto take = [&at](auto& value) {
-    std::memcpy(&value, at, sizeof(value));
-    at += sizeof(value);
-  };
-  while (at != entries_.data() + entries_.size()) {
-    std::uint32_t length = 0;
-    take(length);
-    const std::string name(at, length);
-    at += length;
-    Type type{};
-    std::uint64_t count = 0;
-    take(type);
-    take(count);
-    const std::string bytes(at, count * sizeOf(type));
-    at += bytes.size();
-    const bool is_long = type != Type::Byte && count > kMostInText;
-    texts.emplace_back(name, is_long ? hexadecimalText(checksum(bytes)) : text(type, bytes.data(), count));
+  for (std::size_t at = 0; at < entries_.size();) {
+    const std::string name = takeName(at, "");
+    const Header header = takeHeader(at, "");
+    const std::string bytes = entries_.substr(header.begin, header.count * sizeOf(header.type));
+    const bool is_long = header.type != Type::Byte && header.count > kMostInText;
+    texts.emplace_back(
+        name, is_long ? hexadecimalText(checksum(bytes)) : text(header.type, bytes.data(), header.count));
   }
   return texts;
 }
@@ -143,26 +132,37 @@ void Archive::write(const std::string& name, Type type, const void* data, std::s
   entries_.append(static_cast<const char*>(data), count * sizeOf(type));
 }
 
-/// Reads the next entry, which must have this name. Lengths are compared so that nothing overflows.
-Archive::Header Archive::read(const std::string& name) {
-  const auto take = [&](std::size_t size) {
-    if (entries_.size() - at_ < size) fail(name, "", "is missing");
-    at_ += size;
-    return entries_.data() + at_ - size;
-  };
+/// Takes bytes of the entries from `at` on, which moves behind them.
+const char* Archive::take(std::size_t& at, std::size_t size, const std::string& wanted) const {
+  if (entries_.size() - at < size) fail(wanted, "", "is missing");
+  at += size;
+  return entries_.data() + at - size;
+}
+
+std::string Archive::takeName(std::size_t& at, const std::string& wanted) const {
   std::uint32_t length = 0;
-  std::memcpy(&length, take(sizeof(length)), sizeof(length));
-  const std::string found(take(length), length);
-  if (found != prefix_ + name) fail(name, "", "must follow here, where '" + found + "' does");
+  std::memcpy(&length, take(at, sizeof(length), wanted), sizeof(length));
+  return {take(at, length, wanted), length};
+}
+
+/// Takes the rest of an entry. Lengths are compared so that nothing overflows.
+Archive::Header Archive::takeHeader(std::size_t& at, const std::string& wanted) const {
   Header header{};
-  std::memcpy(&header.type, take(sizeof(header.type)), sizeof(header.type));
+  std::memcpy(&header.type, take(at, sizeof(header.type), wanted), sizeof(header.type));
   std::uint64_t count = 0;
-  std::memcpy(&count, take(sizeof(count)), sizeof(count));
-  if (count > entries_.size()) fail(name, "", "is cut off");
+  std::memcpy(&count, take(at, sizeof(count), wanted), sizeof(count));
+  if (count > entries_.size()) fail(wanted, "", "is cut off");
   header.count = count;
-  header.begin = at_;
-  take(count * sizeOf(header.type));
+  header.begin = at;
+  take(at, count * sizeOf(header.type), wanted);
   return header;
+}
+
+/// Reads the next entry, which must have this name.
+Archive::Header Archive::read(const std::string& name) {
+  const std::string found = takeName(at_, name);
+  if (found != prefix_ + name) fail(name, "", "must follow here, where '" + found + "' does");
+  return takeHeader(at_, name);
 }
 
 void Archive::entry(const std::string& name, Type type, void* data, std::size_t count) {

@@ -189,6 +189,9 @@ class Archive {
   void entry(const std::string& name, Type type, void* data, std::size_t count);
   void compare(const std::string& name, Type type, const void* data, std::size_t count);
   void write(const std::string& name, Type type, const void* data, std::size_t count);
+  const char* take(std::size_t& at, std::size_t size, const std::string& wanted) const;
+  std::string takeName(std::size_t& at, const std::string& wanted) const;
+  Header takeHeader(std::size_t& at, const std::string& wanted) const;
   Header read(const std::string& name);
   std::string text(Type type, const char* bytes, std::size_t count) const;
   [[noreturn]] void fail(const std::string& name, const std::string& value, const std::string& rule) const;
