@@ -273,7 +273,7 @@ bool StepSolver::balanceAfter(const MinimizerReport& report, double& value) {
 /// it is free, in any direction. So its centre of mass obeys Newton's law at a guess, and however a solve
 /// ended. A net force may be far below the tolerance and still be all that lets cloth slide.
 /// @pre the last evaluation was at x_  @param value Φ at x_, which it may lower
-/// @param trials evaluations that it may take  @param most_residual that it may leave [-]
+/// @param trials points that it may try  @param most_residual that it may leave [-]
 /// @return whether Φ was evaluated; then gradient_ is that at x_
 bool StepSolver::balanceNetForce(double& value, int trials, double most_residual) {
   constexpr double kLeast = 0.01;      // of the tolerance: not worth an evaluation
