@@ -5,10 +5,13 @@
 namespace haptic_cloth {
 
 BendEnergy::BendEnergy(const std::array<Loop, 2>& laws, const ActiveMesh& mesh)
-    : ElementEnergy(mesh, mesh.triples, {laws.begin(), laws.end()}) {}
+    : ElementEnergy(mesh, mesh.triples, {laws.begin(), laws.end()}) {
+  sagittas_.reserve(packs_.capacity());
+}
 
 void BendEnergy::resize(const PackedRange& places) {
   startPacks(places);
+  sagittas_.clear();
   for (int t = 0; t < elements(); ++t) {
     const Triple& triple = list_[t];
     const int place = places_.place(t), l = place % kPack;
@@ -19,25 +22,39 @@ void BendEnergy::resize(const PackedRange& places) {
     pack.left[l] = triple.left;
     pack.right[l] = triple.right;
     pack.area[l] = triple.area;
+    if (triple.sagitta == 0.0) continue;
+    if (pack.sagitta < 0) {
+      pack.sagitta = static_cast<int>(sagittas_.size());
+      sagittas_.emplace_back();
+    }
+    SagittaPack& beside = sagittas_[pack.sagitta];
+    beside.a.index[l] = triple.a;
+    beside.b.index[l] = triple.b;
+    beside.coefficient[l] = triple.sagitta;
   }
   for (TriplePack& pack : packs_) {
     for (PackIndices* nodes : {&pack.l, &pack.c, &pack.r}) nodes->finish();
+  }
+  for (SagittaPack& pack : sagittas_) {
+    for (PackIndices* nodes : {&pack.a, &pack.b}) nodes->finish();
   }
 }
 
 void BendEnergy::evaluate(const PackRun& run, const Surface& at, const MutableArrays& slots,
                           ElasticEnergy& sum) {
-  sum.bend += kernels().evaluateTriples(packs_.data(), run.begin, run.end, tables_[run.direction].view(),
-                                        memory_.packs(), at.x.arrays(), at.normals.nodes(), slots, run.slot);
+  sum.bend += kernels().evaluateTriples(packs_.data(), sagittas_.data(), run.begin, run.end,
+                                        tables_[run.direction].view(), memory_.packs(), at.x.arrays(),
+                                        at.normals.nodes(), slots, run.slot);
 }
 
 void BendEnergy::addQuadraticForm(const PackRun& run, const Field& d, const SurfaceNormals& normals,
                                   double& sum) const {
-  sum += kernels().tripleQuadraticForm(packs_.data(), run.begin, run.end, d.arrays(), normals.nodes());
+  sum += kernels().tripleQuadraticForm(packs_.data(), sagittas_.data(), run.begin, run.end, d.arrays(),
+                                       normals.nodes());
 }
 
 void BendEnergy::addBlocks(int begin, int end, const SurfaceNormals& normals, BlockField& blocks) const {
-  kernels().addTripleBlocks(packs_.data(), begin, end, normals.nodes(), blocks.arrays());
+  kernels().addTripleBlocks(packs_.data(), sagittas_.data(), begin, end, normals.nodes(), blocks.arrays());
 }
 
 void BendEnergy::remember(const Surface& at, ForceHistory& history) const {
@@ -68,11 +85,14 @@ void BendEnergy::recall(const Followed<Triple>& change, ForceHistory& history) {
 }
 
 void BendEnergy::deformations(int pack, const Surface& at, double* values) const {
-  kernels().tripleCurvatures(packs_.data(), pack, pack + 1, at.x.arrays(), at.normals.nodes(), values);
+  kernels().tripleCurvatures(packs_.data(), sagittas_.data(), pack, pack + 1, at.x.arrays(),
+                             at.normals.nodes(), values);
 }
 
-bool BendEnergy::touches(const TriplePack& pack, const char* flags) {
-  return pack.l.anyOf(flags) || pack.c.anyOf(flags) || pack.r.anyOf(flags);
+bool BendEnergy::touches(const TriplePack& pack, const char* flags) const {
+  if (pack.l.anyOf(flags) || pack.c.anyOf(flags) || pack.r.anyOf(flags)) return true;
+  if (pack.sagitta < 0) return false;
+  return sagittas_[pack.sagitta].a.anyOf(flags) || sagittas_[pack.sagitta].b.anyOf(flags);
 }
 
 void BendEnergy::addEnergy(const Triple& triple, int /*k*/, const Loop& law, double play, const Surface& at,

@@ -1,5 +1,4 @@
-/// Bending of the triples: E = A ψ(κ), κ = n · (left (x_l - x_c) + right (x_r - x_c)), with the
-/// surface normal n at the centre.
+/// Bending of the triples: E = A ψ(κ), κ = n · bent(x), with the surface normal n at the centre.
 #pragma once
 
 #include <array>
@@ -25,7 +24,7 @@ class BendEnergy : public ElementEnergy<BendEnergy, Triple, TriplePack> {
   double area(int triple) const { return list_[triple].area; }
   double deformation(int triple, const Surface& at) const { return curvature(list_[triple], at); }
   void deformations(int pack, const Surface& at, double* values) const;
-  static bool touches(const TriplePack& pack, const char* flags);
+  bool touches(const TriplePack& pack, const char* flags) const;
   void addEnergy(const Triple& triple, int k, const Loop& law, double play, const Surface& at,
                  ElasticEnergy& sum) const;
 
@@ -36,9 +35,10 @@ class BendEnergy : public ElementEnergy<BendEnergy, Triple, TriplePack> {
 
  private:
   static double curvature(const Triple& t, const Surface& at) {
-    const Field& x = at.x;
-    return at.normals.node(t.c).dot(t.left * (x[t.l] - x[t.c]) + t.right * (x[t.r] - x[t.c]));
+    return at.normals.node(t.c).dot(t.bent(at.x));
   }
+
+  std::vector<SagittaPack> sagittas_;  ///< see TriplePack
 };
 
 }  // namespace haptic_cloth

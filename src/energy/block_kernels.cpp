@@ -51,16 +51,24 @@ void addEdgeBlocks(const EdgePack* packs, int begin, int end, const BlockArrays&
   }
 }
 
-void addTripleBlocks(const TriplePack* packs, int begin, int end, const ConstArrays& normals,
-                     const BlockArrays& blocks) {
+void addTripleBlocks(const TriplePack* packs, const SagittaPack* sagittas, int begin, int end,
+                     const ConstArrays& normals, const BlockArrays& blocks) {
   for (int p = begin; p < end; ++p) {
     const TriplePack& pack = packs[p];
     for (int l = 0; l < kPack; l += kLanes) {
       const BlockLanes value = load(pack.stiffness + l) * square(gather(normals, pack.c, l));
-      const Lanes left = load(pack.left + l), right = load(pack.right + l), both = left + right;
+      const Lanes left = load(pack.left + l), right = load(pack.right + l);
+      Lanes centre = left + right;
+      if (pack.sagitta >= 0) {
+        const SagittaPack& beside = sagittas[pack.sagitta];
+        const Lanes coefficient = load(beside.coefficient + l);
+        centre -= 2.0 * coefficient;
+        add(blocks, beside.a, l, (coefficient * coefficient) * value);
+        add(blocks, beside.b, l, (coefficient * coefficient) * value);
+      }
       add(blocks, pack.l, l, (left * left) * value);
       add(blocks, pack.r, l, (right * right) * value);
-      add(blocks, pack.c, l, (both * both) * value);
+      add(blocks, pack.c, l, (centre * centre) * value);
     }
   }
 }

@@ -64,7 +64,7 @@ class ElementEnergy {
   /// Adds the packs that act on an awake node to `runs`. @param first place of the first pack
   void appendAwake(const std::vector<char>& awake, int first, Runs& runs) const {
     for (const Pack& pack : packs_) {
-      if (Kind::touches(pack, awake.data())) runs.add(first, first + kPack);
+      if (kind().touches(pack, awake.data())) runs.add(first, first + kPack);
       first += kPack;
     }
   }

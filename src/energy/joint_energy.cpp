@@ -71,8 +71,7 @@ double JointEnergy::rate(int element, const Field& d) const {
   const Slope& slope = elements_[element].slope;
   if (kind == Kind::Edge) return slope[0].dot(d[mesh_.edges[k].b] - d[mesh_.edges[k].a]);
   if (kind == Kind::Triple) {
-    const Triple& t = mesh_.triples[k];
-    return slope[0].dot(t.left * (d[t.l] - d[t.c]) + t.right * (d[t.r] - d[t.c]));
+    return slope[0].dot(mesh_.triples[k].bent(d));
   }
   const auto& n = mesh_.patches[k].nodes;
   return slope[0].dot(d[n[3]] - d[n[0]]) + slope[1].dot(d[n[1]] - d[n[2]]);
@@ -161,10 +160,9 @@ void JointEnergy::diagonal(const std::vector<double>& weights, Field& laws, Fiel
         force_change.add(node, across);
       }
     } else if (kind == Kind::Triple) {
-      const Triple& t = mesh_.triples[index];
-      visit(t.l, t.left, element.slope[0]);
-      visit(t.c, t.left + t.right, element.slope[0]);
-      visit(t.r, t.right, element.slope[0]);
+      for (const auto& [node, coefficient] : mesh_.triples[index].parts()) {
+        visit(node, coefficient, element.slope[0]);
+      }
     } else {
       const auto& n = mesh_.patches[index].nodes;
       for (const int node : {n[0], n[3]}) visit(node, 1.0, element.slope[0]);

@@ -36,6 +36,13 @@ struct alignas(64) TriplePack {
   double left[kPack], right[kPack], area[kPack];  ///< [1/m²], [m²]
   float stiffness[kPack];                         ///< result of the last evaluation [N·m³]
   PackIndices l, c, r;                            ///< nodes
+  int sagitta = -1;                               ///< its SagittaPack, -1: none
+};
+
+/// What the triples of a pack take off for sagittas (see Triple); few packs have one.
+struct alignas(64) SagittaPack {
+  double coefficient[kPack];  ///< [1/m²]
+  PackIndices a, b;           ///< nodes
 };
 
 struct alignas(64) PatchPack {

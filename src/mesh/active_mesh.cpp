@@ -199,8 +199,37 @@ void ActiveMesh::addTriple(const LeafMesh& leaves, int centre, int direction) {
   // A rigid arm has no length that can bend, so only the other half counts.
   const double l1 = arm[0] * along, l2 = arm[1] * along;
   const double bent = 0.5 * ((left_rigid ? 0.0 : l1) + (right_rigid ? 0.0 : l2));
+  const double area = std::max(width[0], width[1]) * bent;
   triples.push_back(
-      {l, centre, r, direction, 1.0 / (bent * l1), 1.0 / (bent * l2), std::max(width[0], width[1]) * bent});
+      {l, centre, r, direction, 1.0 / (bent * l1), 1.0 / (bent * l2), area, 0.0, centre, centre});
+  if (l >= active() || r >= active()) subtractSagitta(triples.back(), arm[l >= active() ? 0 : 1]);
+}
+
+/// Makes up for arms that end on hanging nodes. Then c is the centre of a cell that was split, and its four
+/// neighbours at `arm` cells are the middles of the cell's sides. A middle that hangs is off the surface by
+/// ½ l² times the curvature along its side. So the curvatures along the thread, κ, and across, κ', follow
+/// from those that are measured, X and Y, by
+///
+///     X = κ + α κ',   Y = κ' + β κ   ⇒   κ = (X - α Y) / (1 - α β)
+///
+/// with α from the arms and β from the nodes beside c. The area, divided likewise, keeps the forces of a
+/// uniform moment in equilibrium. If all four hang, X = Y = κ + κ': then each counts half of the sum.
+void ActiveMesh::subtractSagitta(Triple& triple, int arm) const {
+  const bool warp = triple.direction == kWarp;
+  const int other = arm * (warp ? grid.columns : 1), p = particle[triple.c];
+  const double along = arm * (warp ? grid.dx : grid.dy);
+  const auto hangs = [this](int n) { return n >= active() ? 0.5 : 0.0; };
+  triple.a = node[p - other];
+  triple.b = node[p + other];
+  triple.sagitta = hangs(triple.l) * triple.left + hangs(triple.r) * triple.right;
+  constexpr double kLeastShare = 0.25;  // it is ½ or more, or none
+  const double both = 1.0 - along * along * triple.sagitta * (hangs(triple.a) + hangs(triple.b));
+  if (both < kLeastShare) {
+    triple.sagitta *= 0.5;
+    return;
+  }
+  for (double* coefficient : {&triple.left, &triple.right, &triple.sagitta}) *coefficient /= both;
+  triple.area *= both;
 }
 
 }  // namespace haptic_cloth

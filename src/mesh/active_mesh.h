@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "haptic_cloth/types.h"
@@ -19,8 +20,8 @@ struct Edge {
   double width;   ///< [m]
 };
 
-/// Bending element of three nodes in a row on a thread. Its curvature is κ = n · (left (x_l - x_c)
-/// + right (x_r - x_c)) with the surface normal n at c.
+/// Bending element of three nodes in a row on a thread. Its curvature is κ = n · bent(x) with the
+/// surface normal n at c.
 struct Triple {
   int l, c, r;    ///< nodes
   int direction;  ///< kWarp or kWeft
@@ -28,6 +29,23 @@ struct Triple {
   double left, right;
   /// Width times (l1+l2)/2 [m²].
   double area;
+  /// An arm that ends on a hanging node ends on the chord of a coarse side, which is off the surface
+  /// by a sagitta. Nodes a and b beside c, across the thread, measure it. Coefficient [1/m²]; 0 and
+  /// a = b = c if no arm ends so.
+  double sagitta;
+  int a, b;
+
+  /// left (x_l - x_c) + right (x_r - x_c) - sagitta (x_a - 2 x_c + x_b) [1/m]. @param x positions of the
+  /// nodes [m], or their change
+  Vec3 bent(const Field& x) const {
+    const Vec3 c_at = x[c], bent = left * (x[l] - c_at) + right * (x[r] - c_at);
+    return sagitta == 0.0 ? bent : Vec3(bent - sagitta * ((x[a] - c_at) + (x[b] - c_at)));
+  }
+
+  /// Nodes and their coefficients in bent(); those of a and b are zero where no sagitta counts.
+  std::array<std::pair<int, double>, 5> parts() const {
+    return {{{r, right}, {c, 2.0 * sagitta - (left + right)}, {l, left}, {a, -sagitta}, {b, -sagitta}}};
+  }
 };
 
 /// Leaf cell: shear element and patch of the surface.
@@ -113,6 +131,7 @@ class ActiveMesh {
   int sideSlot(int level, int i, int j) const;
   void buildTriples(const LeafMesh& leaves);
   void addTriple(const LeafMesh& leaves, int centre, int direction);
+  void subtractSagitta(Triple& triple, int arm) const;
 
   double areal_density_;
   std::vector<Cell> cells_;

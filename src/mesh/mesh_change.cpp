@@ -67,8 +67,9 @@ int MeshChange::find(const Triple& triple) const {
   const int found = l == kNew || c == kNew || r == kNew ? kNew : triple_at_[triple.direction][c];
   if (found == kNew) return kNew;
   const Triple& then = triples_.before[found];
-  const bool same = then.l == l && then.r == r && then.left == triple.left && then.right == triple.right &&
-                    then.area == triple.area;
+  const bool same = then.l == l && then.r == r && then.a == node_was_[triple.a] &&
+                    then.b == node_was_[triple.b] && then.left == triple.left && then.right == triple.right &&
+                    then.sagitta == triple.sagitta && then.area == triple.area;
   return same ? found : kNew;
 }
 

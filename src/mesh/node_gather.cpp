@@ -10,7 +10,9 @@ namespace {
 
 // Roles of a node in an element. Nodes in a row of equal cells have one element of each role, and
 // these follow one another too.
-constexpr int kEdgeRoles = 0, kTripleRoles = 4, kPatchRoles = 10, kTwistRoles = 14;
+constexpr int kTripleParts = 5;
+constexpr int kEdgeRoles = 0, kTripleRoles = 4, kPatchRoles = kTripleRoles + 2 * kTripleParts,
+              kTwistRoles = kPatchRoles + 4;
 
 template <class Element>
 PackedRange count(const std::vector<Element>& elements) {
@@ -23,7 +25,8 @@ PackedRange count(const std::vector<Element>& elements) {
 
 NodeGather::NodeGather(const ActiveMesh& mesh, const Kinds& kinds) : kinds_(kinds) {
   const std::size_t n = mesh.grid.particles();
-  const std::size_t entries = 2 * mesh.edges.capacity() + (kinds.bending ? 3 * mesh.triples.capacity() : 0) +
+  const std::size_t entries = 2 * mesh.edges.capacity() +
+                              (kinds.bending ? kTripleParts * mesh.triples.capacity() : 0) +
                               ((kinds.shear ? 4 : 0) + (kinds.twist ? 4 : 0)) * mesh.patches.capacity();
   rows_.reserve(n + 2);
   entries_.reserve(entries);
@@ -65,16 +68,13 @@ void NodeGather::forEntries(const ActiveMesh& mesh, const Put& put) const {
     }
   }
   for (const int d : {kWarp, kWeft}) {
-    const auto forTriples = [&](int part, int Triple::*node, const auto& coefficient) {
+    for (int part = 0; part < kTripleParts; ++part) {
       for (int t = triple_ends[d]; t < triple_ends[d + 1]; ++t) {
-        const Triple& triple = mesh.triples[t];
-        put(triple.*node,
-            {kTripleRoles + 3 * d + part, firstTriple() + triples_.place(t), coefficient(triple)});
+        const auto [node, coefficient] = mesh.triples[t].parts()[part];
+        if (coefficient == 0.0) continue;
+        put(node, {kTripleRoles + kTripleParts * d + part, firstTriple() + triples_.place(t), coefficient});
       }
-    };
-    forTriples(0, &Triple::r, [](const Triple& t) { return t.right; });
-    forTriples(1, &Triple::c, [](const Triple& t) { return -(t.left + t.right); });
-    forTriples(2, &Triple::l, [](const Triple& t) { return t.left; });
+    }
   }
   for (int c = 0; kinds_.shear && c < 4; ++c) {
     const int first = firstPatch() + (c == 0 || c == 3 ? 0 : patches_.size());

@@ -23,6 +23,7 @@ struct SampleContext;
 struct SamplePack;
 struct SolidLanes;
 struct StepPack;
+struct SagittaPack;
 struct TriplePack;
 
 /// Calls KERNEL(result, name, arguments) for each kernel. The kernels are described beside their
@@ -34,8 +35,9 @@ struct TriplePack;
          (EdgePack * packs, int begin, int end, const LawView& law, const StepPack* steps,                   \
           const ConstArrays& x, const MutableArrays& slots, int first))                                      \
   KERNEL(double, evaluateTriples,                                                                            \
-         (TriplePack * packs, int begin, int end, const LawView& law, const StepPack* steps,                 \
-          const ConstArrays& x, const ConstArrays& normals, const MutableArrays& slots, int first))          \
+         (TriplePack * packs, const SagittaPack* sagittas, int begin, int end, const LawView& law,           \
+          const StepPack* steps, const ConstArrays& x, const ConstArrays& normals,                           \
+          const MutableArrays& slots, int first))                                                            \
   KERNEL(double, evaluateShears,                                                                             \
          (PatchPack * packs, int begin, int end, const LawView& law, const StepPack* steps,                  \
           const ConstArrays& x, const MutableArrays& slots, int first, int stride))                          \
@@ -45,8 +47,8 @@ struct TriplePack;
   KERNEL(void, edgeStrains,                                                                                  \
          (const EdgePack* packs, int begin, int end, const ConstArrays& x, double* strains))                 \
   KERNEL(void, tripleCurvatures,                                                                             \
-         (const TriplePack* packs, int begin, int end, const ConstArrays& x, const ConstArrays& normals,     \
-          double* curvatures))                                                                               \
+         (const TriplePack* packs, const SagittaPack* sagittas, int begin, int end, const ConstArrays& x,    \
+          const ConstArrays& normals, double* curvatures))                                                   \
   KERNEL(void, shearAngles,                                                                                  \
          (const PatchPack* packs, int begin, int end, const ConstArrays& x, double* angles))                 \
   KERNEL(void, patchNormals,                                                                                 \
@@ -54,15 +56,16 @@ struct TriplePack;
   KERNEL(void, normalise, (int count, const MutableArrays& vectors))                                         \
   KERNEL(double, edgeQuadraticForm, (const EdgePack* packs, int begin, int end, const ConstArrays& d))       \
   KERNEL(double, tripleQuadraticForm,                                                                        \
-         (const TriplePack* packs, int begin, int end, const ConstArrays& d, const ConstArrays& normals))    \
+         (const TriplePack* packs, const SagittaPack* sagittas, int begin, int end, const ConstArrays& d,    \
+          const ConstArrays& normals))                                                                       \
   KERNEL(double, shearQuadraticForm, (const PatchPack* packs, int begin, int end, const ConstArrays& d))     \
   KERNEL(double, twistQuadraticForm,                                                                         \
          (const PatchPack* packs, int begin, int end, double rigidity, const ConstArrays& d,                 \
           const ConstArrays& normals))                                                                       \
   KERNEL(void, addEdgeBlocks, (const EdgePack* packs, int begin, int end, const BlockArrays& blocks))        \
-  KERNEL(                                                                                                    \
-      void, addTripleBlocks,                                                                                 \
-      (const TriplePack* packs, int begin, int end, const ConstArrays& normals, const BlockArrays& blocks))  \
+  KERNEL(void, addTripleBlocks,                                                                              \
+         (const TriplePack* packs, const SagittaPack* sagittas, int begin, int end,                          \
+          const ConstArrays& normals, const BlockArrays& blocks))                                            \
   KERNEL(void, addShearBlocks, (const PatchPack* packs, int begin, int end, const BlockArrays& blocks))      \
   KERNEL(void, addTwistBlocks,                                                                               \
          (const PatchPack* packs, int begin, int end, double rigidity, const ConstArrays& normals,           \

@@ -42,7 +42,7 @@ inline double edgeQuadraticForm(const Vec3& axis, double along, double across, c
   return along * s * s + across * (d.squaredNorm() - s * s);
 }
 
-// ---- bending of one triple: E = A ψ(κ), κ = n · (left (x_l - x_c) + right (x_r - x_c)) ----
+// ---- bending of one triple: E = A ψ(κ), κ = n · bent(x) ----
 
 struct TripleResult {
   double energy;     ///< [J]
@@ -50,14 +50,12 @@ struct TripleResult {
   double stiffness;  ///< A M'(κ) [N·m³]
 };
 
-/// @param left, right coefficients [1/m²]
+/// @param bent vector whose component along the normal is the curvature [1/m]
 /// @param area [m²]
 /// @param bending law: curvature [1/m] → Curve::Point of moment [N·m/m]
 template <class Law>
-inline TripleResult evaluateTriple(const Vec3& l, const Vec3& c, const Vec3& r, const Vec3& normal,
-                                   double left, double right, double area, const Law& bending) {
-  const double curvature = normal.dot(left * (l - c) + right * (r - c));
-  const Curve::Point law = bending(curvature);
+inline TripleResult evaluateTriple(const Vec3& bent, const Vec3& normal, double area, const Law& bending) {
+  const Curve::Point law = bending(normal.dot(bent));
   return {area * law.potential, area * law.force, area * law.slope};
 }
 

@@ -9,6 +9,7 @@
 
 #include "contact/contact_law.h"
 #include "contact/friction_law.h"
+#include "mesh/active_mesh.h"
 #include "support/derivatives.h"
 #include "support/scalar_elements.h"
 #include "support/tolerance.h"
@@ -59,18 +60,24 @@ Element edge() {
 
 Element triple() {
   const Vec3 normal = Vec3(0.1, -0.2, 1.0).normalized();
-  const double left = 1.0, right = 0.5;
+  const Triple triple{0, 1, 2, kWarp, 1.0, 0.5, 1.5, 0.2, 3, 4};
   const Curve bending = Curve::linear(2.0);
   const auto evaluate = [=](const VectorXd& x) {
-    return evaluateTriple(point(x, 0), point(x, 1), point(x, 2), normal, left, right, 1.5, bending);
+    Field nodes;
+    nodes.resize(5);
+    for (int n = 0; n < 5; ++n) nodes.set(n, point(x, n));
+    return evaluateTriple(triple.bent(nodes), normal, triple.area, bending);
   };
   return {"triple",
-          3,
-          points({{-1, 0, 0}, {0, 0, 0}, {2, 0, 0}}),
+          5,
+          points({{-1, 0, 0}, {0, 0, 0}, {2, 0, 0}, {0, -1, 0}, {0, 1, 0}}),
           [=](const VectorXd& x) { return evaluate(x).energy; },
           [=](const VectorXd& x) {
-            const Vec3 f = evaluate(x).moment * normal;
-            return points({left * f, -(left + right) * f, right * f});
+            VectorXd gradient(15);
+            for (const auto& [node, part] : triple.parts()) {
+              gradient.segment<3>(3 * node) = part * evaluate(x).moment * normal;
+            }
+            return gradient;
           },
           false};
 }
@@ -220,9 +227,10 @@ TEST(TripleTest, ParabolaHasItsCurvatureForAnyArms) {
   const double kappa = 3.0;
   for (const auto& [l1, l2] : {std::pair(0.1, 0.1), {0.1, 0.2}, {0.4, 0.1}}) {
     const double bent = 0.5 * (l1 + l2);
-    const TripleResult r =
-        evaluateTriple({-l1, 0, 0.5 * kappa * l1 * l1}, {0, 0, 0}, {l2, 0, 0.5 * kappa * l2 * l2},
-                       Vec3::UnitZ(), 1 / (bent * l1), 1 / (bent * l2), 1.0, Curve::linear(2.0));
+    const Triple triple{0, 1, 2, kWarp, 1 / (bent * l1), 1 / (bent * l2), 1.0, 0.0, 1, 1};
+    const Field x(
+        std::vector<Vec3>{{-l1, 0, 0.5 * kappa * l1 * l1}, {0, 0, 0}, {l2, 0, 0.5 * kappa * l2 * l2}});
+    const TripleResult r = evaluateTriple(triple.bent(x), Vec3::UnitZ(), triple.area, Curve::linear(2.0));
     EXPECT_NEAR(r.moment, 2.0 * kappa, tolerance(1e-12));
   }
 }

@@ -68,7 +68,8 @@ TEST_F(MeshChangeTest, WhatHasTheSameParticlesStays) {
     return std::tuple(e.direction, particle[e.a], particle[e.b], e.width);
   };
   const auto triple_of = [](const Triple& t, const std::vector<int>& particle) {
-    return std::tuple(t.direction, particle[t.l], particle[t.c], particle[t.r], t.area);
+    return std::tuple(t.direction, particle[t.l], particle[t.c], particle[t.r], particle[t.a], particle[t.b],
+                      t.sagitta, t.area);
   };
   const auto patch_of = [](const Patch& p, const std::vector<int>&) {
     return std::tuple(p.cell.i, p.cell.j, p.cell.level);

@@ -133,8 +133,8 @@ PackLaw lawOfPack(const LawView& law, const double* s, const StepPack& steps) {
   for (int l = 0; l < kPack; ++l) {
     slots.clear(kPack);
     pack.area[l] = 1.0;
-    result.potential[l] =
-        kernels().evaluateTriples(&pack, 0, 1, law, &steps, x.arrays(), normals.arrays(), slots.arrays(), 0);
+    result.potential[l] = kernels().evaluateTriples(&pack, nullptr, 0, 1, law, &steps, x.arrays(),
+                                                    normals.arrays(), slots.arrays(), 0);
     result.force[l] = slots[l].z();
     result.slope[l] = pack.stiffness[l];
     pack.area[l] = 0.0;
@@ -294,12 +294,9 @@ Reference sumOfElements(const Fabric& fabric, const ActiveMesh& mesh, const Inte
   }
   for (const Triple& t : mesh.triples) {
     const Vec3 normal = internal.normal(t.c);
-    const TripleResult r = evaluateTriple(x[t.l], x[t.c], x[t.r], normal, t.left, t.right, t.area,
-                                          point(fabric.bending[t.direction]));
+    const TripleResult r = evaluateTriple(t.bent(x), normal, t.area, point(fabric.bending[t.direction]));
     sum.energy += r.energy;
-    sum.gradient.add(t.l, t.left * r.moment * normal);
-    sum.gradient.add(t.r, t.right * r.moment * normal);
-    sum.gradient.add(t.c, -(t.left + t.right) * r.moment * normal);
+    for (const auto& [node, part] : t.parts()) sum.gradient.add(node, part * r.moment * normal);
   }
   for (std::size_t k = 0; k < mesh.patches.size(); ++k) {
     const auto& n = mesh.patches[k].nodes;
