@@ -34,8 +34,8 @@ struct HeldEnergy {
 /// debt is paid. A virtual wall, a held force or a slow solver may create energy, and a buzz lives
 /// on it.
 ///
-/// E is kept at or below the energy that coupling and cloth hold and can give back. Otherwise
-/// friction would fill the store during a long contact and feed a later buzz.
+/// E is kept at or below the energy that coupling and cloth hold and can give back, or could 5 ms ago.
+/// Otherwise friction would fill the store during a long contact and feed a later buzz.
 class PassivityController {
  public:
   /// @param period time between ticks [s], at least 1/kMostTickRate
@@ -101,9 +101,9 @@ class PassivityController {
 
   PassivityOptions options_;
   double period_;
-  Last<kForces> forces_;         ///< since the last reset
-  Last<kWindow + 1> positions_;  ///< since the last reset or change of the period
-  double energy_ = 0.0, gain_ = 1.0;
+  Last<kForces> forces_;                            ///< since the last reset
+  Last<kWindow + 1> positions_;                     ///< since the last reset or change of the period
+  double energy_ = 0.0, cloth_ = 0.0, gain_ = 1.0;  ///< cloth_: its share of the bound of E [J]
   Vec3 velocity_ = Vec3::Zero();
 };
 

@@ -10,6 +10,10 @@ namespace {
 constexpr double kMostDebt = 1.0;    ///< more than a device with a hand on it has in motion [J]
 constexpr double kForgetting = 1.0;  ///< of a debt where nothing is touched [s]
 
+/// Time in which the cloth's share of the bound falls to 1/e [s]. For a few ticks after cells have split, the
+/// local model may be several times too stiff. With 20 ms a falcon buzzes after a stall.
+constexpr double kFall = 0.005;
+
 /// Return of the whole force when nothing is owed any more [s]. Among 0, 10, 20, 30 ms the one at which
 /// nothing buzzes in test/stability; from 0.1 s on slow swings take the buzz's place.
 constexpr double kRecovery = 0.02;
@@ -26,6 +30,7 @@ void PassivityController::reset() {
   positions_.clear();
   // Energy held where the next contact begins may come out: after a fault the wall pushes the hand back out.
   energy_ = std::numeric_limits<double>::max();  // until observe() bounds it
+  cloth_ = 0.0;
   gain_ = 1.0;
   velocity_ = Vec3::Zero();
 }
@@ -33,6 +38,7 @@ void PassivityController::reset() {
 void PassivityController::setOptions(const PassivityOptions& options, double period, double unit) {
   options_ = options;
   energy_ /= unit;
+  cloth_ /= unit;
   for (int age = 0; age < forces_.size(); ++age) forces_[age] /= unit;
   if (period == period_) return;
   period_ = period;
@@ -57,7 +63,9 @@ void PassivityController::observe(const Vec3& position, const HeldEnergy& held) 
   const int window = positions_.size() - 1;
   velocity_ = window > 0 ? Vec3((position - positions_[window]) / (window * period_)) : Vec3(Vec3::Zero());
   energy_ += options_.device_damping * velocity_.squaredNorm() * period_;
-  energy_ = std::clamp(energy_, -kMostDebt, held.coupling + std::min(options_.store, held.cloth));
+  const double fallen = held.cloth > 0.0 ? cloth_ * std::exp(-period_ / kFall) : 0.0;
+  cloth_ = std::max(fallen, std::min(options_.store, held.cloth));
+  energy_ = std::clamp(energy_, -kMostDebt, held.coupling + cloth_);
   const double debt = std::max(0.0, -energy_);
   const double wanted = options_.debt > 0.0 ? options_.debt / (options_.debt + debt) : 1.0;
   gain_ = std::min(wanted, gain_ + period_ / kRecovery);

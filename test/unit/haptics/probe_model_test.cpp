@@ -177,6 +177,23 @@ TEST(PassivityController, LongFrictionFillsNoStore) {
   EXPECT_EQ(bounded.energy(), 0.003);
 }
 
+TEST(PassivityController, ATickInWhichTheClothSeemsStiffCostsNothing) {
+  // The cloth holds 10 mJ. At a tick it seems to hold a quarter, and then it gives 8 mJ back. What may come
+  // out falls to 1/e in 5 ms, but not below what it seems to hold.
+  PassivityController controller(bare(), kTick);
+  controller.observe(Vec3::Zero(), {0.0, 0.01});
+  controller.observe(Vec3::Zero(), {0.0, 0.0025});
+  controller.sent(Vec3(1.0, 0, 0));
+  controller.observe(Vec3(0.008, 0, 0), {0.0, 0.01});
+  EXPECT_NEAR(controller.energy(), 0.01 * std::exp(-kTick / 0.005) - 0.008, 1e-12);
+  PassivityController held(bare(), kTick);
+  held.observe(Vec3::Zero(), {0.0, 0.01});
+  for (int k = 0; k < 4; ++k) held.observe(Vec3::Zero(), {0.0, 0.0025});
+  EXPECT_NEAR(held.energy(), 0.01 * std::exp(-0.8), 1e-12);
+  for (int k = 0; k < 1000; ++k) held.observe(Vec3::Zero(), {0.0, 0.0025});
+  EXPECT_EQ(held.energy(), 0.0025);
+}
+
 TEST(PassivityController, PaysWithABoundedDamperAndAWeakerForce) {
   const PassivityOptions options = bare();
   PassivityController controller(options, kTick);
