@@ -29,6 +29,7 @@ TurnEstimate::TurnEstimate(const Fabric& fabric, const Grid& grid, const Vec3& g
   for (auto& tension : tension_) tension.reserve(grid.particles());
   for (auto& compression : compression_) compression.assign(grid.particles(), kNone);
   curvature_.reserve(grid.particles());
+  sum_.reserve(grid.particles());
   edges_.reserve(grid.particles());
 }
 
@@ -84,18 +85,21 @@ void TurnEstimate::followCompression(const View& view, int direction) {
   }
 }
 
-/// Curvature of the nodes. It counts twice where tension presses the cloth on a solid harder than weight
-/// could.
+/// Curvature of the nodes. That of a thread counts twice where tension presses the cloth on a solid harder
+/// than weight could.
 void TurnEstimate::measureCurvature(const View& view) {
   constexpr double kPress = 2.0, kCounts = 2.0;  // over the weight of the cloth; times
   curvature_.assign(view.mesh.nodes(), 0.0);
+  sum_.assign(view.mesh.nodes(), 0.0);
   for (int t = 0; t < static_cast<int>(view.mesh.triples.size()); ++t) {
     const Triple& triple = view.mesh.triples[t];
-    const double curvature = std::abs(view.internal.curvature(t, view.nodes));
-    const double pressure = tension_[triple.direction][triple.c] * curvature;
+    const double curvature = view.internal.curvature(t, view.nodes), size = std::abs(curvature);
+    const double pressure = tension_[triple.direction][triple.c] * size;
     const double counts = pressure > kPress * density_ * gravity_ ? kCounts : 1.0;
-    curvature_[triple.c] = std::max(curvature_[triple.c], counts * curvature);
+    curvature_[triple.c] = std::max(curvature_[triple.c], counts * size);
+    sum_[triple.c] += curvature;
   }
+  for (int n = 0; n < view.mesh.nodes(); ++n) curvature_[n] = std::max(curvature_[n], std::abs(sum_[n]));
 }
 
 double TurnEstimate::turn(const View& view, const Cell& cell, int parts, double enough) const {

@@ -13,7 +13,9 @@
 namespace haptic_cloth {
 
 /// Turning angle of cells. The bending cost of a triple, ½ B κ² A, enters as the angle κ l over the
-/// cell, so one threshold suits any fabric, size and resolution.
+/// cell, so one threshold suits any fabric, size and resolution. The middle of a cell is off the surface by
+/// (κ + κ') l²/8, with the curvatures along warp and weft. So their sum counts as well where it is larger: in
+/// bowls, and where cloth bends on the bias.
 ///
 /// Cloth that is pulled round a solid presses on it with T κ, κ its curvature. Cells that turn by φ
 /// make that tension wrong by about φ²/12, and with it friction. So the angle counts twice where
@@ -108,8 +110,10 @@ class TurnEstimate {
   std::array<std::vector<double>, 2> tension_;  ///< mean of a node's edges by direction [N/m]
   /// Compression of each particle by direction, which falls slowly [N/m].
   std::array<std::vector<double>, 2> compression_;
-  std::vector<double> curvature_;  ///< largest |κ| at a node, doubled where it counts twice [1/m]
-  std::vector<int> edges_;         ///< edges at each node in one direction, scratch
+  /// Largest of |κ|, |κ'|, each doubled where it counts twice, and |κ + κ'| at a node [1/m].
+  std::vector<double> curvature_;
+  std::vector<double> sum_;  ///< κ + κ' at a node [1/m], scratch
+  std::vector<int> edges_;   ///< edges at each node in one direction, scratch
 };
 
 }  // namespace haptic_cloth
