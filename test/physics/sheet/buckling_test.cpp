@@ -104,8 +104,8 @@ class TiltedColumn : public testing::TestWithParam<std::tuple<Strategy, double>>
 
 /// Extra length [-] that an exact column may have if it leans as far. A chain of N links buckles
 /// early by 1.8 / N² of its length (ColumnOrder below): 0.2 % for the ten links of the coarsest
-/// mesh. GradedClamp measures the rest.
-double longer(Strategy strategy) { return strategy == Strategy::Finest ? 0.0015 : 0.01; }
+/// mesh. The limit is twice that.
+double longer(Strategy strategy) { return strategy == Strategy::Finest ? 0.0015 : 0.004; }
 
 TEST_P(TiltedColumn, LeansLikeTheElastica) {
   // Near the critical length a small length makes a large deflection, so errors count as length.
@@ -145,10 +145,10 @@ TEST_P(ColumnThreshold, StandsBelowAndFallsAbove) {
             exact, 1.0});
     return value / exact - 1.0;
   };
-  // Below, Γ/(Γ_c - Γ) amplifies a small error of Γ_c: 2 % for 0.1 % of the length, 25 % for 1 %.
-  // Above, the slope of the branch does.
-  EXPECT_NEAR(lean(0.95), 0.0, tolerance(GetParam() == Strategy::Finest ? 0.02 : 0.25));
-  EXPECT_NEAR(lean(1.05), 0.0, tolerance(GetParam() == Strategy::Finest ? 0.01 : 0.06));
+  // Below, Γ/(Γ_c - Γ) amplifies a small error of Γ_c: 2 % for 0.1 % of the length, 8 % for 0.4 %.
+  // Above, the slope of the branch does: 2.4 % for 0.4 %.
+  EXPECT_NEAR(lean(0.95), 0.0, tolerance(GetParam() == Strategy::Finest ? 0.02 : 0.08));
+  EXPECT_NEAR(lean(1.05), 0.0, tolerance(GetParam() == Strategy::Finest ? 0.01 : 0.024));
 }
 
 INSTANTIATE_TEST_SUITE_P(Strategies, ColumnThreshold, testing::ValuesIn(kStrategies),
@@ -220,11 +220,11 @@ TEST_P(ColumnSouthwell, FindsTheCriticalLength) {
 INSTANTIATE_TEST_SUITE_P(Strategies, ColumnSouthwell, testing::Values(Strategy::Amrc, Strategy::Coarsest),
                          [](const auto& info) { return name(info.param); });
 
-TEST(GradedClamp, BendsMoreEasilyThanAUniformOne) {
+TEST(GradedClamp, BendsAsAUniformOne) {
   // Pins keep the cells around them finest, so a coarse strip is graded towards its clamp. A thread
   // that ends in the middle of a coarser cell's side has no triple there; its neighbours take its
-  // moment and bend more. The same mesh without grading, pinned at the coarse corners only, has the
-  // error of ten links, 1.0 %. With all triples the columns of the graded mesh would give 0.84 %.
+  // moment. The same mesh without grading, pinned at the coarse corners only, has the error of ten
+  // links, 1.0 %. With all triples the columns of the graded mesh would give 0.84 %.
   const double lambda = 1.0, tilt = 0.02;
   const double exact = heavyColumn(lambda, tilt).deflection;
   const auto error = [&](const Scene& scene, const std::string& mesh) {
@@ -234,7 +234,7 @@ TEST(GradedClamp, BendsMoreEasilyThanAUniformOne) {
     return value / exact - 1.0;
   };
   Scene scene = column(lambda, tilt, 40, Strategy::Coarsest, 1e-5);
-  EXPECT_NEAR(error(scene, "graded"), 0.0, tolerance(0.035));
+  EXPECT_NEAR(error(scene, "graded"), 0.0, tolerance(0.0125));
   scene.cloth.pins.clear();
   for (const int i : {0, 4}) {
     for (const int j : {0, 4}) pin(scene, i, i, j, j);
@@ -284,8 +284,11 @@ class PostBuckling : public testing::TestWithParam<std::tuple<Strategy, Ends>> {
   std::string what() const {
     return ends() == Ends::Clamped ? "squeezed strip, clamped ends" : "squeezed strip, pinned ends";
   }
-  /// Triples at the graded cells of the clamps miss some energy (GradedClamp), where κ is largest.
-  bool graded() const { return ends() == Ends::Clamped && strategy() != Strategy::Finest; }
+  /// Share of the energy that may be missing. @param pinned the share if the ends are pinned; clamped, the
+  /// waves are half as long, coarse cells turn by twice the angle, and chords miss four times as much
+  double missing(double pinned) const {
+    return ends() == Ends::Clamped && strategy() != Strategy::Finest ? 4.0 * pinned : pinned;
+  }
 
   /// Measures bending energy at rest over Euler load times length, and checks it and the
   /// deflection.
@@ -306,7 +309,7 @@ class PostBuckling : public testing::TestWithParam<std::tuple<Strategy, Ends>> {
     record({what(), "bending energy / (P_cr L)", name(strategy()), shortening, bending, exact.bending,
             exact.bending});
     EXPECT_NEAR(middle, exact.deflection, tolerance(0.01 * exact.deflection));
-    EXPECT_NEAR(bending, exact.bending, tolerance((graded() ? 0.1 : 0.015) * exact.bending));
+    EXPECT_NEAR(bending, exact.bending, tolerance(missing(0.015) * exact.bending));
     return bending;
   }
 };
@@ -317,7 +320,7 @@ TEST_P(PostBuckling, FollowsTheElastica) {
   const double load = (bendingAt(to) - bendingAt(from)) / (to - from);
   const double exact = (postBuckled(to).bending - postBuckled(from).bending) / (to - from);
   record({what(), "mean load / P_cr, 5 to 10 % shortening", name(strategy()), 0.0, load, exact, exact});
-  EXPECT_NEAR(load, exact, tolerance((graded() ? 0.08 : 0.02) * exact));
+  EXPECT_NEAR(load, exact, tolerance(missing(0.02) * exact));
 }
 
 INSTANTIATE_TEST_SUITE_P(Strategies, PostBuckling,

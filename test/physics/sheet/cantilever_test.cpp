@@ -90,8 +90,9 @@ TEST_P(AdaptiveStrip, StaysNearElastica) {
   const double error = std::hypot(tip.x - exact.x, tip.drop - exact.drop);
   recordTip(strategy, lambda, tip, exact);
   // A chain of 10 links, the coarsest mesh, has an error of 1.0 % of the drop at λ = 2 (ClampOrder
-  // below). The mesh refines only where the turning angle at a node is above refine_above.
-  EXPECT_LE(error, tolerance(0.015));
+  // below), which is 0.6 L; as much may be missing from x. The mesh refines only where the turning angle
+  // at a node is above refine_above.
+  EXPECT_LE(error, tolerance(0.0085));
 }
 
 INSTANTIATE_TEST_SUITE_P(Strategies, AdaptiveStrip,
