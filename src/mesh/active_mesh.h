@@ -42,9 +42,11 @@ struct Triple {
     return sagitta == 0.0 ? bent : Vec3(bent - sagitta * ((x[a] - c_at) + (x[b] - c_at)));
   }
 
+  double centre() const { return 2.0 * sagitta - (left + right); }  ///< coefficient of x_c in bent()
+
   /// Nodes and their coefficients in bent(); those of a and b are zero where no sagitta counts.
   std::array<std::pair<int, double>, 5> parts() const {
-    return {{{r, right}, {c, 2.0 * sagitta - (left + right)}, {l, left}, {a, -sagitta}, {b, -sagitta}}};
+    return {{{r, right}, {c, centre()}, {l, left}, {a, -sagitta}, {b, -sagitta}}};
   }
 };
 

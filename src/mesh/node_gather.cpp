@@ -68,13 +68,19 @@ void NodeGather::forEntries(const ActiveMesh& mesh, const Put& put) const {
     }
   }
   for (const int d : {kWarp, kWeft}) {
-    for (int part = 0; part < kTripleParts; ++part) {
+    const auto forTriples = [&](int part, int Triple::*node, const auto& coefficient) {
       for (int t = triple_ends[d]; t < triple_ends[d + 1]; ++t) {
-        const auto [node, coefficient] = mesh.triples[t].parts()[part];
-        if (coefficient == 0.0) continue;
-        put(node, {kTripleRoles + kTripleParts * d + part, firstTriple() + triples_.place(t), coefficient});
+        const Triple& triple = mesh.triples[t];
+        const Entry entry{kTripleRoles + kTripleParts * d + part, firstTriple() + triples_.place(t),
+                          coefficient(triple)};
+        if (entry.coefficient != 0.0) put(triple.*node, entry);
       }
-    }
+    };
+    forTriples(0, &Triple::r, [](const Triple& t) { return t.right; });
+    forTriples(1, &Triple::c, [](const Triple& t) { return t.centre(); });
+    forTriples(2, &Triple::l, [](const Triple& t) { return t.left; });
+    forTriples(3, &Triple::a, [](const Triple& t) { return -t.sagitta; });
+    forTriples(4, &Triple::b, [](const Triple& t) { return -t.sagitta; });
   }
   for (int c = 0; kinds_.shear && c < 4; ++c) {
     const int first = firstPatch() + (c == 0 || c == 3 ? 0 : patches_.size());
