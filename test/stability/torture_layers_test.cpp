@@ -152,7 +152,7 @@ class TorturePile : public testing::TestWithParam<int> {};
 
 TEST_P(TorturePile, WithFewIterations) {
   const int iterations = GetParam();
-  Torture strip = pile("pile_budget_" + std::to_string(iterations), fabricOf(5e-4, 500.0, 4e-6));
+  Torture strip = pile("pile_budget_" + std::to_string(iterations), fabricOf(5e-4, 500.0, 1e-6));
   strip.scene.solver.minimizer.max_iterations = std::max(1, iterations);
   if (iterations == 0) strip.scene.solver.minimizer.time_budget = 1e-12;
   strip.scene.stop.time = 0.6;
