@@ -212,8 +212,8 @@ void ActiveMesh::addTriple(const LeafMesh& leaves, int centre, int direction) {
 ///
 ///     X = κ + α κ',   Y = κ' + β κ   ⇒   κ = (X - α Y) / (1 - α β)
 ///
-/// with α from the arms and β from the nodes beside c. The area, divided likewise, keeps the forces of a
-/// uniform moment in equilibrium. If all four hang, X = Y = κ + κ': then each counts half of the sum.
+/// with α from the arms and β from the nodes beside c. The area is multiplied by the share 1 - α β, which
+/// keeps a uniform moment in equilibrium. If all four hang, X = Y = κ + κ': then each counts half of the sum.
 void ActiveMesh::subtractSagitta(Triple& triple, int arm) const {
   const bool warp = triple.direction == kWarp;
   const int other = arm * (warp ? grid.columns : 1), p = particle[triple.c];
@@ -223,13 +223,14 @@ void ActiveMesh::subtractSagitta(Triple& triple, int arm) const {
   triple.b = node[p + other];
   triple.sagitta = hangs(triple.l) * triple.left + hangs(triple.r) * triple.right;
   constexpr double kLeastShare = 0.25;  // it is ½ or more, or none
-  const double both = 1.0 - along * along * triple.sagitta * (hangs(triple.a) + hangs(triple.b));
-  if (both < kLeastShare) {
+  const double share = 1.0 - along * along * triple.sagitta * (hangs(triple.a) + hangs(triple.b));
+  if (share < kLeastShare) {
     triple.sagitta *= 0.5;
     return;
   }
-  for (double* coefficient : {&triple.left, &triple.right, &triple.sagitta}) *coefficient /= both;
-  triple.area *= both;
+  for (double* coefficient : {&triple.left, &triple.right, &triple.sagitta}) *coefficient /= share;
+  triple.area *= share;
+  triple.share = share;
 }
 
 }  // namespace haptic_cloth
