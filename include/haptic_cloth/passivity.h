@@ -101,9 +101,10 @@ class PassivityController {
 
   PassivityOptions options_;
   double period_;
-  Last<kForces> forces_;                            ///< since the last reset
-  Last<kWindow + 1> positions_;                     ///< since the last reset or change of the period
-  double energy_ = 0.0, cloth_ = 0.0, gain_ = 1.0;  ///< cloth_: its share of the bound of E [J]
+  Last<kForces> forces_;         ///< since the last reset
+  Last<kWindow + 1> positions_;  ///< since the last reset or change of the period
+  double energy_ = 0.0, gain_ = 1.0;
+  double cloth_ = 0.0;  ///< share of the cloth in the bound of E [J]
   Vec3 velocity_ = Vec3::Zero();
 };
 

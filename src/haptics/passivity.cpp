@@ -64,7 +64,7 @@ void PassivityController::observe(const Vec3& position, const HeldEnergy& held) 
   velocity_ = window > 0 ? Vec3((position - positions_[window]) / (window * period_)) : Vec3(Vec3::Zero());
   energy_ += options_.device_damping * velocity_.squaredNorm() * period_;
   const double fallen = held.cloth > 0.0 ? cloth_ * std::exp(-period_ / kFall) : 0.0;
-  cloth_ = std::max(fallen, std::min(options_.store, held.cloth));
+  cloth_ = std::min(options_.store, std::max(fallen, held.cloth));
   energy_ = std::clamp(energy_, -kMostDebt, held.coupling + cloth_);
   const double debt = std::max(0.0, -energy_);
   const double wanted = options_.debt > 0.0 ? options_.debt / (options_.debt + debt) : 1.0;
