@@ -70,9 +70,7 @@ double JointEnergy::rate(int element, const Field& d) const {
   const auto [kind, k] = laws_.kind(element);
   const Slope& slope = elements_[element].slope;
   if (kind == Kind::Edge) return slope[0].dot(d[mesh_.edges[k].b] - d[mesh_.edges[k].a]);
-  if (kind == Kind::Triple) {
-    return slope[0].dot(mesh_.triples[k].bent(d));
-  }
+  if (kind == Kind::Triple) return slope[0].dot(mesh_.triples[k].bent(d));
   const auto& n = mesh_.patches[k].nodes;
   return slope[0].dot(d[n[3]] - d[n[0]]) + slope[1].dot(d[n[1]] - d[n[2]]);
 }

@@ -39,7 +39,7 @@ struct alignas(64) TriplePack {
   int sagitta = -1;                               ///< its SagittaPack, -1: none
 };
 
-/// What the triples of a pack take off for sagittas (see Triple); few packs have one.
+/// Sagittas that the triples of a pack take off (see Triple); few packs have any.
 struct alignas(64) SagittaPack {
   double coefficient[kPack];  ///< [1/m²]
   PackIndices a, b;           ///< nodes

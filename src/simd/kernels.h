@@ -19,11 +19,11 @@ struct StraightWay;
 struct PairPack;
 struct PatchCorners;
 struct PatchPack;
+struct SagittaPack;
 struct SampleContext;
 struct SamplePack;
 struct SolidLanes;
 struct StepPack;
-struct SagittaPack;
 struct TriplePack;
 
 /// Calls KERNEL(result, name, arguments) for each kernel. The kernels are described beside their
