@@ -12,8 +12,8 @@ class SurfaceNormals {
   /// Reserves memory for the finest mesh. @param of_patches patches need normals too
   SurfaceNormals(const ActiveMesh& mesh, bool of_patches);
 
-  /// Sets the normals for some positions. A node's normal is the mean of those of its cells,
-  /// weighted by area.
+  /// Sets the normals for some positions. That of a node has the direction of a sum: the normals of its
+  /// cells, which count alike, and at a sharp fold, where these cancel, the curvature vectors of its triples.
   void update(const ActiveMesh& mesh, const Field& positions);
 
   Vec3 node(int node) const { return nodes_[node]; }
@@ -25,8 +25,11 @@ class SurfaceNormals {
   void serialize(Archive& archive);
 
  private:
+  void addBends(const ActiveMesh& mesh, const Field& positions);
+
   bool of_patches_;
   Field nodes_;
+  Field bends_;    ///< what the triples add to the normals of their nodes
   Field patches_;  ///< unit vectors only if patches need normals
 };
 

@@ -1,6 +1,7 @@
 #include "mesh/active_mesh.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace haptic_cloth {
 namespace {
@@ -200,8 +201,9 @@ void ActiveMesh::addTriple(const LeafMesh& leaves, int centre, int direction) {
   const double l1 = arm[0] * along, l2 = arm[1] * along;
   const double bent = 0.5 * ((left_rigid ? 0.0 : l1) + (right_rigid ? 0.0 : l2));
   const double area = std::max(width[0], width[1]) * bent;
+  const double length = std::sqrt(bent * std::sqrt(l1 * l2));
   triples.push_back(
-      {l, centre, r, direction, 1.0 / (bent * l1), 1.0 / (bent * l2), area, 0.0, centre, centre});
+      {l, centre, r, direction, 1.0 / (bent * l1), 1.0 / (bent * l2), area, length, 0.0, centre, centre});
   if (l >= active() || r >= active()) subtractSagitta(triples.back(), arm[l >= active() ? 0 : 1]);
 }
 
@@ -230,7 +232,6 @@ void ActiveMesh::subtractSagitta(Triple& triple, int arm) const {
   }
   for (double* coefficient : {&triple.left, &triple.right, &triple.sagitta}) *coefficient /= share;
   triple.area *= share;
-  triple.share = share;
 }
 
 }  // namespace haptic_cloth

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -26,16 +25,16 @@ struct Edge {
 struct Triple {
   int l, c, r;    ///< nodes
   int direction;  ///< kWarp or kWeft
-  /// Coefficients 2/(l1+l2)/l1 and 2/(l1+l2)/l2 over `share` [1/m²]; a rigid arm counts as 0 in l1+l2.
+  /// Coefficients 2/(l1+l2)/l1 and 2/(l1+l2)/l2 over the share 1 - α β of subtractSagitta() [1/m²]; a rigid
+  /// arm counts as 0 in l1+l2.
   double left, right;
-  /// Width times (l1+l2)/2 times `share` [m²].
-  double area;
+  double area;    ///< width times (l1+l2)/2 times that share [m²]
+  double length;  ///< of two equal arms; of others √((l1+l2)/2 √(l1 l2)) [m]
   /// An arm that ends on a hanging node ends on the chord of a coarse side, which is off the surface
   /// by a sagitta. Nodes a and b beside c, across the thread, measure it. Coefficient [1/m²]; 0 and
   /// a = b = c if no arm ends so.
   double sagitta;
   int a, b;
-  double share = 1.0;  ///< see ActiveMesh::subtractSagitta() [-]
 
   /// left (x_l - x_c) + right (x_r - x_c) - sagitta (x_a - 2 x_c + x_b) [1/m]. @param x positions of the
   /// nodes [m], or their change
@@ -50,9 +49,6 @@ struct Triple {
   std::array<std::pair<int, double>, 5> parts() const {
     return {{{r, right}, {c, centre()}, {l, left}, {a, -sagitta}, {b, -sagitta}}};
   }
-
-  /// Product of two equal arms; of others (l1+l2)/2 √(l1 l2) [m²].
-  double squaredLength() const { return 1.0 / (share * std::sqrt(left * right)); }
 };
 
 /// Leaf cell: shear element and patch of the surface.

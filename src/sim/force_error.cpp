@@ -78,7 +78,7 @@ ForceError::CoarseEnergy ForceError::coarseEnergy(const Cloth& cloth) {
     const double finest = spacing[triple.direction];
     const double finest_turn = internal.curvature(t, x) * finest;
     const double energy = std::max(0.0, internal.bendingDensity(t, x) * triple.area);
-    sum.bend += excess(triple.squaredLength(), finest) * finest_turn * finest_turn * energy;
+    sum.bend += excess(triple.length * triple.length, finest) * finest_turn * finest_turn * energy;
     sum.whole += energy;
   }
   return sum;

@@ -26,10 +26,6 @@ Obstacle floorAt(double height) {
   return floor;
 }
 
-// Share of the turnover that normals may create by turning. A fold as sharp as a cell turns them far
-// (docs/stability.md, crumpled cloth creates energy): as much as one mesh change may create.
-constexpr double kSharpFolds = 0.1;
-
 /// Strip of 12 x 2 cm that stands on its end, leans a little and falls onto itself on a floor.
 Torture pile(const std::string& name, const std::string& fabric) {
   Torture strip = tortureSheet(name, fabric, 25, 5, 0.12, 0.02);
@@ -38,7 +34,6 @@ Torture pile(const std::string& name, const std::string& fabric) {
   strip.scene.cloth.pose.orientation = Quat(Eigen::AngleAxisd(-0.5 * EIGEN_PI - lean, Vec3::UnitY()));
   strip.scene.obstacles = {floorAt(-0.06 - 3.0 * strip.scene.cloth.fabric.thickness)};
   strip.scene.stop.time = 0.25;
-  strip.limits.turned = kSharpFolds;
   return strip;
 }
 
@@ -60,6 +55,9 @@ TEST(Torture, FoldsOnAFloorThatRises) {
                                std::to_string(std::lround(1e6 * speed * time_step)) + "um";
       Torture strip = pile(name, shippedFabric(fabric));
       strip.scene.solver.time_step = time_step;
+      // The floor moves by most of a cell in a step, and so do folds: twice the worst of 160 runs that began
+      // 1 µm higher each.
+      strip.limits.turned = 0.05;
       const Pose start = strip.scene.obstacles[0].pose;
       strip.before = [start, speed = speed](ClothWorld& world, long step) {
         const double end = static_cast<double>(step + 1) * world.scene().solver.time_step;
@@ -88,7 +86,6 @@ TEST(Torture, TumbledInADrum) {
     for (int k = 0; k < 4; ++k) world.moveObstacle(k, wall(k, end));
   };
   sheet.scene.stop.time = lengthOf(0.3);
-  sheet.limits.turned = kSharpFolds;
   tortureLayers(sheet);
 }
 
@@ -112,7 +109,6 @@ TEST(Torture, CrumpledByGripsAtRandom) {
   sheet.scene.solver.minimizer.max_iterations = 50;
   sheet.scene.stop.time = time;
   sheet.limits.pushed = true;
-  sheet.limits.turned = kSharpFolds;
   tortureLayers(sheet);
 }
 

@@ -148,19 +148,27 @@ class DampingAtTheDefaultTolerance : public Damping {};
 
 TEST_P(DampingAtTheDefaultTolerance, IsNearlyWhatThePoleSays) {
   // Forces of 0.1 g may be left undone, as much as those that let it swing. What they lack in one step others
-  // may do too much, so only their sum counts. It may not change the amplitude by more than 1.5 % per period.
+  // may do too much, so only their sum counts. It may not change the amplitude by more than 1 % per period.
+  // Which forces are left undone is chance: single swings differ by up to 3 % in energy between instruction
+  // sets. So the mean of five swings from angles that differ a little counts.
   const auto& [method, omega_h, strategy] = GetParam();
   const HangingMode mode = hangingChainMode(1, kCells);
   const double period = 2.0 * EIGEN_PI / backwardEulerPhase(omega_h);
-  Scene scene = tiltedStrip(0.0, 0, strategy, omega_h / angular(mode), method.integrator, 0.1);
-  scene.solver.minimizer = MinimizerOptions();
-  Swing strip(scene, 0, mode.shape);
-  const std::vector<double> x = strip.run(static_cast<int>(6.0 * period));
-  const Oscillation found = fitOscillation(x, static_cast<int>(2.0 * period), static_cast<int>(0.2 * period));
-  const double exact = method.energy(found.phase);
+  double kept = 0.0, exact = 0.0;
+  const auto angles = {0.096, 0.098, 0.1, 0.102, 0.104};  // [rad]
+  for (const double angle : angles) {
+    Scene scene = tiltedStrip(0.0, 0, strategy, omega_h / angular(mode), method.integrator, angle);
+    scene.solver.minimizer = MinimizerOptions();
+    Swing strip(scene, 0, mode.shape);
+    const std::vector<double> x = strip.run(static_cast<int>(6.0 * period));
+    const Oscillation found =
+        fitOscillation(x, static_cast<int>(2.0 * period), static_cast<int>(0.2 * period));
+    kept += found.energy / angles.size();
+    exact += method.energy(found.phase) / angles.size();
+  }
   record({"swing of a hanging chain, default tolerance, " + method.name, "energy kept in a period [-]",
-          name(strategy), omega_h, found.energy, exact, 1.0});
-  EXPECT_NEAR(found.energy, exact, tolerance(0.03));
+          name(strategy), omega_h, kept, exact, 1.0});
+  EXPECT_NEAR(kept, exact, tolerance(0.02));
 }
 
 const Method kMethods[] = {

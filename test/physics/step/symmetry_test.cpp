@@ -201,7 +201,9 @@ TEST_P(ImageOfADrape, HasTheImageOfItsMesh) {
 
 TEST_P(ImageOfADrape, HasTheImageOfItsShape) {
   Scene scene = drape(Strategy::Amrc);
-  scene.solver.minimizer.tolerance = 0.01;  // at 0.1 rounding alone leads to folds 0.3 mm apart
+  // At 0.1 rounding alone leads to folds 0.3 mm apart, at 0.01 to runs 5 μm apart, which is enough for one
+  // cell to split in one of them only.
+  scene.solver.minimizer.tolerance = 1e-3;
   scene.solver.minimizer.max_iterations = 3000;
   scene.probes[0].path = press(0.2, 0.4, 0.6);
   const double amrc = runTwins(GetParam(), scene).apart;
@@ -210,7 +212,7 @@ TEST_P(ImageOfADrape, HasTheImageOfItsShape) {
   const double spacing = 0.3 / (kSide - 1), image = 1.0 * static_cast<int>(GetParam());
   record({"image of a drape", "rms distance [m]", "amrc", image, amrc, 0.0, spacing});
   record({"image of a drape", "rms distance [m]", "finest", image, finest, 0.0, spacing});
-  for (const double apart : {amrc, finest}) EXPECT_LT(apart, tolerance(1e-3 * spacing));
+  for (const double apart : {amrc, finest}) EXPECT_LT(apart, tolerance(1e-4 * spacing));
 }
 
 INSTANTIATE_TEST_SUITE_P(Images, ImageOfADrape,

@@ -1,0 +1,86 @@
+/// Normals at the nodes of a folded sheet.
+/// Criteria: by symmetry the normal at the crease lies in the plane that halves the fold, also where the
+/// normals of the two sides cancel; round-off of some ten terms, 1e-12. Threads that turn by φ in the plane
+/// of a flat sheet may tilt it by (φ/2)³, or twice that at a border, by the definition in docs/model.md.
+#include "energy/surface_normals.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/tolerance.h"
+
+namespace haptic_cloth {
+namespace {
+
+const Grid kGrid{17, 9, 1, 0.004, 0.005};
+constexpr int kCrease = 8;  // column
+constexpr double kFolded = EIGEN_PI;
+const Quat kTurned(Eigen::AngleAxisd(0.9, Vec3(0.3, -0.5, 0.8).normalized()));
+
+/// Flat sheets on both sides of the crease, of which each rises by half of the turn.
+Field folded(const ActiveMesh& mesh, double turn) {
+  Field x;
+  x.clear(mesh.nodes());
+  for (int n = 0; n < mesh.nodes(); ++n) {
+    const double u = (kGrid.column(mesh.particle[n]) - kCrease) * kGrid.dx;
+    const Vec3 at(u * std::cos(0.5 * turn), kGrid.row(mesh.particle[n]) * kGrid.dy,
+                  std::abs(u) * std::sin(0.5 * turn));
+    x.set(n, kTurned * at);
+  }
+  return x;
+}
+
+void expectTheCreaseIsHalved(const LeafMesh& leaves) {
+  const ActiveMesh mesh(leaves, 0.15);
+  SurfaceNormals normals(mesh, false);
+  for (const double turn : {1e-3, 0.1, 1.0, 2.0, 3.0, kFolded - 1e-9, kFolded}) {
+    normals.update(mesh, folded(mesh, turn));
+    int creased = 0;
+    for (int n = 0; n < mesh.active(); ++n) {
+      if (kGrid.column(mesh.particle[n]) != kCrease) continue;
+      ++creased;
+      // Which side is up is undefined where the sides lie on each other.
+      const double up = (kTurned.inverse() * normals.node(n)).z();
+      EXPECT_NEAR(turn < kFolded ? up : std::abs(up), 1.0, tolerance(1e-12)) << "turn " << turn;
+    }
+    EXPECT_GE(creased, 5);
+  }
+}
+
+TEST(SurfaceNormals, HalveAFoldBetweenEqualCells) { expectTheCreaseIsHalved(LeafMesh(kGrid, {}, 0)); }
+
+TEST(SurfaceNormals, HalveAFoldBetweenCellsOfTwoSizes) {
+  LeafMesh leaves(kGrid, {}, 1);
+  std::vector<Cell> done;
+  for (int i = kCrease; i < kGrid.columns - 1; i += 2) {
+    for (int j = 0; j < kGrid.rows - 1; j += 2) leaves.split(leaves.leafAt(i, j), done);
+  }
+  expectTheCreaseIsHalved(leaves);
+}
+
+TEST(SurfaceNormals, HardlyTiltWhereThreadsTurnInThePlaneOfTheSheet) {
+  // Warp threads on circles in the plane; they turn by φ per cell, and shear the cells by their angle.
+  const ActiveMesh mesh(LeafMesh(kGrid, {}, 0), 0.15);
+  const double turn = 0.1, radius = kGrid.dx / turn;
+  const auto angleAt = [&](int n) { return (kGrid.column(mesh.particle[n]) - kCrease) * turn; };
+  Field x;
+  x.clear(mesh.nodes());
+  for (int n = 0; n < mesh.nodes(); ++n) {
+    const double angle = angleAt(n);
+    x.set(n,
+          {radius * std::sin(angle), kGrid.row(mesh.particle[n]) * kGrid.dy - radius * std::cos(angle), 0.0});
+  }
+  SurfaceNormals normals(mesh, false);
+  normals.update(mesh, x);
+  for (int n = 0; n < mesh.active(); ++n) {
+    const int row = kGrid.row(mesh.particle[n]);
+    const bool border = row == 0 || row == kGrid.rows - 1;
+    const double area = std::cos(std::abs(angleAt(n)) + turn);  // of sheared cells, over that at rest
+    const double most = std::pow(0.5 * turn, 3) / area * (border ? 2.0 : 1.0);
+    EXPECT_LE(normals.node(n).head<2>().norm(), tolerance(most));
+  }
+}
+
+}  // namespace
+}  // namespace haptic_cloth
