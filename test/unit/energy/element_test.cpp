@@ -60,7 +60,7 @@ Element edge() {
 
 Element triple() {
   const Vec3 normal = Vec3(0.1, -0.2, 1.0).normalized();
-  const Triple triple{0, 1, 2, kWarp, 1.0, 0.5, 1.5, 0.2, 3, 4};
+  const Triple triple{0, 1, 2, kWarp, 1.0, 0.5, 1.5, 1.0, 0.2, 3, 4};
   const Curve bending = Curve::linear(2.0);
   const auto evaluate = [=](const VectorXd& x) {
     Field nodes;
@@ -227,7 +227,7 @@ TEST(TripleTest, ParabolaHasItsCurvatureForAnyArms) {
   const double kappa = 3.0;
   for (const auto& [l1, l2] : {std::pair(0.1, 0.1), {0.1, 0.2}, {0.4, 0.1}}) {
     const double bent = 0.5 * (l1 + l2);
-    const Triple triple{0, 1, 2, kWarp, 1 / (bent * l1), 1 / (bent * l2), 1.0, 0.0, 1, 1};
+    const Triple triple{0, 1, 2, kWarp, 1 / (bent * l1), 1 / (bent * l2), 1.0, 1.0, 0.0, 1, 1};
     const Field x(
         std::vector<Vec3>{{-l1, 0, 0.5 * kappa * l1 * l1}, {0, 0, 0}, {l2, 0, 0.5 * kappa * l2 * l2}});
     const TripleResult r = evaluateTriple(triple.bent(x), Vec3::UnitZ(), triple.area, Curve::linear(2.0));
