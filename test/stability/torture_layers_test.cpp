@@ -34,6 +34,9 @@ Torture pile(const std::string& name, const std::string& fabric) {
   strip.scene.cloth.pose.orientation = Quat(Eigen::AngleAxisd(-0.5 * EIGEN_PI - lean, Vec3::UnitY()));
   strip.scene.obstacles = {floorAt(-0.06 - 3.0 * strip.scene.cloth.fabric.thickness)};
   strip.scene.stop.time = 0.25;
+  // A split halves the arms on which sharp folds turn, so it doubles their energy until the step is solved.
+  // All folds of a pile may split at once; in 360 runs that began 1 μm higher each they held up to 0.16.
+  strip.limits.created = 0.2;
   return strip;
 }
 
