@@ -1,5 +1,7 @@
 #include "energy/surface_normals.h"
 
+#include <algorithm>
+
 #include "simd/kernels.h"
 
 namespace haptic_cloth {
@@ -27,13 +29,19 @@ void SurfaceNormals::update(const ActiveMesh& mesh, const Field& positions) {
 
 /// Adds 4 |β|² β for each triple, with β = ± ½ l κ and κ its curvature vector, towards the side of the cells'
 /// normals. If these turn by φ at the node, their sum has the length 4 cos(φ/2), and |β| is sin(φ/2): nothing
-/// to a smooth surface, and all to a fold whose sides lie on each other.
+/// to a smooth surface, and all to a fold whose sides lie on each other. Where the arms are stretched
+/// differently, κ has a part along the thread, which is not its curvature.
 void SurfaceNormals::addBends(const ActiveMesh& mesh, const Field& positions) {
   constexpr double kCells = 4.0;
   bends_.resize(static_cast<int>(mesh.triples.size()));
   for (int t = 0; t < bends_.size(); ++t) {
     const Triple& triple = mesh.triples[t];
-    const Vec3 bend = (0.5 * triple.length) * triple.bent(positions);
+    const double half = 0.5 * triple.length;
+    const Vec3 centre = positions[triple.c];
+    const Vec3 along = half * (triple.right * (positions[triple.r] - centre) +
+                               triple.left * (centre - positions[triple.l]));  // cos(φ/2) long
+    Vec3 bend = half * triple.bent(positions);
+    bend -= bend.dot(along) / std::max(1.0, along.squaredNorm()) * along;
     bends_.set(t, (nodes_[triple.c].dot(bend) < 0.0 ? -kCells : kCells) * bend.squaredNorm() * bend);
   }
   for (int t = 0; t < bends_.size(); ++t) nodes_.add(mesh.triples[t].c, bends_[t]);

@@ -82,5 +82,20 @@ TEST(SurfaceNormals, HardlyTiltWhereThreadsTurnInThePlaneOfTheSheet) {
   }
 }
 
+TEST(SurfaceNormals, StandOnASheetThatIsStretchedUnevenly) {
+  // Strains along warp grow from 0 to 2, by 0.13 from cell to cell.
+  const ActiveMesh mesh(LeafMesh(kGrid, {}, 0), 0.15);
+  Field x;
+  x.clear(mesh.nodes());
+  for (int n = 0; n < mesh.nodes(); ++n) {
+    const double i = kGrid.column(mesh.particle[n]), j = kGrid.row(mesh.particle[n]);
+    x.set(n, kTurned * Vec3((i + i * i / (kGrid.columns - 1)) * kGrid.dx, j * kGrid.dy, 0.0));
+  }
+  SurfaceNormals normals(mesh, false);
+  normals.update(mesh, x);
+  for (int n = 0; n < mesh.active(); ++n)
+    EXPECT_NEAR((kTurned.inverse() * normals.node(n)).z(), 1.0, tolerance(1e-12));
+}
+
 }  // namespace
 }  // namespace haptic_cloth
