@@ -28,9 +28,9 @@ void SurfaceNormals::update(const ActiveMesh& mesh, const Field& positions) {
 }
 
 /// Adds 4 |β|² β for each triple, with β = ± ½ l κ and κ its curvature vector, towards the side of the cells'
-/// normals. If these turn by φ at the node, their sum has the length 4 cos(φ/2), and |β| is sin(φ/2): nothing
-/// to a smooth surface, and all to a fold whose sides lie on each other. Where the arms are stretched
-/// differently, κ has a part along the thread, which is not its curvature.
+/// normals. If these turn by φ at the node, their sum has the length 4 cos(φ/2), and |β| is sin(φ/2): this
+/// is next to nothing on a smooth surface, and all there is where the sides of a fold lie on each other.
+/// Where the arms are stretched differently, κ has a part along the thread, which is not its curvature.
 void SurfaceNormals::addBends(const ActiveMesh& mesh, const Field& positions) {
   constexpr double kCells = 4.0;
   bends_.resize(static_cast<int>(mesh.triples.size()));
