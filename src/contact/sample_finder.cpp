@@ -1,6 +1,7 @@
 #include "contact/sample_finder.h"
 
 #include <cmath>
+#include <utility>
 
 #include "contact/friction_law.h"
 #include "shape/solid_lanes.h"
@@ -9,8 +10,13 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr int kChunk = 512;      // growth of the arrays of points [points]
-constexpr double kCut = 0.5;     // depth in ranges that a sharp edge may cut into a cell
+constexpr int kChunk = 512;        // growth of the arrays of points [points]
+constexpr double kCut = 0.5;       // depth in ranges that a sharp edge may cut into a cell
+constexpr double kSharp = 0.3;     // turn of a normal that tells of a sharp edge [rad]
+constexpr double kMostTurn = 2.0;  // difference of two unit normals, at most
+constexpr double kSlanting = 3.0;  // length of parts across slanting edges over that across others
+// Ends of the sides of a cell along warp and weft.
+constexpr std::array<std::array<std::pair<int, int>, 2>, 2> kSides{{{{{0, 1}, {2, 3}}}, {{{0, 2}, {1, 3}}}}};
 constexpr double kStart = 3e-8;  // time that the start of a sample takes, about [s]
 /// Smallest number of samples across half the width of a probe.
 constexpr double kProbeSpacing = 3.0;
@@ -57,7 +63,8 @@ SampleFinder::SampleFinder(const Grid& grid, const SolidSet& solids, const Conta
   const int samples = capacity();
   started_.reserve(samples);
   near_.reserve(samples);
-  for (auto* list : {&node_area_, &still_}) list->reserve(grid.particles());
+  for (auto* list : {&node_area_, &still_, &edge_turns_[kWarp], &edge_turns_[kWeft]})
+    list->reserve(grid.particles());
   patch_margins_.reserve(padded(grid.cells()));
   at_nodes_.gaps.reserve(padded(grid.particles()));
   at_nodes_.normals.reserve(grid.particles());
@@ -88,7 +95,8 @@ void SampleFinder::find(const ActiveMesh& mesh, const Field& nodes, const std::v
   for (int solid = 0; solid < solids_.obstacles(); ++solid) {
     if (solids_[solid].distance(ball.centre).value > ball.radius + law_.range()) continue;
     measure(solid, law_.range(), mesh, nodes, reach);
-    addCells(mesh, nodes);
+    findEdges(solids_[solid], mesh, nodes);
+    addCells(solids_[solid], mesh, nodes);
     addGroup(solid, samples);
     addNodes(mesh, nodes, reach);
     addGroup(solid, samples);
@@ -120,16 +128,20 @@ SampleFinder::Ball SampleFinder::ballAround(const Field& nodes, const std::vecto
 
 /// Adds points of the cells on which an obstacle does not press evenly. The other cells leave their
 /// area to their nodes.
-void SampleFinder::addCells(const ActiveMesh& mesh, const Field& nodes) {
+void SampleFinder::addCells(const Solid& solid, const ActiveMesh& mesh, const Field& nodes) {
   node_area_.assign(mesh.nodes(), 0.0);
   for (int k = 0; k < static_cast<int>(mesh.patches.size()); ++k) {
     const double near = patch_margins_[k];
     if (near < 0.0) continue;
     const Patch& patch = mesh.patches[k];
+    if (const auto across = partsAcrossEdge(solid, patch)) {
+      addMiddles(patch, *across, solid, nodes, near);
+      continue;
+    }
     const int parts = partsOf(patch);
     const double corner_area = 0.25 * patch.area / (parts * parts);
     for (const int corner : patch.nodes) node_area_[corner] += corner_area;
-    if (parts > 1) addCell(patch, parts, nodes, near);
+    if (parts > 1) addCorners(patch, parts, nodes, near);
   }
 }
 
@@ -144,9 +156,9 @@ void SampleFinder::addNodes(const ActiveMesh& mesh, const Field& nodes, const st
   }
 }
 
-/// Adds a cell at (parts + 1) × (parts + 1) points without its corners; each stands for the area
-/// around it within the cell.
-void SampleFinder::addCell(const Patch& patch, int parts, const Field& nodes, double margin) {
+/// Adds the corners of parts × parts equal parts of a cell but its own; each stands for the area around it
+/// within the cell.
+void SampleFinder::addCorners(const Patch& patch, int parts, const Field& nodes, double margin) {
   for (int j = 0; j <= parts; ++j) {
     const double v = static_cast<double>(j) / parts;
     const Row row(patch, v, nodes);
@@ -159,23 +171,111 @@ void SampleFinder::addCell(const Patch& patch, int parts, const Field& nodes, do
   }
 }
 
-/// Number of parts of a cell's side to be sampled. It is 1 if the obstacle presses evenly: one
-/// normal at the corners, and gaps whose difference hardly changes the pressure. Otherwise it is
-/// the number of finest cells, but no part is smaller than a share of the range. It is larger if a
-/// sharp edge would cut deeper into these parts than that share.
-int SampleFinder::partsOf(const Patch& patch) const {
-  constexpr double kSameNormal = 1e-3, kShareOfRange = 0.1, kMostParts = 4.0;
-  // Largest differences over all pairs; with one corner as reference, mirrored cells would differ.
-  double gaps = 0.0, turn = 0.0;
-  for (int c = 1; c < 4; ++c) {
-    for (int d = 0; d < c; ++d) {
-      const int a = patch.nodes[c], b = patch.nodes[d];
-      gaps = std::max(gaps, std::abs(at_nodes_.gaps[a] - at_nodes_.gaps[b]));
-      turn = std::max(turn, (at_nodes_.normals[a] - at_nodes_.normals[b]).squaredNorm());
+/// Adds the middles of equal parts of a cell that may be near a solid.
+void SampleFinder::addMiddles(const Patch& patch, const Parts& parts, const Solid& solid, const Field& nodes,
+                              double margin) {
+  const int columns = parts[kWarp], rows = parts[kWeft];
+  const double area = patch.area / (static_cast<double>(columns) * rows);
+  for (int j = 0; j < rows; ++j) {
+    const double v = (j + 0.5) / rows;
+    const Row row(patch, v, nodes);
+    const Window window(columns, row, solid.position(), solid.extent() + margin);
+    for (int i = window.first; i < window.last; ++i) {
+      const double u = (i + 0.5) / columns;
+      addPoint(surfacePoint(patch, u, v, area), row.at(u), margin);
     }
   }
-  turn = std::sqrt(turn);
-  const bool uneven = gaps > kShareOfRange * law_.range() || turn > kSameNormal;
+}
+
+/// Finds the nodes that are nearer to a sharp edge than the range, and how far the solid's normal turns there
+/// along warp and weft.
+void SampleFinder::findEdges(const Solid& solid, const ActiveMesh& mesh, const Field& nodes) {
+  for (auto& turns : edge_turns_) turns.assign(mesh.nodes(), 0.0);
+  for (int k = 0; k < static_cast<int>(mesh.patches.size()); ++k) {
+    if (patch_margins_[k] < 0.0) continue;
+    const Patch& patch = mesh.patches[k];
+    for (const int direction : {kWarp, kWeft}) {
+      const double turn = edgeTurn(solid, patch, direction);
+      if (turn == 0.0) continue;
+      for (const auto& [c, d] : kSides[direction]) {
+        noteEdge(solid, nodes, patch.nodes[c], patch.nodes[d], turn, edge_turns_[direction]);
+        noteEdge(solid, nodes, patch.nodes[d], patch.nodes[c], turn, edge_turns_[direction]);
+      }
+    }
+  }
+}
+
+/// Notes a turn at a node if the normal differs as far away as the range, towards another node.
+void SampleFinder::noteEdge(const Solid& solid, const Field& nodes, int node, int towards, double turn,
+                            std::vector<double>& turns) const {
+  const Vec3 way = nodes[towards] - nodes[node];
+  const Vec3 there = nodes[node] + std::min(1.0, law_.range() / way.norm()) * way;
+  const Vec3 change = solid.distance(there).normal - at_nodes_.normals[node];
+  if (change.norm() > kSharp) turns[node] = std::max(turns[node], turn);
+}
+
+/// Turn of a solid's normal over a sharp edge, along two sides of a cell; zero without an edge [rad]. A round
+/// face explains a turn of its curvature times the length.
+double SampleFinder::edgeTurn(const Solid& solid, const Patch& patch, int direction) const {
+  const double least = kSharp + patch.cell.span() * spacing(direction) * solid.faceCurvature();
+  if (least > kMostTurn) return 0.0;
+  double turn = 0.0;
+  for (const auto& [c, d] : kSides[direction]) turn = std::max(turn, normalTurn(patch, c, d));
+  return turn > least ? turn : 0.0;
+}
+
+/// Difference of a solid's normals at two corners of a cell [rad].
+double SampleFinder::normalTurn(const Patch& patch, int c, int d) const {
+  return (at_nodes_.normals[patch.nodes[c]] - at_nodes_.normals[patch.nodes[d]]).norm();
+}
+
+/// Parts of a cell near a sharp edge; none for other cells. Cloth presses on the edge with a strip that is
+/// about as wide as the range, wherever its nodes lie. So the parts are a share of the range long across the
+/// edge, and as long as finest cells along it.
+std::optional<SampleFinder::Parts> SampleFinder::partsAcrossEdge(const Solid& solid,
+                                                                 const Patch& patch) const {
+  std::array<double, 2> turn;
+  for (const int direction : {kWarp, kWeft}) {
+    turn[direction] = edgeTurn(solid, patch, direction);
+    for (const int corner : patch.nodes)
+      turn[direction] = std::max(turn[direction], edge_turns_[direction][corner]);
+  }
+  if (turn[kWarp] == 0.0 && turn[kWeft] == 0.0) return {};
+  // Across a slanting edge, and at a corner of the solid, both rows and columns are lines of samples.
+  const bool slants = 2.0 * std::min(turn[kWarp], turn[kWeft]) > std::max(turn[kWarp], turn[kWeft]);
+  const double longest = (slants ? kSlanting : 1.0) * kCut * law_.range();
+  Parts parts{};
+  for (const int direction : {kWarp, kWeft}) {
+    const int span = patch.cell.span();
+    const bool across = slants || turn[direction] > turn[1 - direction];
+    parts[direction] =
+        across ? std::max(span, static_cast<int>(std::ceil(span * spacing(direction) / longest))) : span;
+  }
+  return parts;
+}
+
+/// Tells whether gaps differ so little at the corners of a cell that this hardly changes the pressure.
+bool SampleFinder::gapsAreEven(const Patch& patch) const {
+  constexpr double kShareOfRange = 0.1;
+  double least = at_nodes_.gaps[patch.nodes[0]], most = least;
+  for (const int corner : patch.nodes) {
+    least = std::min(least, at_nodes_.gaps[corner]);
+    most = std::max(most, at_nodes_.gaps[corner]);
+  }
+  return most - least <= kShareOfRange * law_.range();
+}
+
+/// Number of parts of a cell's side to be sampled. It is 1 if the obstacle presses evenly: one
+/// normal at the corners, and even gaps. Otherwise it is the number of finest cells, but no part is smaller
+/// than a share of the range. It is larger if a round solid would cut deeper into these parts than that
+/// share.
+int SampleFinder::partsOf(const Patch& patch) const {
+  constexpr double kSameNormal = 1e-3, kMostParts = 4.0;
+  double turn = 0.0;  // largest over all pairs; with one corner as reference, mirrored cells would differ
+  for (int c = 1; c < 4; ++c) {
+    for (int d = 0; d < c; ++d) turn = std::max(turn, normalTurn(patch, c, d));
+  }
+  const bool uneven = !gapsAreEven(patch) || turn > kSameNormal;
   const int span = patch.cell.span();
   const double smallest = kCut * law_.range(), side = span * std::max(grid_.dx, grid_.dy);
   const int finest = uneven ? std::min<int>(span, std::ceil(side / smallest)) : 1;
@@ -190,23 +290,14 @@ void SampleFinder::addProbePoints(const ActiveMesh& mesh, const Field& nodes,
   const double spacing = solid.halfWidth() / kProbeSpacing;
   measure(index, law_.range() + touching.distance, mesh, nodes, reach);
   for (int k = 0; k < static_cast<int>(mesh.patches.size()); ++k) {
-    const double near = patch_margins_[k], from_centre = solid.extent() + near;
+    const double near = patch_margins_[k];
     if (near < 0.0) continue;
     const Patch& patch = mesh.patches[k];
     const auto count = [&](double length) {
       return std::max(1, static_cast<int>(std::ceil(length / spacing)));
     };
     const int columns = count(patch.cell.span() * grid_.dx), rows = count(patch.cell.span() * grid_.dy);
-    const double area = patch.area / (static_cast<double>(columns) * rows);
-    for (int j = 0; j < rows; ++j) {
-      const double v = (j + 0.5) / rows;
-      const Row row(patch, v, nodes);
-      const Window window(columns, row, solid.position(), from_centre);
-      for (int i = window.first; i < window.last; ++i) {
-        const double u = (i + 0.5) / columns;
-        addPoint(surfacePoint(patch, u, v, area), row.at(u), near);
-      }
-    }
+    addMiddles(patch, {columns, rows}, solid, nodes, near);
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "contact/contact_law.h"
@@ -16,9 +17,9 @@
 namespace haptic_cloth {
 
 /// Finds samples. Obstacles are sampled at the nodes, and at every point of the finest grid in
-/// coarse cells on which they do not press evenly, so that these rest like fine ones. At sharp
-/// edges the samples are denser. Probes are sampled at points at most a third of their radius apart.
-/// Model: decision 0010.
+/// coarse cells on which they do not press evenly, so that these rest like fine ones. Across sharp
+/// edges the samples are as near as the pressure asks. Probes are sampled at points at most a third of
+/// their radius apart. Model: decisions 0010 and 0041.
 class SampleFinder {
  public:
   /// Reach of a probe in the next step.
@@ -57,14 +58,25 @@ class SampleFinder {
     Vec3 centre;
     double radius;
   };
+  using Parts = std::array<int, 2>;  ///< numbers of parts of a cell's sides along warp and weft
   static Ball ballAround(const Field& nodes, const std::vector<double>& reach);
 
-  void addCells(const ActiveMesh& mesh, const Field& nodes);
+  void findEdges(const Solid& solid, const ActiveMesh& mesh, const Field& nodes);
+  void noteEdge(const Solid& solid, const Field& nodes, int node, int towards, double turn,
+                std::vector<double>& turns) const;
+  double edgeTurn(const Solid& solid, const Patch& patch, int direction) const;
+  void addCells(const Solid& solid, const ActiveMesh& mesh, const Field& nodes);
   void addNodes(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach);
   void addProbePoints(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
                       const Reach& touching);
-  void addCell(const Patch& patch, int parts, const Field& nodes, double margin);
+  void addCorners(const Patch& patch, int parts, const Field& nodes, double margin);
+  void addMiddles(const Patch& patch, const Parts& parts, const Solid& solid, const Field& nodes,
+                  double margin);
+  double normalTurn(const Patch& patch, int c, int d) const;
+  bool gapsAreEven(const Patch& patch) const;
+  std::optional<Parts> partsAcrossEdge(const Solid& solid, const Patch& patch) const;
   int partsOf(const Patch& patch) const;
+  double spacing(int direction) const { return direction == kWarp ? grid_.dx : grid_.dy; }
   /// Largest distance of a finest cell's chord from an arc that turns by `turn` [rad]: length ·
   /// turn / 8 [m].
   double chord(double turn) const { return turn * std::max(grid_.dx, grid_.dy) / 8.0; }
@@ -84,9 +96,10 @@ class SampleFinder {
   Team& team_;
   // About the cloth and one solid, written by measure():
   Distances at_nodes_;
-  std::vector<double> patch_margins_;  ///< gap below which points of a patch count, or -1 [m]
-  std::vector<double> node_area_;      ///< area that the nodes stand for as samples [m²]
-  std::vector<double> still_;          ///< a reach of zero [m]
+  std::vector<double> patch_margins_;              ///< gap below which points of a patch count, or -1 [m]
+  std::vector<double> node_area_;                  ///< area that the nodes stand for as samples [m²]
+  std::array<std::vector<double>, 2> edge_turns_;  ///< see findEdges(), along warp and weft [rad]
+  std::vector<double> still_;                      ///< a reach of zero [m]
   // Candidates for samples of one group:
   std::vector<SurfacePoint> points_;
   std::vector<double> margins_;  ///< largest gap at which each counts [m]

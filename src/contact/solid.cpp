@@ -12,6 +12,7 @@ Solid::Solid(const Obstacle& obstacle)
       half_length_(0.5 * obstacle.length),
       half_width_(haptic_cloth::halfWidth(obstacle)),
       extent_(haptic_cloth::extent(obstacle)),
+      face_curvature_(haptic_cloth::faceCurvature(obstacle)),
       friction_(obstacle.friction),
       position_(obstacle.pose.position),
       rotation_(obstacle.pose.orientation.toRotationMatrix()) {}

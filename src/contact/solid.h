@@ -40,13 +40,16 @@ class Solid {
   /// Largest distance of its surface from its centre [m]; zero for a plane.
   double extent() const { return extent_; }
 
+  /// Curvature of the faces between its sharp edges [1/m]; infinite if it has none.
+  double faceCurvature() const { return face_curvature_; }
+
   /// Description for the kernels.
   SolidLanes lanes() const;
 
  private:
   Shape shape_;
   Vec3 half_size_;
-  double radius_, half_length_, half_width_, extent_, friction_;
+  double radius_, half_length_, half_width_, extent_, face_curvature_, friction_;
   Vec3 position_;
   Eigen::Matrix3d rotation_;
 };

@@ -11,6 +11,7 @@ struct Box {
   static std::vector<std::string> dimensions() { return {"size"}; }
   static double halfWidth(const Obstacle& box) { return 0.5 * box.size.minCoeff(); }
   static double extent(const Obstacle& box) { return 0.5 * box.size.norm(); }
+  static double faceCurvature(const Obstacle&) { return 0.0; }
   static std::vector<DrawnPart> drawing(const Obstacle& box) {
     return {{DrawnPart::kCube, Vec3::Zero(), box.size}};
   }

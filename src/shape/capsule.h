@@ -1,6 +1,8 @@
 /// Capsule: points at most a radius from a line along z.
 #pragma once
 
+#include <limits>
+
 #include "shape/sphere.h"
 
 namespace haptic_cloth {
@@ -11,6 +13,7 @@ struct Capsule {
   static std::vector<std::string> dimensions() { return {"radius", "length"}; }
   static double halfWidth(const Obstacle& capsule) { return capsule.radius; }
   static double extent(const Obstacle& capsule) { return capsule.radius + 0.5 * capsule.length; }
+  static double faceCurvature(const Obstacle&) { return std::numeric_limits<double>::infinity(); }
   static std::vector<DrawnPart> drawing(const Obstacle& capsule) {
     const double diameter = 2.0 * capsule.radius;
     const Vec3 ball = Vec3::Constant(diameter), end = 0.5 * capsule.length * Vec3::UnitZ();

@@ -18,6 +18,7 @@ struct Cylinder {
   static double extent(const Obstacle& cylinder) {
     return std::hypot(cylinder.radius, 0.5 * cylinder.length);
   }
+  static double faceCurvature(const Obstacle& cylinder) { return 1.0 / cylinder.radius; }
   static std::vector<DrawnPart> drawing(const Obstacle& cylinder) {
     const double diameter = 2.0 * cylinder.radius;
     return {{DrawnPart::kCylinder, Vec3::Zero(), Vec3(diameter, diameter, cylinder.length)}};

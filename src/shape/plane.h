@@ -13,6 +13,7 @@ struct Plane {
   static std::vector<std::string> dimensions() { return {}; }
   static double halfWidth(const Obstacle&) { return std::numeric_limits<double>::infinity(); }
   static double extent(const Obstacle&) { return 0.0; }
+  static double faceCurvature(const Obstacle&) { return std::numeric_limits<double>::infinity(); }
   static std::vector<DrawnPart> drawing(const Obstacle&) {
     constexpr double kSide = 2.0, kDepth = 0.002;  // of the drawn part [m]
     return {{DrawnPart::kCube, -0.5 * kDepth * Vec3::UnitZ(), Vec3(kSide, kSide, kDepth)}};

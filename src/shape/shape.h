@@ -4,11 +4,12 @@
 /// shape_table.h and the enumerator in haptic_cloth/scene.h. Its header holds
 ///
 ///   * struct shapes::Cone with
-///       kName         name in scene files
-///       dimensions()  keys of an obstacle that this shape has; all are required
-///       halfWidth()   half of the smallest width [m]
-///       extent()      largest distance of its surface from its centre [m]
-///       drawing()     what a display draws
+///       kName           name in scene files
+///       dimensions()    keys of an obstacle that this shape has; all are required
+///       halfWidth()     half of the smallest width [m]
+///       extent()        largest distance of its surface from its centre [m]
+///       faceCurvature() curvature of the faces between its sharp edges [1/m]; infinite if it has none
+///       drawing()       what a display draws
 ///   * for the kernels localDistance(): signed distance and outer unit normal at points p of the
 ///     local frame [m]. The solid is convex, so its distance is a convex function.
 #pragma once

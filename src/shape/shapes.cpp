@@ -38,6 +38,10 @@ double extent(const Obstacle& solid) {
   return visitShape(solid.shape, [&](auto kind) { return kind.extent(solid); });
 }
 
+double faceCurvature(const Obstacle& solid) {
+  return visitShape(solid.shape, [&](auto kind) { return kind.faceCurvature(solid); });
+}
+
 std::vector<DrawnPart> drawing(const Obstacle& solid) {
   return visitShape(solid.shape, [&](auto kind) { return kind.drawing(solid); });
 }

@@ -22,6 +22,9 @@ double halfWidth(const Obstacle& solid);
 /// Largest distance of the surface from the centre [m]; zero for a plane.
 double extent(const Obstacle& solid);
 
+/// Curvature of the faces between the sharp edges [1/m]; infinite without such edges.
+double faceCurvature(const Obstacle& solid);
+
 /// Parts of its picture, in the solid's frame.
 std::vector<DrawnPart> drawing(const Obstacle& solid);
 

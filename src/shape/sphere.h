@@ -1,6 +1,8 @@
 /// Sphere around the origin.
 #pragma once
 
+#include <limits>
+
 #include "shape/shape.h"
 
 namespace haptic_cloth {
@@ -11,6 +13,7 @@ struct Sphere {
   static std::vector<std::string> dimensions() { return {"radius"}; }
   static double halfWidth(const Obstacle& sphere) { return sphere.radius; }
   static double extent(const Obstacle& sphere) { return sphere.radius; }
+  static double faceCurvature(const Obstacle&) { return std::numeric_limits<double>::infinity(); }
   static std::vector<DrawnPart> drawing(const Obstacle& sphere) {
     return {{DrawnPart::kSphere, Vec3::Zero(), Vec3::Constant(2.0 * sphere.radius)}};
   }

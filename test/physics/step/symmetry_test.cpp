@@ -201,18 +201,22 @@ TEST_P(ImageOfADrape, HasTheImageOfItsMesh) {
 
 TEST_P(ImageOfADrape, HasTheImageOfItsShape) {
   Scene scene = drape(Strategy::Amrc);
-  // At 0.1 rounding alone leads to folds 0.3 mm apart, at 0.01 to runs 5 μm apart, which is enough for one
-  // cell to split in one of them only.
+  // At 0.1 rounding alone leads to folds 0.3 mm apart, at 0.01 to runs 5 μm apart.
   scene.solver.minimizer.tolerance = 1e-3;
   scene.solver.minimizer.max_iterations = 3000;
   scene.probes[0].path = press(0.2, 0.4, 0.6);
-  const double amrc = runTwins(GetParam(), scene).apart;
+  const Twins amrc = runTwins(GetParam(), scene);
   setStrategy(scene, Strategy::Finest, 2);
   const double finest = runTwins(GetParam(), scene).apart;
   const double spacing = 0.3 / (kSide - 1), image = 1.0 * static_cast<int>(GetParam());
-  record({"image of a drape", "rms distance [m]", "amrc", image, amrc, 0.0, spacing});
+  record({"image of a drape", "rms distance [m]", "amrc", image, amrc.apart, 0.0, spacing});
   record({"image of a drape", "rms distance [m]", "finest", image, finest, 0.0, spacing});
-  for (const double apart : {amrc, finest}) EXPECT_LT(apart, tolerance(1e-3 * spacing));
+  EXPECT_LT(finest, tolerance(1e-3 * spacing));
+  // A cell that turns just as far as the threshold may split a decision later in one run. Its five new
+  // particles are off the chord by at most turn · length / 8.
+  EXPECT_LE(amrc.unequal, 2 * scene.adapt.interval);
+  const double split = scene.adapt.refine_above * 2.0 * spacing / 8.0 * std::sqrt(5.0 / (kSide * kSide));
+  EXPECT_LT(amrc.apart, tolerance(amrc.unequal > 0 ? split : 1e-3 * spacing));
 }
 
 INSTANTIATE_TEST_SUITE_P(Images, ImageOfADrape,

@@ -67,6 +67,55 @@ TEST(Samples, OfAVeryFineGridStandNoCloserThanThePressureAsks) {
   EXPECT_LE(cell.samples, 64 + 2 * kPack);
 }
 
+/// Energy of two level cells in a row, each 4 mm long, under the edge of a box turned by 45° about it, minus
+/// the integral of ψ; the gap under the edge is 0.6 ranges. @param edge place of the edge along the cells [m]
+struct UnderEdge {
+  double error, bound;  ///< [J]
+};
+
+UnderEdge underEdge(double edge) {
+  constexpr double kSide = 0.004, kGap = 0.6 * kRange;
+  const Grid grid{3, 2, 0, kSide, kSide};
+  const ActiveMesh mesh(LeafMesh(grid, {}, 0), 0.15);
+  Obstacle box;
+  box.shape = Shape::Box;
+  box.size = Vec3(0.1, 0.1, 0.1);
+  box.pose.orientation = Quat(Eigen::AngleAxisd(0.25 * EIGEN_PI, Vec3::UnitY()));
+  box.pose.position = Vec3(edge, 0.0, kGap + 0.05 * std::sqrt(2.0));
+  Team team(1);
+  ContactSet contacts(grid, {box}, {}, {kRange, 1e-3, 1e-3}, team);
+  Field nodes;
+  nodes.clear(mesh.nodes());
+  for (int n = 0; n < mesh.nodes(); ++n) {
+    const int p = mesh.particle[n];
+    nodes.set(n, Vec3(kSide * grid.column(p), kSide * (grid.row(p) - 0.5), 0.0));
+  }
+  contacts.collect(mesh, nodes, std::vector<double>(mesh.nodes(), kRange), {});
+  const double measured = contacts.evaluate(0, contacts.size(), nodes).contact;
+
+  // The middles of parts of length δ miss at most δ²/24 ∫|d²ψ/ds²| ds.
+  const ContactLaw law(kRange);
+  constexpr int kParts = 100000;
+  constexpr double kStep = 2.0 * kSide / kParts;
+  const auto energy = [&](double s) { return law(std::hypot(kGap, s - edge)).energy; };
+  double exact = 0.0, bent = 0.0;
+  for (int k = 0; k < kParts; ++k) {
+    const double s = (k + 0.5) * kStep;
+    exact += kSide * kStep * energy(s);
+    bent += kSide * std::abs(energy(s - kStep) - 2.0 * energy(s) + energy(s + kStep)) / kStep;
+  }
+  return {measured - exact, std::pow(0.5 * kRange, 2) / 24.0 * bent};
+}
+
+TEST(Samples, UnderASharpEdgeFindItWhereverTheNodesLie) {
+  for (int k = 0; k <= 32; ++k) {
+    const double edge = 0.001 + 0.006 * k / 32;
+    SCOPED_TRACE(edge);
+    const UnderEdge cells = underEdge(edge);
+    EXPECT_LT(std::abs(cells.error), tolerance(cells.bound));
+  }
+}
+
 /// Number of samples of a flat cell under a ball that is nearest to one corner of it. @param gap there [m]
 int samplesBeyondTheCorner(double gap, double reach) {
   constexpr double kSide = 0.01;
