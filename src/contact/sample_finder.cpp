@@ -10,11 +10,12 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr int kChunk = 512;        // growth of the arrays of points [points]
-constexpr double kCut = 0.5;       // depth in ranges that a sharp edge may cut into a cell
-constexpr double kSharp = 0.3;     // turn of a normal that tells of a sharp edge [rad]
-constexpr double kMostTurn = 2.0;  // difference of two unit normals, at most
-constexpr double kSlanting = 3.0;  // length of parts across slanting edges over that across others
+constexpr int kChunk = 512;             // growth of the arrays of points [points]
+constexpr double kCut = 0.5;            // length of short parts, and how deep a round solid may cut [ranges]
+constexpr double kSharp = 0.3;          // turn of a normal that tells of a sharp edge [rad]
+constexpr double kMostTurn = 2.0;       // difference of two unit normals, at most
+constexpr double kMostSlanting = 32.0;  // parts of a cell across slanting edges, at most
+constexpr double kSlanting = 3.0;       // length of parts across slanting edges over that across others
 // Ends of the sides of a cell along warp and weft.
 constexpr std::array<std::array<std::pair<int, int>, 2>, 2> kSides{{{{{0, 1}, {2, 3}}}, {{{0, 2}, {1, 3}}}}};
 constexpr double kStart = 3e-8;  // time that the start of a sample takes, about [s]
@@ -30,20 +31,19 @@ struct Row {
   Vec3 from, span;
 };
 
-/// Range first..last of `count` points, evenly spread over a row, that lie within `reach` of a
-/// point.
+/// Range of a row, as shares of its length, that lies within `reach` of a point; empty if none does.
 struct Window {
-  Window(int count, const Row& row, const Vec3& point, double reach) {
+  Window(const Row& row, const Vec3& point, double reach) {
     const Vec3 &from = row.from, &span = row.span;
     const double length = std::max(span.norm(), 1e-300),
                  middle = (point - from).dot(span) / (length * length);
     const double aside = (point - from - middle * span).squaredNorm();
-    const double half = std::sqrt(std::max(reach * reach - aside, 0.0)) / length;
-    first = static_cast<int>(std::floor(count * std::clamp(middle - half, 0.0, 1.0)));
-    last = aside > reach * reach ? first
-                                 : static_cast<int>(std::ceil(count * std::clamp(middle + half, 0.0, 1.0)));
+    if (aside > reach * reach) return;
+    const double half = std::sqrt(reach * reach - aside) / length;
+    first = middle - half;
+    last = middle + half;
   }
-  int first, last;
+  double first = 1.0, last = 0.0;
 };
 
 /// @param u, v coordinates along warp and weft, 0..1
@@ -134,8 +134,8 @@ void SampleFinder::addCells(const Solid& solid, const ActiveMesh& mesh, const Fi
     const double near = patch_margins_[k];
     if (near < 0.0) continue;
     const Patch& patch = mesh.patches[k];
-    if (const auto across = partsAcrossEdge(solid, patch)) {
-      addMiddles(patch, *across, solid, nodes, near);
+    if (divideAtEdge(solid, patch, nodes)) {
+      addMiddles(patch, solid, nodes, near);
       continue;
     }
     const int parts = partsOf(patch);
@@ -171,20 +171,24 @@ void SampleFinder::addCorners(const Patch& patch, int parts, const Field& nodes,
   }
 }
 
-/// Adds the middles of equal parts of a cell that may be near a solid.
-void SampleFinder::addMiddles(const Patch& patch, const Parts& parts, const Solid& solid, const Field& nodes,
-                              double margin) {
-  const int columns = parts[kWarp], rows = parts[kWeft];
-  const double area = patch.area / (static_cast<double>(columns) * rows);
-  for (int j = 0; j < rows; ++j) {
-    const double v = (j + 0.5) / rows;
+/// Adds the middles of the parts of a cell that may be near a solid; see ends_.
+void SampleFinder::addMiddles(const Patch& patch, const Solid& solid, const Field& nodes, double margin) {
+  const std::vector<double>&columns = ends_[kWarp], &rows = ends_[kWeft];
+  for (std::size_t j = 1; j < rows.size(); ++j) {
+    const double v = 0.5 * (rows[j - 1] + rows[j]), height = rows[j] - rows[j - 1];
     const Row row(patch, v, nodes);
-    const Window window(columns, row, solid.position(), solid.extent() + margin);
-    for (int i = window.first; i < window.last; ++i) {
-      const double u = (i + 0.5) / columns;
-      addPoint(surfacePoint(patch, u, v, area), row.at(u), margin);
+    const Window window(row, solid.position(), solid.extent() + margin);
+    for (std::size_t i = 1; i < columns.size(); ++i) {
+      if (columns[i] < window.first || columns[i - 1] > window.last) continue;
+      const double u = 0.5 * (columns[i - 1] + columns[i]), width = columns[i] - columns[i - 1];
+      addPoint(surfacePoint(patch, u, v, width * height * patch.area), row.at(u), margin);
     }
   }
+}
+
+/// Divides the sides of a cell along one direction at equal parts from one share of their length to another.
+void SampleFinder::divide(int direction, int parts, double from, double to) {
+  for (int k = 1; k <= parts; ++k) ends_[direction].push_back(from + (to - from) * k / parts);
 }
 
 /// Finds the nodes that are nearer to a sharp edge than the range, and how far the solid's normal turns there
@@ -229,29 +233,68 @@ double SampleFinder::normalTurn(const Patch& patch, int c, int d) const {
   return (at_nodes_.normals[patch.nodes[c]] - at_nodes_.normals[patch.nodes[d]]).norm();
 }
 
-/// Parts of a cell near a sharp edge; none for other cells. Cloth presses on the edge with a strip that is
-/// about as wide as the range, wherever its nodes lie. So the parts are a share of the range long across the
-/// edge, and as long as finest cells along it.
-std::optional<SampleFinder::Parts> SampleFinder::partsAcrossEdge(const Solid& solid,
-                                                                 const Patch& patch) const {
+/// Divides a cell near a sharp edge into parts. Cloth presses on the edge with a strip about as wide as the
+/// range, wherever its nodes lie. There the parts are a share of the range long across the edge; elsewhere
+/// they are as long as finest cells.
+/// @return whether the cell is near an edge
+bool SampleFinder::divideAtEdge(const Solid& solid, const Patch& patch, const Field& nodes) {
   std::array<double, 2> turn;
   for (const int direction : {kWarp, kWeft}) {
     turn[direction] = edgeTurn(solid, patch, direction);
     for (const int corner : patch.nodes)
       turn[direction] = std::max(turn[direction], edge_turns_[direction][corner]);
   }
-  if (turn[kWarp] == 0.0 && turn[kWeft] == 0.0) return {};
+  if (turn[kWarp] == 0.0 && turn[kWeft] == 0.0) return false;
   // Across a slanting edge, and at a corner of the solid, both rows and columns are lines of samples.
   const bool slants = 2.0 * std::min(turn[kWarp], turn[kWeft]) > std::max(turn[kWarp], turn[kWeft]);
-  const double longest = (slants ? kSlanting : 1.0) * kCut * law_.range();
-  Parts parts{};
+  const int span = patch.cell.span();
   for (const int direction : {kWarp, kWeft}) {
-    const int span = patch.cell.span();
-    const bool across = slants || turn[direction] > turn[1 - direction];
-    parts[direction] =
-        across ? std::max(span, static_cast<int>(std::ceil(span * spacing(direction) / longest))) : span;
+    ends_[direction].assign(1, 0.0);
+    if (!slants && turn[direction] < turn[1 - direction]) {
+      divide(direction, span, 0.0, 1.0);
+      continue;
+    }
+    const double across = std::ceil(span * spacing(direction) / (kCut * law_.range()));
+    const double parts =
+        std::max<double>(span, slants ? std::min(std::ceil(across / kSlanting), kMostSlanting) : across);
+    const auto [from, to] = strip(solid, patch, direction, nodes);
+    const double first = std::floor(from * parts) / parts, last = std::ceil(to * parts) / parts;
+    divide(direction, static_cast<int>(std::ceil(first * span)), 0.0, first);
+    divide(direction, static_cast<int>(std::lround((last - first) * parts)), first, last);
+    divide(direction, static_cast<int>(std::ceil((1.0 - last) * span)), last, 1.0);
   }
-  return parts;
+  return true;
+}
+
+/// Part of a cell that may press on a sharp edge, as shares of its length along warp or weft. It is known
+/// where the sides meet the faces that their ends are nearest to; the edge is between. An edge that slants
+/// may leave the cell over one of the other sides, at share 0 or 1.
+std::array<double, 2> SampleFinder::strip(const Solid& solid, const Patch& patch, int direction,
+                                          const Field& nodes) const {
+  constexpr double kBeside = 2.0;  // [ranges]
+  const bool within = edgeTurn(solid, patch, direction) > 0.0;
+  std::array<bool, 2> leaves;
+  for (const int end : {0, 1}) {
+    const auto& [c, d] = kSides[1 - direction][end];
+    leaves[end] = normalTurn(patch, c, d) > kSharp;
+  }
+  double from = 1.0, to = 0.0;
+  for (const auto& [c, d] : kSides[direction]) {
+    const int a = patch.nodes[c], b = patch.nodes[d];
+    const Vec3 way = nodes[b] - nodes[a];
+    const double beside = kBeside * law_.range() / std::max(way.norm(), 1e-300);
+    const auto include = [&](double place) {
+      from = std::min(from, std::clamp(place - beside, 0.0, 1.0));
+      to = std::max(to, std::clamp(place + beside, 0.0, 1.0));
+    };
+    if (edge_turns_[direction][a] > 0.0 || leaves[0]) include(0.0);
+    if (edge_turns_[direction][b] > 0.0 || leaves[1]) include(1.0);
+    const double sinks = -at_nodes_.normals[a].dot(way), rises = at_nodes_.normals[b].dot(way);
+    if (within && sinks > 0.0) include(at_nodes_.gaps[a] / sinks);
+    if (within && rises > 0.0) include(1.0 - at_nodes_.gaps[b] / rises);
+  }
+  if (from >= to) return {0.0, 1.0};
+  return {from, to};
 }
 
 /// Tells whether gaps differ so little at the corners of a cell that this hardly changes the pressure.
@@ -293,11 +336,12 @@ void SampleFinder::addProbePoints(const ActiveMesh& mesh, const Field& nodes,
     const double near = patch_margins_[k];
     if (near < 0.0) continue;
     const Patch& patch = mesh.patches[k];
-    const auto count = [&](double length) {
-      return std::max(1, static_cast<int>(std::ceil(length / spacing)));
-    };
-    const int columns = count(patch.cell.span() * grid_.dx), rows = count(patch.cell.span() * grid_.dy);
-    addMiddles(patch, {columns, rows}, solid, nodes, near);
+    for (const int direction : {kWarp, kWeft}) {
+      const double length = patch.cell.span() * this->spacing(direction);
+      ends_[direction].assign(1, 0.0);
+      divide(direction, std::max(1, static_cast<int>(std::ceil(length / spacing))), 0.0, 1.0);
+    }
+    addMiddles(patch, solid, nodes, near);
   }
 }
 

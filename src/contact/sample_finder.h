@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 #include <vector>
 
 #include "contact/contact_law.h"
@@ -58,7 +57,6 @@ class SampleFinder {
     Vec3 centre;
     double radius;
   };
-  using Parts = std::array<int, 2>;  ///< numbers of parts of a cell's sides along warp and weft
   static Ball ballAround(const Field& nodes, const std::vector<double>& reach);
 
   void findEdges(const Solid& solid, const ActiveMesh& mesh, const Field& nodes);
@@ -70,11 +68,13 @@ class SampleFinder {
   void addProbePoints(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
                       const Reach& touching);
   void addCorners(const Patch& patch, int parts, const Field& nodes, double margin);
-  void addMiddles(const Patch& patch, const Parts& parts, const Solid& solid, const Field& nodes,
-                  double margin);
+  void addMiddles(const Patch& patch, const Solid& solid, const Field& nodes, double margin);
+  void divide(int direction, int parts, double from, double to);
   double normalTurn(const Patch& patch, int c, int d) const;
   bool gapsAreEven(const Patch& patch) const;
-  std::optional<Parts> partsAcrossEdge(const Solid& solid, const Patch& patch) const;
+  bool divideAtEdge(const Solid& solid, const Patch& patch, const Field& nodes);
+  std::array<double, 2> strip(const Solid& solid, const Patch& patch, int direction,
+                              const Field& nodes) const;
   int partsOf(const Patch& patch) const;
   double spacing(int direction) const { return direction == kWarp ? grid_.dx : grid_.dy; }
   /// Largest distance of a finest cell's chord from an arc that turns by `turn` [rad]: length ·
@@ -99,7 +99,9 @@ class SampleFinder {
   std::vector<double> patch_margins_;              ///< gap below which points of a patch count, or -1 [m]
   std::vector<double> node_area_;                  ///< area that the nodes stand for as samples [m²]
   std::array<std::vector<double>, 2> edge_turns_;  ///< see findEdges(), along warp and weft [rad]
-  std::vector<double> still_;                      ///< a reach of zero [m]
+  /// Where the parts of a cell begin and end along warp and weft, from 0 to 1, for addMiddles().
+  std::array<std::vector<double>, 2> ends_;
+  std::vector<double> still_;  ///< a reach of zero [m]
   // Candidates for samples of one group:
   std::vector<SurfacePoint> points_;
   std::vector<double> margins_;  ///< largest gap at which each counts [m]
