@@ -65,6 +65,12 @@ SampleFinder::SampleFinder(const Grid& grid, const SolidSet& solids, const Conta
   near_.reserve(samples);
   for (auto* list : {&node_area_, &still_, &edge_turns_[kWarp], &edge_turns_[kWeft]})
     list->reserve(grid.particles());
+  double shortest = kCut * law_.range();
+  for (int k = solids_.obstacles(); k < solids_.size(); ++k)
+    shortest = std::min(shortest, solids_[k].halfWidth() / kProbeSpacing);
+  const int span = 1 << grid_.levels, rest = 2 * span + 4;  // rest: parts beside an edge, and rounding
+  for (auto& ends : ends_)
+    ends.reserve(static_cast<int>(span * std::max(grid_.dx, grid_.dy) / shortest) + rest);
   patch_margins_.reserve(padded(grid.cells()));
   at_nodes_.gaps.reserve(padded(grid.particles()));
   at_nodes_.normals.reserve(grid.particles());
