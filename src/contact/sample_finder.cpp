@@ -19,8 +19,9 @@ constexpr double kSlanting = 3.0;       // length of parts across slanting edges
 // Ends of the sides of a cell along warp and weft.
 constexpr std::array<std::array<std::pair<int, int>, 2>, 2> kSides{{{{{0, 1}, {2, 3}}}, {{{0, 2}, {1, 3}}}}};
 constexpr double kStart = 3e-8;  // time that the start of a sample takes, about [s]
-/// Smallest number of samples across half the width of a probe.
-constexpr double kProbeSpacing = 3.0;
+
+/// Largest distance of the samples of a probe: a third of half its width [m].
+double probeSpacing(const Solid& probe) { return probe.halfWidth() / 3.0; }
 
 /// Line of points of a cell at one v along weft. It is straight, since cells are bilinear.
 struct Row {
@@ -67,7 +68,7 @@ SampleFinder::SampleFinder(const Grid& grid, const SolidSet& solids, const Conta
     list->reserve(grid.particles());
   double shortest = kCut * law_.range();
   for (int k = solids_.obstacles(); k < solids_.size(); ++k)
-    shortest = std::min(shortest, solids_[k].halfWidth() / kProbeSpacing);
+    shortest = std::min(shortest, probeSpacing(solids_[k]));
   const int span = 1 << grid_.levels, rest = 2 * span + 4;  // rest: parts beside an edge, and rounding
   for (auto& ends : ends_)
     ends.reserve(static_cast<int>(span * std::max(grid_.dx, grid_.dy) / shortest) + rest);
@@ -88,7 +89,7 @@ int SampleFinder::capacity() const {
   const double spacing = std::max(grid_.dx, grid_.dy);
   bool fine = chord(2.0) <= kCut * law_.range();
   for (int k = solids_.obstacles(); k < solids; ++k) {
-    fine = fine && spacing <= solids_[k].halfWidth() / kProbeSpacing;
+    fine = fine && spacing <= probeSpacing(solids_[k]);
   }
   const int places = fine ? (particles + particles / 2) * solids : 4 * particles * (solids + 1);
   return places + 2 * kPack * solids;
@@ -244,9 +245,9 @@ double SampleFinder::normalTurn(const Patch& patch, int c, int d) const {
 /// they are as long as finest cells.
 /// @return whether the cell is near an edge
 bool SampleFinder::divideAtEdge(const Solid& solid, const Patch& patch, const Field& nodes) {
-  std::array<double, 2> turn;
+  std::array<double, 2> within, turn;  // over an edge in the cell, and near it
   for (const int direction : {kWarp, kWeft}) {
-    turn[direction] = edgeTurn(solid, patch, direction);
+    turn[direction] = within[direction] = edgeTurn(solid, patch, direction);
     for (const int corner : patch.nodes)
       turn[direction] = std::max(turn[direction], edge_turns_[direction][corner]);
   }
@@ -263,11 +264,12 @@ bool SampleFinder::divideAtEdge(const Solid& solid, const Patch& patch, const Fi
     const double across = std::ceil(span * spacing(direction) / (kCut * law_.range()));
     const double parts =
         std::max<double>(span, slants ? std::min(std::ceil(across / kSlanting), kMostSlanting) : across);
-    const auto [from, to] = strip(solid, patch, direction, nodes);
-    const double first = std::floor(from * parts) / parts, last = std::ceil(to * parts) / parts;
-    divide(direction, static_cast<int>(std::ceil(first * span)), 0.0, first);
-    divide(direction, static_cast<int>(std::lround((last - first) * parts)), first, last);
-    divide(direction, static_cast<int>(std::ceil((1.0 - last) * span)), last, 1.0);
+    const auto [from, to] = strip(patch, direction, within[direction] > 0.0, nodes);
+    const double first = std::floor(from * parts), last = std::ceil(to * parts);
+    const auto coarse = [&](double count) { return static_cast<int>(std::ceil(count * span / parts)); };
+    divide(direction, coarse(first), 0.0, first / parts);
+    divide(direction, static_cast<int>(last - first), first / parts, last / parts);
+    divide(direction, coarse(parts - last), last / parts, 1.0);
   }
   return true;
 }
@@ -275,10 +277,10 @@ bool SampleFinder::divideAtEdge(const Solid& solid, const Patch& patch, const Fi
 /// Part of a cell that may press on a sharp edge, as shares of its length along warp or weft. It is known
 /// where the sides meet the faces that their ends are nearest to; the edge is between. An edge that slants
 /// may leave the cell over one of the other sides, at share 0 or 1.
-std::array<double, 2> SampleFinder::strip(const Solid& solid, const Patch& patch, int direction,
+/// @param within the edge is in the cell, not only near it
+std::array<double, 2> SampleFinder::strip(const Patch& patch, int direction, bool within,
                                           const Field& nodes) const {
   constexpr double kBeside = 2.0;  // [ranges]
-  const bool within = edgeTurn(solid, patch, direction) > 0.0;
   std::array<bool, 2> leaves;
   for (const int end : {0, 1}) {
     const auto& [c, d] = kSides[1 - direction][end];
@@ -303,28 +305,21 @@ std::array<double, 2> SampleFinder::strip(const Solid& solid, const Patch& patch
   return {from, to};
 }
 
-/// Tells whether gaps differ so little at the corners of a cell that this hardly changes the pressure.
-bool SampleFinder::gapsAreEven(const Patch& patch) const {
-  constexpr double kShareOfRange = 0.1;
-  double least = at_nodes_.gaps[patch.nodes[0]], most = least;
-  for (const int corner : patch.nodes) {
-    least = std::min(least, at_nodes_.gaps[corner]);
-    most = std::max(most, at_nodes_.gaps[corner]);
-  }
-  return most - least <= kShareOfRange * law_.range();
-}
-
 /// Number of parts of a cell's side to be sampled. It is 1 if the obstacle presses evenly: one
-/// normal at the corners, and even gaps. Otherwise it is the number of finest cells, but no part is smaller
-/// than a share of the range. It is larger if a round solid would cut deeper into these parts than that
-/// share.
+/// normal at the corners, and gaps whose difference hardly changes the pressure. Otherwise it is
+/// the number of finest cells, but no part is smaller than a share of the range. It is larger if a
+/// round solid would cut deeper into these parts than that share.
 int SampleFinder::partsOf(const Patch& patch) const {
-  constexpr double kSameNormal = 1e-3, kMostParts = 4.0;
-  double turn = 0.0;  // largest over all pairs; with one corner as reference, mirrored cells would differ
+  constexpr double kSameNormal = 1e-3, kShareOfRange = 0.1, kMostParts = 4.0;
+  // Largest differences over all pairs; with one corner as reference, mirrored cells would differ.
+  double gaps = 0.0, turn = 0.0;
   for (int c = 1; c < 4; ++c) {
-    for (int d = 0; d < c; ++d) turn = std::max(turn, normalTurn(patch, c, d));
+    for (int d = 0; d < c; ++d) {
+      gaps = std::max(gaps, std::abs(at_nodes_.gaps[patch.nodes[c]] - at_nodes_.gaps[patch.nodes[d]]));
+      turn = std::max(turn, normalTurn(patch, c, d));
+    }
   }
-  const bool uneven = !gapsAreEven(patch) || turn > kSameNormal;
+  const bool uneven = gaps > kShareOfRange * law_.range() || turn > kSameNormal;
   const int span = patch.cell.span();
   const double smallest = kCut * law_.range(), side = span * std::max(grid_.dx, grid_.dy);
   const int finest = uneven ? std::min<int>(span, std::ceil(side / smallest)) : 1;
@@ -336,16 +331,15 @@ void SampleFinder::addProbePoints(const ActiveMesh& mesh, const Field& nodes,
                                   const std::vector<double>& reach, const Reach& touching) {
   const int index = solids_.indexOf(touching.probe);
   const Solid& solid = solids_[index];
-  const double spacing = solid.halfWidth() / kProbeSpacing;
   measure(index, law_.range() + touching.distance, mesh, nodes, reach);
   for (int k = 0; k < static_cast<int>(mesh.patches.size()); ++k) {
     const double near = patch_margins_[k];
     if (near < 0.0) continue;
     const Patch& patch = mesh.patches[k];
     for (const int direction : {kWarp, kWeft}) {
-      const double length = patch.cell.span() * this->spacing(direction);
+      const double parts = std::ceil(patch.cell.span() * spacing(direction) / probeSpacing(solid));
       ends_[direction].assign(1, 0.0);
-      divide(direction, std::max(1, static_cast<int>(std::ceil(length / spacing))), 0.0, 1.0);
+      divide(direction, std::max(1, static_cast<int>(parts)), 0.0, 1.0);
     }
     addMiddles(patch, solid, nodes, near);
   }

@@ -71,10 +71,8 @@ class SampleFinder {
   void addMiddles(const Patch& patch, const Solid& solid, const Field& nodes, double margin);
   void divide(int direction, int parts, double from, double to);
   double normalTurn(const Patch& patch, int c, int d) const;
-  bool gapsAreEven(const Patch& patch) const;
   bool divideAtEdge(const Solid& solid, const Patch& patch, const Field& nodes);
-  std::array<double, 2> strip(const Solid& solid, const Patch& patch, int direction,
-                              const Field& nodes) const;
+  std::array<double, 2> strip(const Patch& patch, int direction, bool within, const Field& nodes) const;
   int partsOf(const Patch& patch) const;
   double spacing(int direction) const { return direction == kWarp ? grid_.dx : grid_.dy; }
   /// Largest distance of a finest cell's chord from an arc that turns by `turn` [rad]: length ·

@@ -15,6 +15,26 @@ namespace {
 
 constexpr double kRange = 5e-4, kLow = 2e-4, kHigh = 7e-4;  // gaps at both ends of the cell [m]
 
+struct Contact {
+  double energy;  ///< [J]
+  int samples;
+};
+
+/// Contact of a cloth with one obstacle. Its leaves are as coarse as its grid allows.
+/// @param reach of the nodes in the step [m]  @param place of particle (column, row) [m]
+template <class Place>
+Contact contactOf(const Grid& grid, const Obstacle& obstacle, double reach, const Place& place) {
+  const ActiveMesh mesh(LeafMesh(grid, {}, grid.levels), 0.15);
+  Team team(1);
+  ContactSet contacts(grid, {obstacle}, {}, {kRange, 1e-3, 1e-3}, team);
+  Field nodes;
+  nodes.resize(mesh.nodes());
+  for (int n = 0; n < mesh.nodes(); ++n)
+    nodes.set(n, place(grid.column(mesh.particle[n]), grid.row(mesh.particle[n])));
+  contacts.collect(mesh, nodes, std::vector<double>(mesh.nodes(), reach), {});
+  return {contacts.evaluate(0, contacts.size(), nodes).contact, contacts.size()};
+}
+
 struct Tilted {
   double energy, bound;  ///< measured minus exact energy, and its bound [J]
   int samples;
@@ -25,21 +45,11 @@ struct Tilted {
 Tilted tilted(int levels, double spacing) {
   const int side = 1 << levels;
   const Grid grid{side + 1, side + 1, levels, spacing, spacing};
-  const LeafMesh leaves(grid, {}, levels);
-  const ActiveMesh mesh(leaves, 0.15);
   Obstacle floor;
   floor.shape = Shape::Plane;
-  Team team(1);
-  ContactSet contacts(grid, {floor}, {}, {kRange, 1e-3, 1e-3}, team);
-  Field nodes;
-  nodes.clear(mesh.nodes());
-  for (int n = 0; n < mesh.nodes(); ++n) {
-    const int p = mesh.particle[n];
-    const double share = static_cast<double>(grid.column(p)) / side;
-    nodes.set(n, Vec3(spacing * grid.column(p), spacing * grid.row(p), kLow + share * (kHigh - kLow)));
-  }
-  contacts.collect(mesh, nodes, std::vector<double>(mesh.nodes(), kHigh), {});
-  const double measured = contacts.evaluate(0, contacts.size(), nodes).contact;
+  const Contact contact = contactOf(grid, floor, kHigh, [&](double column, double row) {
+    return Vec3(spacing * column, spacing * row, kLow + column / side * (kHigh - kLow));
+  });
 
   const ContactLaw law(kRange);
   constexpr int kParts = 100000;
@@ -51,8 +61,8 @@ Tilted tilted(int levels, double spacing) {
   }
   const double area = std::pow(side * spacing, 2), parts = std::ceil(side * spacing / (0.5 * kRange));
   const double most = std::min<double>(side, parts);
-  return {measured - mean * area, std::pow((kHigh - kLow) / most, 2) / 12.0 * stiffest * area,
-          contacts.size()};
+  return {contact.energy - mean * area, std::pow((kHigh - kLow) / most, 2) / 12.0 * stiffest * area,
+          contact.samples};
 }
 
 TEST(Samples, OfACoarseCellStandAtTheFinestSpacing) {
@@ -76,22 +86,14 @@ struct UnderEdge {
 UnderEdge underEdge(double edge) {
   constexpr double kSide = 0.004, kGap = 0.6 * kRange;
   const Grid grid{3, 2, 0, kSide, kSide};
-  const ActiveMesh mesh(LeafMesh(grid, {}, 0), 0.15);
   Obstacle box;
   box.shape = Shape::Box;
   box.size = Vec3(0.1, 0.1, 0.1);
   box.pose.orientation = Quat(Eigen::AngleAxisd(0.25 * EIGEN_PI, Vec3::UnitY()));
   box.pose.position = Vec3(edge, 0.0, kGap + 0.05 * std::sqrt(2.0));
-  Team team(1);
-  ContactSet contacts(grid, {box}, {}, {kRange, 1e-3, 1e-3}, team);
-  Field nodes;
-  nodes.clear(mesh.nodes());
-  for (int n = 0; n < mesh.nodes(); ++n) {
-    const int p = mesh.particle[n];
-    nodes.set(n, Vec3(kSide * grid.column(p), kSide * (grid.row(p) - 0.5), 0.0));
-  }
-  contacts.collect(mesh, nodes, std::vector<double>(mesh.nodes(), kRange), {});
-  const double measured = contacts.evaluate(0, contacts.size(), nodes).contact;
+  const double measured = contactOf(grid, box, kRange, [&](double column, double row) {
+                            return Vec3(kSide * column, kSide * (row - 0.5), 0.0);
+                          }).energy;
 
   // The middles of parts of length δ miss at most δ²/24 ∫|d²ψ/ds²| ds.
   const ContactLaw law(kRange);
@@ -120,21 +122,13 @@ TEST(Samples, UnderASharpEdgeFindItWhereverTheNodesLie) {
 int samplesBeyondTheCorner(double gap, double reach) {
   constexpr double kSide = 0.01;
   const Grid grid{2, 2, 0, kSide, kSide};
-  const ActiveMesh mesh(LeafMesh(grid, {}, 0), 0.15);
   Obstacle ball;
   ball.shape = Shape::Sphere;
   ball.radius = 0.02;
   ball.pose.position = Vec3(1.0, 1.0, 0.0).normalized() * (kSide * std::sqrt(2.0) + ball.radius + gap);
-  Team team(1);
-  ContactSet contacts(grid, {ball}, {}, {kRange, 1e-3, 1e-3}, team);
-  Field nodes;
-  nodes.clear(mesh.nodes());
-  for (int n = 0; n < mesh.nodes(); ++n) {
-    const int p = mesh.particle[n];
-    nodes.set(n, Vec3(kSide * grid.column(p), kSide * grid.row(p), 0.0));
-  }
-  contacts.collect(mesh, nodes, std::vector<double>(mesh.nodes(), reach), {});
-  return contacts.size();
+  return contactOf(grid, ball, reach,
+                   [&](double column, double row) { return Vec3(kSide * column, kSide * row, 0.0); })
+      .samples;
 }
 
 TEST(Samples, AnObstacleCountsUpToItsRangeAndTheReachOfTheCloth) {
