@@ -167,6 +167,24 @@ class Team {
     return total;
   }
 
+  /// Calls body() here and task() on another thread, if one is there before body() has ended, else here after
+  /// it. Neither may need the other; task() runs no loops of the team and throws nothing.
+  template <class Task, class Body>
+  void runBeside(const Task& task, const Body& body) {
+    if (!loop_->open) {
+      body();
+      task();
+      return;
+    }
+    // The task has to end before this call does, also if body() throws.
+    struct Offer {
+      Loop& loop;
+      ~Offer() { loop.finishOffer(); }
+    } offer{*loop_};
+    loop_->offer([](const void* context, int) { (*static_cast<const Task*>(context))(); }, &task);
+    body();
+  }
+
   /// Calls work(k) for tasks 0 .. count-1, each long enough to be shared.
   template <class Work>
   void forTasks(int count, const Work& work) {
@@ -217,7 +235,7 @@ class Team {
     std::atomic<int> members{1};      ///< number of threads in the region
     bool open = false;                ///< a region is open
     std::atomic<bool> closed{false};  ///< the region shall end
-    /// Time that the caller waited for others beyond their last unit [s].
+    /// Time that the caller waited for others beyond their last unit, or they had no core in its offer [s].
     double waited = 0.0;
 
     /// Runs blocks 0 .. blocks-1 on all threads. Returns when all are done.
@@ -263,13 +281,29 @@ class Team {
       return least;
     }
 
+    /// Offers a call to the other threads.
+    void offer(Call call, const void* context) {
+      offered_call_ = call;
+      offered_context_ = context;
+      offered_.store(Offered::Open, std::memory_order_release);
+    }
+
+    /// Makes the offered call if no thread has taken it, and returns when it is done.
+    void finishOffer() {
+      if (!takeOffer()) {
+        for (int spin = 0; offered_.load(std::memory_order_acquire) != Offered::Done; ++spin) pause(spin);
+        waited += offered_off_core_;
+      }
+      offered_.store(Offered::None, std::memory_order_relaxed);
+    }
+
     /// Work of the other threads until the region is closed.
     void serve(int thread) {
       unsigned seen = announced_.load(std::memory_order_acquire) - 1;
       for (int spin = 0; !closed.load(std::memory_order_acquire); ++spin) {
         const unsigned now = announced_.load(std::memory_order_acquire);
         if (now == seen) {
-          pause(spin);
+          if (!takeOffer()) pause(spin);
           continue;
         }
         seen = now;
@@ -293,6 +327,7 @@ class Team {
       return false;
     }
 
+    enum class Offered { None, Open, Taken, Done };
     static constexpr int kMostUnits = 32768;
     static constexpr int kPatience = 2000;  ///< about 20 to 50 us
 
@@ -302,6 +337,19 @@ class Team {
     static unsigned long long word(unsigned number, long next, long end) {
       return static_cast<unsigned long long>(number) << 32 | static_cast<unsigned long long>(next) << 16 |
              static_cast<unsigned long long>(end);
+    }
+
+    /// Makes the offered call, unless another thread does. @return whether it did
+    bool takeOffer() {
+      Offered open = Offered::Open;
+      if (offered_.load(std::memory_order_relaxed) != open) return false;
+      if (!offered_.compare_exchange_strong(open, Offered::Taken, std::memory_order_acquire)) return false;
+      const auto start = Clock::now();
+      const double worked = coreSeconds();
+      offered_call_(offered_context_, 0);
+      offered_off_core_ = seconds(Clock::now() - start) - (coreSeconds() - worked);
+      offered_.store(Offered::Done, std::memory_order_release);
+      return true;
     }
 
     /// Works on units until none is left, first on those of this thread.
@@ -348,6 +396,10 @@ class Team {
     alignas(64) std::atomic<int> unfinished_{0};      ///< number of units
     alignas(64) std::atomic<unsigned> announced_{0};  ///< number of the current loop
     alignas(64) std::atomic<int> ball_{0};            ///< see measureRoundTrip()
+    alignas(64) std::atomic<Offered> offered_{Offered::None};
+    Call offered_call_ = nullptr;
+    const void* offered_context_ = nullptr;
+    double offered_off_core_ = 0.0;  ///< time without a core of the thread that made the call [s]
   };
 
   int threads_;

@@ -123,8 +123,10 @@ void StepSolver::shortenMotion(MinimizerReport& report) {
 
 void StepSolver::findContacts() {
   const auto& touching = probes_.findTouching(cloth_.mesh(), cloth_.nodes(), reach_.proxies(), contacts_);
-  contacts_.collect(cloth_.mesh(), cloth_.nodes(), reach_.nodes(), touching);
-  contacts_.collectPairs(cloth_.mesh(), cloth_.nodes(), cloth_.internal().nodeNormals(), reach_.pairs());
+  const auto pairs = [this] {
+    contacts_.collectPairs(cloth_.mesh(), cloth_.nodes(), cloth_.internal().nodeNormals(), reach_.pairs());
+  };
+  team_.runBeside(pairs, [&] { contacts_.collect(cloth_.mesh(), cloth_.nodes(), reach_.nodes(), touching); });
 }
 
 /// Evaluates Φ and its gradient with all nodes and proxies at x⁰. @return Φ
