@@ -29,6 +29,7 @@ namespace {
 
 const Vec3 kAbove(0.0, 0.0, 0.125), kPressed(0.0, 0.0, 0.100);
 constexpr int kLastRung = 8;
+constexpr int kEnough = 40;  // prompt messages, of which a quarter tells more than chance
 constexpr double kTimeStep = 5e-4, kLongest = 4e-3;  // of the scene and of the node [s]
 
 /// Newest state of the cloth, and what was the worst of several.
@@ -143,6 +144,19 @@ class KeepClock : public testing::Test {
     }
   }
 
+  /// Stirs until there were enough prompt messages, if the machine is not too busy for that.
+  StateListener::Reading stirForMessages() {
+    constexpr int kMostRounds = 5;
+    StateListener::Reading all{};
+    for (int round = 0; round < kMostRounds && all.messages < kEnough; ++round) {
+      stir(8.0);
+      const StateListener::Reading more = state_.read();
+      all = {more.state, std::max(all.worst_rung, more.worst_rung), all.messages + more.messages,
+             all.slips + more.slips, more.behind};
+    }
+    return all;
+  }
+
   ros::NodeHandle node_;
   ros::AsyncSpinner spinner_;
   ReactionListener reaction_;
@@ -160,11 +174,11 @@ TEST_F(KeepClock, GivesUpQualityUnderLoadAndTakesItBack) {
   stir(2.0);
   EXPECT_TRUE(waitFor([&] { return state_.rung() > 0; })) << "quality does not go down";
   const StateListener::Reading start = state_.read();
-  stir(8.0);
-  const StateListener::Reading end = state_.read();
+  const StateListener::Reading end = stirForMessages();
   // A solver that is too slow slips between any two messages. One that the system stops now and then, as a
-  // full machine does, slips only then.
-  EXPECT_TRUE(4 * end.slips <= end.messages || end.worst_rung == kLastRung)
+  // full machine does, slips only then. Where it hardly runs at all, few messages are prompt, and tell
+  // nothing.
+  EXPECT_TRUE(4 * end.slips <= end.messages || end.worst_rung == kLastRung || end.messages < kEnough)
       << "slipped between " << end.slips << " of " << end.messages << " prompt messages, rung "
       << end.worst_rung;
   EXPECT_GT(end.worst_rung, 0);
