@@ -19,8 +19,10 @@ PLAIN = ("o", "strategy alone")
 # Peers have hollow markers.
 PEERS = {"explicit": ("<", "#c2185b"), "XPBD": (">", "#00838f"), "Bullet soft": ("h", "#6d4c41"),
          "Bullet deformable": ("p", "#558b2f")}
-ERRORS = (("rms_mm", "shape error at the end, rms [mm]", "reference_rms_mm"),
-          ("force_percent", "probe force error, rms [%]", "reference_force_percent"))
+# Error, its label, what the reference is known to, and the error of the reference's own mesh.
+ERRORS = (("rms_mm", "shape error at the end, rms [mm]", "reference_rms_mm", "mesh_rms_mm"),
+          ("force_percent", "probe force error, rms [%]", "reference_force_percent", "mesh_force_percent"))
+LINES = ((":", "reference known to"), ("-.", "finest mesh off one twice as fine"))
 LEGEND = 1.3  # [inch]
 WORST = 100.0  # points with an error more than so many times this package's largest are left out
 SHIPPED_STRATEGY = "amrc"
@@ -49,12 +51,13 @@ def draw_points(axes, rows, error):
             axes.plot(row["wall_per_s"], row[error], "*", color="#e8112d", ms=15, mec="white", mew=0.8, zorder=5)
 
 
-def draw_panel(axes, rows, error, label, uncertainty):
+def draw_panel(axes, rows, error, label, *known):
     draw_points(axes, rows, error)
     front = sorted((row["wall_per_s"], row[error]) for row in rows if row["front_" + error])
     axes.step([t for t, _ in front], [e for _, e in front], where="post", color="#e8112d", lw=1, alpha=0.8, zorder=1)
-    if rows[0][uncertainty]:
-        axes.axhline(rows[0][uncertainty], color="0.4", lw=0.8, ls=":")
+    for key, (style, _) in zip(known, LINES):
+        if rows[0][key]:
+            axes.axhline(rows[0][key], color="0.4", lw=0.8, ls=style)
     axes.axvline(1.0, color="0.4", lw=0.8, ls="--")
     axes.set_xscale("log")
     axes.set_yscale("log")
@@ -72,20 +75,20 @@ def legend_entries():
                 for name, (marker, colour) in PEERS.items()]
     entries.append(Line2D([], [], color="#e8112d", marker="*", ms=12, ls="", label="shipped default"))
     entries.append(Line2D([], [], color="#e8112d", lw=1, label="Pareto front"))
-    entries.append(Line2D([], [], color="0.4", lw=0.8, ls=":", label="reference known to"))
+    entries += [Line2D([], [], color="0.4", lw=0.8, ls=style, label=text) for style, text in LINES]
     entries.append(Line2D([], [], color="0.4", lw=0.8, ls="--", label="real time"))
     return entries
 
 
 def draw(path, rows, size):
     panels = []
-    for error, label, uncertainty in ERRORS:
+    for error, *others in ERRORS:
         for scene in dict.fromkeys(row["scene"] for row in rows):
             own = [row for row in rows if row["scene"] == scene and row[error] is not None]
             worst = WORST * max((row[error] for row in own if row["program"] not in PEERS), default=0.0)
             own = [row for row in own if row["program"] not in PEERS or row[error] <= worst]
             if own:
-                panels.append((own, error, label, uncertainty))
+                panels.append((own, error, *others))
     columns = min(3, len(panels))
     lines = -(-len(panels) // columns)
     height = 3.7 * lines + LEGEND

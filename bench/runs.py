@@ -49,6 +49,7 @@ class Scene:
     reference      solver.time_step and solver.tolerance of its reference
     chart          false: not drawn by bench/chart
     choices        a size whose list of choices is enough for bench/chart
+    scales         false: its pins name particles, so it means another cloth with more of them
     begin          time from which steps and forces count, if not all do (header `from`) [s]
     note           one sentence on what the scene tests
     """
@@ -63,6 +64,7 @@ class Scene:
         self.begin = header.get("from", 0.0)
         text = self.path.read_text()
         self.has_probe = re.search(r"^probe:", text, re.M) is not None
+        self.scales = re.search(r"^  pins:.*\bparticles:", text, re.M) is None
         self.adapts = re.search(r"^adapt:.*\blevels: 0\b", text, re.M) is None
         self.overrides = {} if size == "full" else dict(header.get("quick", {}))
         if size == "smoke":
@@ -272,20 +274,29 @@ class Simulator:
 
     def reference(self, scene):
         """Reference, and a check with twice step and tolerance; finest mesh, cached."""
-        results = []
-        for factor in (1.0, 2.0):
-            overrides = {key: value * factor for key, value in scene.reference.items()}
-            overrides.update({"adapt.strategy": "finest", "solver.max_iterations": 20000, "stop.rest_speed": 0})
-            directory = self._directory(scene, overrides, (), "reference")
-            if (directory / "digest.json").exists():
-                result = Result(directory, [0.0])
-            else:
-                print("%s: reference with a step of %g s ..." % (scene.name, overrides["solver.time_step"]), flush=True)
-                result = self._run(scene, overrides, (), directory, None)
-            if result is None:
-                raise BenchError("%s: the reference run failed" % scene.name)
-            results.append(result)
-        return results
+        return [self._converged(scene, factor, {}) for factor in (1.0, 2.0)]
+
+    def finer(self, scene, reference):
+        """The reference of a scene on a mesh twice as fine, cached; None if its pins are single particles."""
+        if not scene.scales:
+            return None
+        return self._converged(scene, 1.0, {"cloth.particles": [2 * count - 1 for count in
+                                                                reference.summary["particles"]]})
+
+    def _converged(self, scene, factor, overrides):
+        """Cached run on the finest mesh with a multiple of the reference's step and tolerance."""
+        overrides = {**{key: value * factor for key, value in scene.reference.items()}, **overrides,
+                     "adapt.strategy": "finest", "solver.max_iterations": 20000, "stop.rest_speed": 0}
+        directory = self._directory(scene, overrides, (), "reference")
+        if (directory / "digest.json").exists():
+            return Result(directory, [0.0])
+        print("%s: reference with a step of %g s%s ..." % (
+            scene.name, overrides["solver.time_step"],
+            " on a finer mesh" if "cloth.particles" in overrides else ""), flush=True)
+        result = self._run(scene, overrides, (), directory, None)
+        if result is None:
+            raise BenchError("%s: the reference run failed" % scene.name)
+        return result
 
     def _directory(self, scene, overrides, options, kind):
         # The number of threads changes no bit, so one reference serves all.
