@@ -64,7 +64,7 @@ class Scene:
         self.begin = header.get("from", 0.0)
         text = self.path.read_text()
         self.has_probe = re.search(r"^probe:", text, re.M) is not None
-        self.scales = re.search(r"^  pins:.*\bparticles:", text, re.M) is None
+        self.scales = re.search(r"\bparticles:\s*(\[\s*\[|-)", text) is None  # a list of places, not a size
         self.adapts = re.search(r"^adapt:.*\blevels: 0\b", text, re.M) is None
         self.overrides = {} if size == "full" else dict(header.get("quick", {}))
         if size == "smoke":
