@@ -10,12 +10,12 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr int kChunk = 512;            // growth of the arrays of points [points]
-constexpr double kCut = 0.5;           // length of short parts, and how deep a round solid may cut [ranges]
-constexpr double kSharp = 0.3;         // turn of a normal that tells of a sharp edge [rad]
-constexpr double kMostTurn = 2.0;      // difference of two unit normals, at most
-constexpr double kMostSlanting = 8.0;  // parts of a finest cell across slanting edges, at most
-constexpr double kSlanting = 3.0;      // length of parts across slanting edges over that across others
+constexpr int kChunk = 512;             // growth of the arrays of points [points]
+constexpr double kCut = 0.5;            // length of short parts, and how deep a round solid may cut [ranges]
+constexpr double kSharp = 0.3;          // turn of a normal that tells of a sharp edge [rad]
+constexpr double kMostTurn = 2.0;       // difference of two unit normals, at most
+constexpr double kMostSlanting = 12.0;  // parts of a finest cell across slanting edges, at most
+constexpr double kSlanting = 3.0;       // length of parts across slanting edges over that across others
 // Ends of the sides of a cell along warp and weft.
 constexpr std::array<std::array<std::pair<int, int>, 2>, 2> kSides{{{{{0, 1}, {2, 3}}}, {{{0, 2}, {1, 3}}}}};
 constexpr double kStart = 3e-8;  // time that the start of a sample takes, about [s]
