@@ -290,11 +290,9 @@ class Team {
 
     /// Makes the offered call if no thread has taken it, and returns when it is done.
     void finishOffer() {
-      if (!takeOffer()) {
-        for (int spin = 0; offered_.load(std::memory_order_acquire) != Offered::Done; ++spin) pause(spin);
-        waited += offered_off_core_;
-      }
-      offered_.store(Offered::None, std::memory_order_relaxed);
+      if (takeOffer()) return;
+      for (int spin = 0; offered_.load(std::memory_order_acquire) != Offered::None; ++spin) pause(spin);
+      waited += offered_off_core_;
     }
 
     /// Work of the other threads until the region is closed.
@@ -327,7 +325,7 @@ class Team {
       return false;
     }
 
-    enum class Offered { None, Open, Taken, Done };
+    enum class Offered { None, Open, Taken };
     static constexpr int kMostUnits = 32768;
     static constexpr int kPatience = 2000;  ///< about 20 to 50 us
 
@@ -348,7 +346,7 @@ class Team {
       const double worked = coreSeconds();
       offered_call_(offered_context_, 0);
       offered_off_core_ = seconds(Clock::now() - start) - (coreSeconds() - worked);
-      offered_.store(Offered::Done, std::memory_order_release);
+      offered_.store(Offered::None, std::memory_order_release);
       return true;
     }
 

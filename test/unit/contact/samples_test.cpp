@@ -141,7 +141,15 @@ Obstacle edgeAbove(Shape shape, double heading, const Vec3& place) {
   return solid;
 }
 
-/// Integral of ψ over 2 x 2 cells below a solid [J].
+/// Contact of 2 x 2 level cells around the origin below a solid.
+/// @param side of a cell [m]
+Contact contactBelow(const Obstacle& solid, double side, double reach) {
+  return contactOf(Grid{3, 3, 0, side, side}, solid, reach, [&](double column, double row) {
+    return Vec3(side * (column - 1.0), side * (row - 1.0), 0.0);
+  });
+}
+
+/// Integral of ψ over 2 x 2 cells of kCell below a solid [J].
 double energyBelow(const Obstacle& obstacle) {
   const ContactLaw law(kRange);
   const Solid solid(obstacle);
@@ -166,29 +174,24 @@ INSTANTIATE_TEST_SUITE_P(Edges, Slanting,
 TEST_P(Slanting, EdgeIsFeltWhereItIs) {
   constexpr double kGap = 0.6 * kRange, kMostOff = 0.1 * kRange;
   const auto& [shape, heading] = GetParam();
-  const Grid grid{3, 3, 0, kCell, kCell};
   for (int k = 0; k < 25; ++k) {
     const Vec3 place(1e-3 * (k % 5 - 2), 0.7e-3 * (k / 5 - 2), kGap);
     SCOPED_TRACE(place.transpose());
     const auto edge = [&, shape = shape, heading = heading](double lifted) {
       return edgeAbove(shape, heading, place + lifted * Vec3::UnitZ());
     };
-    const double energy = contactOf(grid, edge(0.0), kRange, [&](double column, double row) {
-                            return Vec3(kCell * (column - 1.0), kCell * (row - 1.0), 0.0);
-                          }).energy;
+    const double energy = contactBelow(edge(0.0), kCell, kRange).energy;
     EXPECT_LT(energy, energyBelow(edge(-tolerance(kMostOff))));
     EXPECT_GT(energy, energyBelow(edge(tolerance(kMostOff))));
   }
 }
 
 TEST(Samples, UnderASlantingEdgeAreNoMoreThanWideCellsNeed) {
-  // Of T1 in bench/peers: so coarse a cloth cannot tell where in a cell of 25 mm an edge is to half a
-  // millimetre. At most 12 parts of each cell, both ways (docs/decisions/0041), and packs that are not full.
-  constexpr double kWide = 0.025;
-  const Grid grid{3, 3, 0, kWide, kWide};
-  const Contact contact = contactOf(
-      grid, edgeAbove(Shape::Box, 0.25 * EIGEN_PI, Vec3(0.0, 0.0, 0.6 * kRange)), 5.0 * kRange,
-      [&](double column, double row) { return Vec3(kWide * (column - 1.0), kWide * (row - 1.0), 0.0); });
+  // T1 in bench/peers has such cells: so coarse a cloth cannot tell to half a millimetre where in a cell of
+  // 25 mm an edge is. At most 12 parts of each cell, both ways (docs/decisions/0041), and packs that are not
+  // full.
+  const Obstacle edge = edgeAbove(Shape::Box, 0.25 * EIGEN_PI, Vec3(0.0, 0.0, 0.6 * kRange));
+  const Contact contact = contactBelow(edge, 0.025, 5.0 * kRange);
   EXPECT_GT(contact.energy, 0.0);
   EXPECT_LE(contact.samples, 4 * 12 * 12 + 2 * kPack);
 }
