@@ -88,7 +88,8 @@ fs::path linkedFile(const fs::path& file) {
   fs::path path = fs::absolute(file);  // of a new file, to which links may lead
   for (int k = 0; k < kMostLinks && fs::is_symlink(path, error); ++k)
     path = path.parent_path() / fs::read_symlink(path, error);
-  return path;
+  const fs::path plain = fs::weakly_canonical(path, error);
+  return error ? path : plain;
 }
 
 void checkNewFile(const fs::path& file) {

@@ -117,6 +117,8 @@ int test(const Arguments& arguments) {
   if (!arguments.plot.empty()) {
     const std::string kind = pictureKind(arguments);
     checkNewFile(arguments.plot, kPictures.at(kind), "a " + kind.substr(1) + " picture");
+    if (!arguments.out.empty() && linkedFile(arguments.out) == linkedFile(arguments.plot))
+      throw UsageError("--plot: " + arguments.plot + ": must not be the file of --out");
   }
   const Fabric fabric = loadFabric(arguments.fabric);
   const KesTest test = kTests.at(arguments.test);

@@ -603,6 +603,10 @@ TEST_F(Simulate, KesTestKeepsForeignFiles) {
     EXPECT_EQ(outcome.status, 2) << option;
     EXPECT_NE(outcome.error.find("must end in .pdf, .png or .svg"), std::string::npos) << outcome.error;
   }
+  const Outcome both = runProgram(command + " --out both.png --plot ./both.png");
+  EXPECT_EQ(both.status, 2);
+  EXPECT_NE(both.error.find("must not be the file of --out"), std::string::npos) << both.error;
+  EXPECT_FALSE(fs::exists(folder_ / "both.png"));
   EXPECT_EQ(readText(folder_ / "linen.yaml"), kFabric);
   EXPECT_EQ(readText(folder_ / "mine.png"), "no picture");
   write("curve.csv", "");  // an empty file, then a curve, is replaced
