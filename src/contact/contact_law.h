@@ -8,8 +8,8 @@ namespace haptic_cloth {
 
 /// Pressure law p(u) = p₀ u²/(1-u), u = (range - gap)/range. It is zero from gap = range on and
 /// grows towards gap = 0. From u = kSwitch on it continues linearly, so it is never infinite. It is
-/// soft at first touch and stiff under load: a light drape keeps the solve well conditioned, a hard
-/// push does not pass through.
+/// soft at first touch and stiff under load: a light drape keeps the solve well conditioned, and a finger
+/// does not push through.
 class ContactLaw {
  public:
   struct Point {

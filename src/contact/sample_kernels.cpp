@@ -113,15 +113,15 @@ double sampleQuadraticForm(const SamplePack* packs, int begin, int end, const Co
   return total(sum);
 }
 
-double largestStep(const SamplePack* packs, int begin, int end, double share, const ConstArrays& d,
-                   const double* d_origin) {
+double largestStep(const SamplePack* packs, int begin, int end, double share, double firm,
+                   const ConstArrays& d, const double* d_origin) {
   Lanes step = all(1e300);
   for (int p = begin; p < end; ++p) {
     const SamplePack& pack = packs[p];
     for (int l = 0; l < kPack; l += kLanes) {
       const Lanes closing = -dot(load3(pack.normal, l), against(pack, l, d, d_origin));
       const Lanes gap = load(pack.gap + l), nearer = smaller(smaller(gap, closing), load(pack.area + l));
-      step = smaller(step, ifPositive(nearer, share * gap / closing, all(1e300)));
+      step = smaller(step, ifPositive(nearer, larger(share * gap, all(firm)) / closing, all(1e300)));
     }
   }
   return least(step);

@@ -48,8 +48,8 @@ struct ContactEnergy {
 //                        `whole_motion`, friction counts as over the whole of d: its force changes to
 //                        at most its limit, however stiff it is. Without, it counts at least as at the
 //                        beginning of d.
-//   largestStep          largest factor of d at which no sample uses up more than `share` of its
-//                        gap.
+//   largestStep          largest factor of d at which no sample that is outside uses up more than
+//                        `share` of its gap, or `firm` where that is more [m].
 //   solidDistances       signed distances [m] and normals of points 0 .. count - 1; arrays are
 //                        padded.
 //   patchMargins         gap below which points of each patch count: `range` plus the largest reach

@@ -83,7 +83,7 @@ struct TriplePack;
          (const SamplePack* packs, int begin, int end, const ConstArrays& d, const double* d_origin,         \
           double slip, bool whole_motion))                                                                   \
   KERNEL(double, largestStep,                                                                                \
-         (const SamplePack* packs, int begin, int end, double share, const ConstArrays& d,                   \
+         (const SamplePack* packs, int begin, int end, double share, double firm, const ConstArrays& d,      \
           const double* d_origin))                                                                           \
   KERNEL(void, solidDistances,                                                                               \
          (const SolidLanes& solid, int count, const ConstArrays& x, double* distances,                       \
