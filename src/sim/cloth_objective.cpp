@@ -205,8 +205,7 @@ double ClothObjective::evaluateProbes(Vector& gradient) {
   }
   double value = 0.0;
   forPresent([&](int k) {
-    gradient.segment<3>(proxyAt(probes_[k])) =
-        couplingGradient(k, proxies_[k]) + contacts_.proxyGradient(k) - hold_forces_[k];
+    gradient.segment<3>(proxyAt(probes_[k])) = proxyGradient(k);
     value += couplingEnergy(k) + 0.5 * couplings_[k].damping * timeStep() * slip(k).squaredNorm();
   });
   return value;
@@ -376,6 +375,10 @@ InternalEnergy::Energy ClothObjective::fabricEnergy() const {
 double ClothObjective::contactEnergy() const { return energies_[kContact]; }
 
 double ClothObjective::frictionPotential() const { return energies_[kFriction]; }
+
+Vec3 ClothObjective::proxyGradient(int probe) const {
+  return couplingGradient(probe, proxies_[probe]) + contacts_.proxyGradient(probe) - hold_forces_[probe];
+}
 
 double ClothObjective::couplingEnergy(int probe) const {
   return 0.5 * couplings_[probe].stiffness * (proxies_[probe] - probes_[probe].device).squaredNorm();

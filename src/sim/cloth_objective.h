@@ -170,6 +170,10 @@ class ClothObjective : public Objective {
   /// First index of a probe's proxy in x.
   int proxyAt(const ProbeStep& probe) const { return 3 * (mesh_.free + probe.unknown); }
 
+  /// Gradient for a proxy at the last evaluated point: what is left over of coupling, contact and held nodes
+  /// [N].
+  Vec3 proxyGradient(int probe) const;
+
   /// Force of the held nodes on a probe [N], and its torque about the proxy [N·m].
   Vec3 holdForce(int probe) const { return hold_forces_[probe]; }
   Vec3 holdTorque(int probe) const { return hold_torques_[probe]; }

@@ -26,12 +26,12 @@ double excess(double squared_length, double spacing) {
 
 }  // namespace
 
-double ForceError::estimate(int probe, double moved, const Vec3& unbalanced, const Vec3& before,
+double ForceError::estimate(int probe, double moved, double unbalanced, const Vec3& before,
                             const Vec3& force) {
   if (before.isZero(0.0) && force.isZero(0.0)) return past_[probe] = 0.0;
   past_[probe] *= std::exp(-moved / (kMemory * scene_.probes[probe].radius));
-  const double unfinished = std::max(unbalanced.norm(), kPastShare * past_[probe]);
-  past_[probe] = std::max(past_[probe], unbalanced.norm());
+  const double unfinished = std::max(unbalanced, kPastShare * past_[probe]);
+  past_[probe] = std::max(past_[probe], unbalanced);
   const double stiffness = scene_.probes[probe].coupling_stiffness;
   double stretched = 2.0 * stiffness * kStretchShare * coarse_.stretch;
   if (stretched > 0.0) {
@@ -43,7 +43,7 @@ double ForceError::estimate(int probe, double moved, const Vec3& unbalanced, con
   return std::sqrt(unfinished * unfinished + stretched + bent + delayed * delayed + rest * rest);
 }
 
-Vec3 ForceError::unbalancedForce(int probe, const ClothObjective& solved, const ActiveMesh& mesh) const {
+double ForceError::unbalancedForce(int probe, const ClothObjective& solved, const ActiveMesh& mesh) const {
   const ProbeOptions& options = scene_.probes[probe];
   const double reach = kReach * (options.radius + 0.5 * options.length);
   const Field &x = solved.nodes(), &gradient = solved.gradient();
@@ -52,7 +52,7 @@ Vec3 ForceError::unbalancedForce(int probe, const ClothObjective& solved, const 
   for (int n = 0; n < mesh.free; ++n) {
     if ((x[n] - proxy).squaredNorm() <= reach * reach) sum -= gradient[n];
   }
-  return sum;
+  return std::max(sum.norm(), solved.proxyGradient(probe).norm());
 }
 
 void ForceError::noteCloth(const Cloth& cloth, bool felt, bool decision) {

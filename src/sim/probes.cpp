@@ -68,7 +68,7 @@ void Probes::accept(const ClothObjective& solved, const ContactSet& contacts, co
     report.velocity = moved / solved.timeStep();
     const Vec3 force = solved.holdForce(k) - contacts.proxyGradient(k);
     const bool felt = !report.force.isZero(0.0) || !force.isZero(0.0);
-    const Vec3 unbalanced = felt ? error.unbalancedForce(k, solved, mesh) : Vec3(Vec3::Zero());
+    const double unbalanced = felt ? error.unbalancedForce(k, solved, mesh) : 0.0;
     report.force_error = error.estimate(k, moved.norm(), unbalanced, report.force, force);
     report.force = force;
     report.torque = solved.holdTorque(k) + contacts.proxyTorque(k, solved.nodes());
