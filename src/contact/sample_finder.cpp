@@ -70,8 +70,8 @@ SampleFinder::SampleFinder(const Grid& grid, const SolidSet& solids, const Conta
   for (int k = solids_.obstacles(); k < solids_.size(); ++k)
     shortest = std::min(shortest, probeSpacing(solids_[k]));
   const int span = 1 << grid_.levels, rest = 2 * span + 4;  // rest: parts beside an edge, and rounding
-  for (auto& ends : ends_)
-    ends.reserve(static_cast<int>(span * std::max(grid_.dx, grid_.dy) / shortest) + rest);
+  const int most = static_cast<int>(span * std::max(grid_.dx, grid_.dy) / shortest) + rest;
+  for (auto& lines : lines_) lines.reserve(most);
   patch_margins_.reserve(padded(grid.cells()));
   at_nodes_.gaps.reserve(padded(grid.particles()));
   at_nodes_.normals.reserve(grid.particles());
@@ -142,7 +142,7 @@ void SampleFinder::addCells(const Solid& solid, const ActiveMesh& mesh, const Fi
     if (near < 0.0) continue;
     const Patch& patch = mesh.patches[k];
     if (divideAtEdge(solid, patch, nodes)) {
-      addMiddles(patch, solid, nodes, near);
+      addLines(patch, solid, nodes, near);
       continue;
     }
     const int parts = partsOf(patch);
@@ -178,24 +178,29 @@ void SampleFinder::addCorners(const Patch& patch, int parts, const Field& nodes,
   }
 }
 
-/// Adds the middles of the parts of a cell that may be near a solid; see ends_.
-void SampleFinder::addMiddles(const Patch& patch, const Solid& solid, const Field& nodes, double margin) {
-  const std::vector<double>&columns = ends_[kWarp], &rows = ends_[kWeft];
-  for (std::size_t j = 1; j < rows.size(); ++j) {
-    const double v = 0.5 * (rows[j - 1] + rows[j]), height = rows[j] - rows[j - 1];
+/// Adds the points of a cell where lines_ cross, if they may be near a solid.
+void SampleFinder::addLines(const Patch& patch, const Solid& solid, const Field& nodes, double margin) {
+  for (const auto& [v, height] : lines_[kWeft]) {
     const Row row(patch, v, nodes);
     const Window window(row, solid.position(), solid.extent() + margin);
-    for (std::size_t i = 1; i < columns.size(); ++i) {
-      if (columns[i] < window.first || columns[i - 1] > window.last) continue;
-      const double u = 0.5 * (columns[i - 1] + columns[i]), width = columns[i] - columns[i - 1];
+    for (const auto& [u, width] : lines_[kWarp]) {
+      if (u < window.first || u > window.last) continue;
       addPoint(surfacePoint(patch, u, v, width * height * patch.area), row.at(u), margin);
     }
   }
 }
 
-/// Divides the sides of a cell along one direction at equal parts from one share of their length to another.
-void SampleFinder::divide(int direction, int parts, double from, double to) {
-  for (int k = 1; k <= parts; ++k) ends_[direction].push_back(from + (to - from) * k / parts);
+/// Lays lines through the middles of equal parts of a cell's sides along one direction, from one share of
+/// their length to another.
+void SampleFinder::addMiddles(int direction, int parts, double from, double to) {
+  const double width = (to - from) / parts;
+  for (int k = 0; k < parts; ++k) lines_[direction].push_back({from + (k + 0.5) * width, width});
+}
+
+/// Lays lines through the ends of equal parts of a cell's sides along one direction.
+void SampleFinder::addEnds(int direction, int parts) {
+  for (int k = 0; k <= parts; ++k)
+    lines_[direction].push_back({double(k) / parts, (k % parts == 0 ? 0.5 : 1.0) / parts});
 }
 
 /// Finds the nodes that are nearer to a sharp edge than the range, and how far the solid's normal turns there
@@ -251,14 +256,20 @@ bool SampleFinder::divideAtEdge(const Solid& solid, const Patch& patch, const Fi
     for (const int corner : patch.nodes)
       turn[direction] = std::max(turn[direction], edge_turns_[direction][corner]);
   }
-  if (turn[kWarp] == 0.0 && turn[kWeft] == 0.0) return false;
-  // Across a slanting edge, and at a corner of the solid, both rows and columns are lines of samples.
-  const bool slants = 2.0 * std::min(turn[kWarp], turn[kWeft]) > std::max(turn[kWarp], turn[kWeft]);
+  const bool corner = mayTouchCorner(solid, patch, nodes);
+  if (!corner && turn[kWarp] == 0.0 && turn[kWeft] == 0.0) return false;
+  // Across a slanting edge, and at a corner of the solid, both rows and columns are dense.
+  const bool slants = corner || 2.0 * std::min(turn[kWarp], turn[kWeft]) > std::max(turn[kWarp], turn[kWeft]);
   const int span = patch.cell.span();
   for (const int direction : {kWarp, kWeft}) {
-    ends_[direction].assign(1, 0.0);
+    lines_[direction].clear();
     if (!slants && turn[direction] < turn[1 - direction]) {
-      divide(direction, span, 0.0, 1.0);
+      const int parts = span * partsAlong(solid, direction);
+      if (isTilted(patch, direction)) {
+        addEnds(direction, 2 * parts);
+      } else {
+        addMiddles(direction, parts, 0.0, 1.0);
+      }
       continue;
     }
     const double across = std::ceil(span * spacing(direction) / (kCut * law_.range()));
@@ -267,11 +278,38 @@ bool SampleFinder::divideAtEdge(const Solid& solid, const Patch& patch, const Fi
     const auto [from, to] = strip(patch, direction, within[direction] > 0.0, nodes);
     const double first = std::floor(from * parts), last = std::ceil(to * parts);
     const auto coarse = [&](double count) { return static_cast<int>(std::ceil(count * span / parts)); };
-    divide(direction, coarse(first), 0.0, first / parts);
-    divide(direction, static_cast<int>(last - first), first / parts, last / parts);
-    divide(direction, coarse(parts - last), last / parts, 1.0);
+    addMiddles(direction, coarse(first), 0.0, first / parts);
+    addMiddles(direction, static_cast<int>(last - first), first / parts, last / parts);
+    addMiddles(direction, coarse(parts - last), last / parts, 1.0);
   }
   return true;
+}
+
+/// Tells whether a corner of a solid may press on a cell. The normals at the cell's own corners need not
+/// tell: one of the faces that meet there may be nearest to none of them.
+bool SampleFinder::mayTouchCorner(const Solid& solid, const Patch& patch, const Field& nodes) const {
+  Vec3 centre = Vec3::Zero();
+  for (const int corner : patch.nodes) centre += 0.25 * nodes[corner];
+  double radius = 0.0;
+  for (const int corner : patch.nodes) radius = std::max(radius, (nodes[corner] - centre).norm());
+  return solid.cornerDistance(centre) < radius + law_.range();
+}
+
+/// Number of parts of a finest cell along an edge that is as round as the faces, so that it cuts no deeper
+/// into them than a share of the range.
+int SampleFinder::partsAlong(const Solid& solid, int direction) const {
+  constexpr double kMostParts = 4.0;
+  const double length = spacing(direction), cut = length * length * solid.faceCurvature() / 8.0;
+  return static_cast<int>(std::clamp(std::ceil(std::sqrt(cut / (kCut * law_.range()))), 1.0, kMostParts));
+}
+
+/// Tells whether a cell rises along an edge, so that the ends of a finest cell are much nearer to the solid
+/// than its middle: a fold that crosses the edge touches it there.
+bool SampleFinder::isTilted(const Patch& patch, int direction) const {
+  double rises = 0.0;
+  for (const auto& [c, d] : kSides[direction])
+    rises = std::max(rises, std::abs(at_nodes_.gaps[patch.nodes[c]] - at_nodes_.gaps[patch.nodes[d]]));
+  return 0.5 * rises / patch.cell.span() > kCut * law_.range();
 }
 
 /// Part of a cell that may press on a sharp edge, as shares of its length along warp or weft. It is known
@@ -338,10 +376,10 @@ void SampleFinder::addProbePoints(const ActiveMesh& mesh, const Field& nodes,
     const Patch& patch = mesh.patches[k];
     for (const int direction : {kWarp, kWeft}) {
       const double parts = std::ceil(patch.cell.span() * spacing(direction) / probeSpacing(solid));
-      ends_[direction].assign(1, 0.0);
-      divide(direction, std::max(1, static_cast<int>(parts)), 0.0, 1.0);
+      lines_[direction].clear();
+      addMiddles(direction, std::max(1, static_cast<int>(parts)), 0.0, 1.0);
     }
-    addMiddles(patch, solid, nodes, near);
+    addLines(patch, solid, nodes, near);
   }
 }
 

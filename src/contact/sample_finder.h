@@ -68,9 +68,13 @@ class SampleFinder {
   void addProbePoints(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
                       const Reach& touching);
   void addCorners(const Patch& patch, int parts, const Field& nodes, double margin);
-  void addMiddles(const Patch& patch, const Solid& solid, const Field& nodes, double margin);
-  void divide(int direction, int parts, double from, double to);
+  void addLines(const Patch& patch, const Solid& solid, const Field& nodes, double margin);
+  void addMiddles(int direction, int parts, double from, double to);
+  void addEnds(int direction, int parts);
   double normalTurn(const Patch& patch, int c, int d) const;
+  bool mayTouchCorner(const Solid& solid, const Patch& patch, const Field& nodes) const;
+  bool isTilted(const Patch& patch, int direction) const;
+  int partsAlong(const Solid& solid, int direction) const;
   bool divideAtEdge(const Solid& solid, const Patch& patch, const Field& nodes);
   std::array<double, 2> strip(const Patch& patch, int direction, bool within, const Field& nodes) const;
   int partsOf(const Patch& patch) const;
@@ -97,9 +101,13 @@ class SampleFinder {
   std::vector<double> patch_margins_;              ///< gap below which points of a patch count, or -1 [m]
   std::vector<double> node_area_;                  ///< area that the nodes stand for as samples [m²]
   std::array<std::vector<double>, 2> edge_turns_;  ///< see findEdges(), along warp and weft [rad]
-  /// Where the parts of a cell begin and end along warp and weft, from 0 to 1, for addMiddles().
-  std::array<std::vector<double>, 2> ends_;
-  std::vector<double> still_;  ///< a reach of zero [m]
+  /// Line of points across a cell: its place and the width that it stands for, as shares of the cell's
+  /// length.
+  struct Line {
+    double at, width;
+  };
+  std::array<std::vector<Line>, 2> lines_;  ///< columns along weft and rows along warp, for addLines()
+  std::vector<double> still_;               ///< a reach of zero [m]
   // Candidates for samples of one group:
   std::vector<SurfacePoint> points_;
   std::vector<double> margins_;  ///< largest gap at which each counts [m]

@@ -1,5 +1,7 @@
 #include "contact/solid.h"
 
+#include <limits>
+
 #include "shape/shapes.h"
 #include "simd/kernels.h"
 
@@ -14,6 +16,7 @@ Solid::Solid(const Obstacle& obstacle)
       extent_(haptic_cloth::extent(obstacle)),
       face_curvature_(haptic_cloth::faceCurvature(obstacle)),
       friction_(obstacle.friction),
+      has_corners_(haptic_cloth::hasCorners(obstacle.shape)),
       position_(obstacle.pose.position),
       rotation_(obstacle.pose.orientation.toRotationMatrix()) {}
 
@@ -24,6 +27,11 @@ Distance Solid::distance(const Vec3& point) const {
   for (int c = 0; c < 3; ++c) x[c][0] = point[c];
   kernels().solidDistances(lanes(), 1, {x[0], x[1], x[2]}, value, {normal[0], normal[1], normal[2]});
   return {value[0], Vec3(normal[0][0], normal[1][0], normal[2][0])};
+}
+
+double Solid::cornerDistance(const Vec3& point) const {
+  if (!has_corners_) return std::numeric_limits<double>::infinity();
+  return ((rotation_.transpose() * (point - position_)).cwiseAbs() - half_size_).norm();
 }
 
 SolidLanes Solid::lanes() const {

@@ -43,6 +43,9 @@ class Solid {
   /// Curvature of the faces between its sharp edges [1/m]; infinite if it has none.
   double faceCurvature() const { return face_curvature_; }
 
+  /// Distance of a point from the nearest corner, where three faces meet [m]; infinite without corners.
+  double cornerDistance(const Vec3& point) const;
+
   /// Description for the kernels.
   SolidLanes lanes() const;
 
@@ -50,6 +53,7 @@ class Solid {
   Shape shape_;
   Vec3 half_size_;
   double radius_, half_length_, half_width_, extent_, face_curvature_, friction_;
+  bool has_corners_;
   Vec3 position_;
   Eigen::Matrix3d rotation_;
 };

@@ -8,6 +8,7 @@ namespace shapes {
 
 struct Box {
   static constexpr const char* kName = "box";
+  static constexpr bool kHasCorners = true;
   static std::vector<std::string> dimensions() { return {"size"}; }
   static double halfWidth(const Obstacle& box) { return 0.5 * box.size.minCoeff(); }
   static double extent(const Obstacle& box) { return 0.5 * box.size.norm(); }

@@ -10,6 +10,7 @@ namespace shapes {
 
 struct Capsule {
   static constexpr const char* kName = "capsule";
+  static constexpr bool kHasCorners = false;
   static std::vector<std::string> dimensions() { return {"radius", "length"}; }
   static double halfWidth(const Obstacle& capsule) { return capsule.radius; }
   static double extent(const Obstacle& capsule) { return capsule.radius + 0.5 * capsule.length; }

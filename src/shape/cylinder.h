@@ -11,6 +11,7 @@ namespace shapes {
 
 struct Cylinder {
   static constexpr const char* kName = "cylinder";
+  static constexpr bool kHasCorners = false;
   static std::vector<std::string> dimensions() { return {"radius", "length"}; }
   static double halfWidth(const Obstacle& cylinder) {
     return std::min(cylinder.radius, 0.5 * cylinder.length);

@@ -10,6 +10,7 @@ namespace shapes {
 
 struct Plane {
   static constexpr const char* kName = "plane";
+  static constexpr bool kHasCorners = false;
   static std::vector<std::string> dimensions() { return {}; }
   static double halfWidth(const Obstacle&) { return std::numeric_limits<double>::infinity(); }
   static double extent(const Obstacle&) { return 0.0; }

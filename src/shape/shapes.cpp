@@ -42,6 +42,10 @@ double faceCurvature(const Obstacle& solid) {
   return visitShape(solid.shape, [&](auto kind) { return kind.faceCurvature(solid); });
 }
 
+bool hasCorners(Shape shape) {
+  return visitShape(shape, [](auto kind) { return kind.kHasCorners; });
+}
+
 std::vector<DrawnPart> drawing(const Obstacle& solid) {
   return visitShape(solid.shape, [&](auto kind) { return kind.drawing(solid); });
 }

@@ -25,6 +25,9 @@ double extent(const Obstacle& solid);
 /// Curvature of the faces between the sharp edges [1/m]; infinite without such edges.
 double faceCurvature(const Obstacle& solid);
 
+/// Tells whether it has corners, those of its half size along the axes.
+bool hasCorners(Shape shape);
+
 /// Parts of its picture, in the solid's frame.
 std::vector<DrawnPart> drawing(const Obstacle& solid);
 

@@ -10,6 +10,7 @@ namespace shapes {
 
 struct Sphere {
   static constexpr const char* kName = "sphere";
+  static constexpr bool kHasCorners = false;
   static std::vector<std::string> dimensions() { return {"radius"}; }
   static double halfWidth(const Obstacle& sphere) { return sphere.radius; }
   static double extent(const Obstacle& sphere) { return sphere.radius; }

@@ -186,6 +186,19 @@ TEST_P(Slanting, EdgeIsFeltWhereItIs) {
   }
 }
 
+// What no sample stands for sinks in until one touches, which then begins a step inside the solid.
+TEST(Samples, StandWhereAFoldCrossesAnEdge) {
+  Obstacle box;  // its edge runs along weft, through the middles of cells
+  box.shape = Shape::Box;
+  box.size = Vec3(0.1, 0.2, 0.1);
+  box.pose.position = Vec3(0.005, 0.01, 0.0) - 0.5 * Vec3(box.size.x(), 0.0, box.size.z());
+  const Grid grid{3, 3, 0, 0.01, 0.01};
+  const Contact contact = contactOf(grid, box, 0.0, [&](double column, double row) {
+    return Vec3(0.01 * column, 0.01 * row, 0.3 * kRange + 0.003 * std::abs(row - 1.0));
+  });
+  EXPECT_GT(contact.energy, 0.0);
+}
+
 TEST(Samples, UnderASlantingEdgeAreNoMoreThanWideCellsNeed) {
   // T1 in bench/peers has such cells: so coarse a cloth cannot tell to half a millimetre where in a cell of
   // 25 mm an edge is. At most 12 parts of each cell, both ways (docs/decisions/0041), and packs that are not
