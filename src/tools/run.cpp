@@ -17,6 +17,8 @@ void add(const StepReport& report, double wall_time, RunTotals& totals) {
   totals.iterations += report.minimizer.iterations;
   totals.evaluations += report.minimizer.evaluations;
   totals.failed_steps += report.failed ? 1 : 0;
+  totals.converged_steps += report.minimizer.why == Termination::Converged ? 1 : 0;
+  totals.max_residual = std::max(totals.max_residual, report.minimizer.residual);
   totals.min_active =
       totals.steps == 1 ? report.active_particles : std::min(totals.min_active, report.active_particles);
   totals.max_active = std::max(totals.max_active, report.active_particles);

@@ -38,7 +38,8 @@ struct RunTotals {
   int steps = 0;
   long iterations = 0;
   long evaluations = 0;
-  int failed_steps = 0;
+  int failed_steps = 0, converged_steps = 0;
+  double max_residual = 0.0;           ///< [|gravity|]
   int min_active = 0, max_active = 0;  ///< particles; those at hand if there was no step
   double mean_active = 0.0;            ///< particles
   long refined = 0, coarsened = 0;     ///< cells split, groups of four merged

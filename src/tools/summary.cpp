@@ -52,6 +52,7 @@ std::string summaryJson(const Simulation& simulation, const RunTotals& totals, b
   summary["iterations"] = totals.iterations;
   summary["evaluations"] = totals.evaluations;
   summary["failed_steps"] = totals.failed_steps;
+  summary["converged_steps"] = totals.converged_steps;
   summary["threads"] = simulation.threads();
   summary["processor"] = processorName();
   summary["simd"] = instructionSet();
@@ -63,6 +64,7 @@ std::string summaryJson(const Simulation& simulation, const RunTotals& totals, b
   summary["refined"] = totals.refined;
   summary["coarsened"] = totals.coarsened;
   summary["residual"] = totals.last.minimizer.residual;
+  summary["max_residual"] = totals.max_residual;
   summary["cost"] = {{"total", cost.total()},
                      {"motion", cost.motion},
                      {"stretch", cost.stretch},
@@ -100,9 +102,9 @@ std::string briefReport(const Simulation& simulation, const RunTotals& totals) {
   if (totals.start_time > 0.0) text << "(from " << totals.start_time << " to " << simulation.time() << " s) ";
   text << "in " << totals.wall_time << " s (real-time factor " << realTimeFactor(simulation, totals) << ", "
        << simulation.threads() << " threads)" << (totals.at_rest ? ", at rest" : "") << "\n"
-       << paceText(totals) << "steps " << totals.steps << ", failed " << totals.failed_steps
-       << ", iterations " << totals.iterations << " (" << totals.iterations / steps << " a step), last "
-       << toString(totals.last.minimizer.why) << "\n"
+       << paceText(totals) << "steps " << totals.steps << ", converged " << totals.converged_steps
+       << ", failed " << totals.failed_steps << ", iterations " << totals.iterations << " ("
+       << totals.iterations / steps << " a step), last " << toString(totals.last.minimizer.why) << "\n"
        << "active particles " << totals.min_active << " to " << totals.max_active << ", mean "
        << totals.mean_active << ", final " << simulation.activeParticles() << "\n"
        << "processor " << processorName() << "; kernels for " << instructionSet() << "\n"

@@ -158,6 +158,26 @@ TEST_F(Simulate, SummaryHasItsKeys) {
   EXPECT_EQ(summary["probe_force_of"], "probe");
 }
 
+TEST_F(Simulate, SummaryCountsTheStepsThatConverged) {
+  ASSERT_EQ(run("scene.yaml --set solver.max_iterations=2 --out result").status, 0);
+  const auto summary = nlohmann::json::parse(readText(folder_ / "result/summary.json"));
+  const auto lines = readLines(folder_ / "result/steps.csv");
+  const auto names = split(lines.front(), ',');
+  const auto column = [&](const char* name) {
+    return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+  };
+  int converged = 0;
+  double largest = 0.0;
+  for (std::size_t row = 1; row < lines.size(); ++row) {
+    const auto cells = split(lines[row], ',');
+    if (cells[column("termination")] == "converged") ++converged;
+    largest = std::max(largest, std::stod(cells[column("residual")]));
+  }
+  EXPECT_EQ(summary["converged_steps"], converged);
+  EXPECT_LT(converged, 30);
+  EXPECT_EQ(summary["max_residual"].get<double>(), largest);
+}
+
 TEST_F(Simulate, ForcesAreThoseOfNamedProbes) {
   // Both probes are present, but only the second touches the cloth.
   const std::string probes =
