@@ -12,6 +12,7 @@ namespace {
 
 constexpr int kChunk = 512;             // growth of the arrays of points [points]
 constexpr double kCut = 0.5;            // length of short parts, and how deep a round solid may cut [ranges]
+constexpr double kMostParts = 4.0;      // of a finest cell on a round solid, at most
 constexpr double kSharp = 0.3;          // turn of a normal that tells of a sharp edge [rad]
 constexpr double kMostTurn = 2.0;       // difference of two unit normals, at most
 constexpr double kMostSlanting = 12.0;  // parts of a finest cell across slanting edges, at most
@@ -288,6 +289,7 @@ bool SampleFinder::divideAtEdge(const Solid& solid, const Patch& patch, const Fi
 /// Tells whether a corner of a solid may press on a cell. The normals at the cell's own corners need not
 /// tell: one of the faces that meet there may be nearest to none of them.
 bool SampleFinder::mayTouchCorner(const Solid& solid, const Patch& patch, const Field& nodes) const {
+  if (!solid.hasCorners()) return false;
   Vec3 centre = Vec3::Zero();
   for (const int corner : patch.nodes) centre += 0.25 * nodes[corner];
   double radius = 0.0;
@@ -298,7 +300,6 @@ bool SampleFinder::mayTouchCorner(const Solid& solid, const Patch& patch, const 
 /// Number of parts of a finest cell along an edge that is as round as the faces, so that it cuts no deeper
 /// into them than a share of the range.
 int SampleFinder::partsAlong(const Solid& solid, int direction) const {
-  constexpr double kMostParts = 4.0;
   const double length = spacing(direction), cut = length * length * solid.faceCurvature() / 8.0;
   return static_cast<int>(std::clamp(std::ceil(std::sqrt(cut / (kCut * law_.range()))), 1.0, kMostParts));
 }
@@ -348,7 +349,7 @@ std::array<double, 2> SampleFinder::strip(const Patch& patch, int direction, boo
 /// the number of finest cells, but no part is smaller than a share of the range. It is larger if a
 /// round solid would cut deeper into these parts than that share.
 int SampleFinder::partsOf(const Patch& patch) const {
-  constexpr double kSameNormal = 1e-3, kShareOfRange = 0.1, kMostParts = 4.0;
+  constexpr double kSameNormal = 1e-3, kShareOfRange = 0.1;
   // Largest differences over all pairs; with one corner as reference, mirrored cells would differ.
   double gaps = 0.0, turn = 0.0;
   for (int c = 1; c < 4; ++c) {

@@ -1,7 +1,5 @@
 #include "contact/solid.h"
 
-#include <limits>
-
 #include "shape/shapes.h"
 #include "simd/kernels.h"
 
@@ -30,7 +28,6 @@ Distance Solid::distance(const Vec3& point) const {
 }
 
 double Solid::cornerDistance(const Vec3& point) const {
-  if (!has_corners_) return std::numeric_limits<double>::infinity();
   return ((rotation_.transpose() * (point - position_)).cwiseAbs() - half_size_).norm();
 }
 

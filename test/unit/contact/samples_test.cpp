@@ -186,7 +186,7 @@ TEST_P(Slanting, EdgeIsFeltWhereItIs) {
   }
 }
 
-// What no sample stands for sinks in until one touches, which then begins a step inside the solid.
+// Cloth sinks in where no sample stands for it, until one appears there and begins a step inside the solid.
 TEST(Samples, StandWhereAFoldCrossesAnEdge) {
   Obstacle box;  // its edge runs along weft, through the middles of cells
   box.shape = Shape::Box;
