@@ -9,6 +9,8 @@ from runs import BenchError
 CONTACT_SHARE = 0.01
 # Largest change of a reference between its two levels, over the error of the coarsest mesh.
 WELL_POSED = 0.1
+# Keys of the errors of shape and of force in rows of tables.
+ERRORS = ("rms_mm", "force_percent")
 
 
 def shape_error(result, reference):
@@ -91,6 +93,20 @@ def pareto_front(points):
             best = points[k][1]
             front.append(k)
     return front
+
+
+def mark_fronts(rows, time):
+    """Adds which rows are on the front of shape and of force over a time, `front_rms_mm` and `front_force_percent`."""
+    for error in ERRORS:
+        measured = [row for row in rows if row[error] is not None]
+        front = pareto_front([(row[time], row[error]) for row in measured])
+        for k, row in enumerate(measured):
+            row["front_" + error] = int(k in front)
+
+
+def fronts_of(row):
+    """Names of the fronts that a row is on."""
+    return [name for name, key in (("shape", "front_rms_mm"), ("force", "front_force_percent")) if row.get(key)]
 
 
 def error_at_time(points, time):
