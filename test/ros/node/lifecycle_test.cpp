@@ -9,11 +9,13 @@
 #include <std_srvs/SetBool.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "ros/node/steady_clock.h"
@@ -40,6 +42,45 @@ std::vector<std::string> readableCommand() {
 bool waitUntilReady(const Process& process) {
   return waitFor([&] { return process.output().find("ready") != std::string::npos; });
 }
+
+/// A roslaunch of this package that is ended only after it has started all of its nodes. A signal
+/// before that locks roslaunch for 20 s, and it may leave nodes behind.
+class Launch {
+ public:
+  /// @param nodes names of the nodes that the launch file starts
+  Launch(const std::vector<std::string>& arguments, std::vector<std::string> nodes)
+      : nodes_(std::move(nodes)) {
+    std::vector<std::string> command{"roslaunch", "haptic_cloth"};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    process_ = std::make_unique<Process>(command);
+  }
+
+  /// @return whether roslaunch has started all nodes and the cloth is ready
+  bool ready() const {
+    return waitFor([this] {
+      const std::string text = output();
+      const auto isStarted = [&](const std::string& node) {
+        return text.find("process[" + node + "-") != std::string::npos;
+      };
+      return std::all_of(nodes_.begin(), nodes_.end(), isStarted) && servesReset();
+    });
+  }
+
+  /// Sends SIGINT. @return whether roslaunch ended and left no cloth behind
+  bool end() {
+    process_->signal(SIGINT);
+    return process_->wait() >= 0 && waitFor([] { return !servesReset(); });
+  }
+
+  bool running() { return process_->running(); }
+  std::string output() const { return process_->output(); }
+
+ private:
+  static bool servesReset() { return ros::service::exists("/haptic_cloth/reset", false); }
+
+  std::unique_ptr<Process> process_;
+  std::vector<std::string> nodes_;
+};
 
 class LifecycleTest : public testing::Test {
  protected:
@@ -227,24 +268,22 @@ TEST_F(LifecycleTest, AHandSaysThatItsNodeHasNoParameters) {
 
 /// Parameters of earlier launches or runs do not act on a launch that does not name them.
 TEST_F(LifecycleTest, ALaunchForgetsEarlierParameters) {
-  const auto forgets = [](const std::vector<std::string>& arguments,
+  const auto forgets = [](const std::vector<std::string>& arguments, const std::vector<std::string>& nodes,
                           const std::vector<std::string>& earlier) {
     for (const std::string& name : earlier) ros::param::set(name, 1);
-    std::vector<std::string> command{"roslaunch", "haptic_cloth"};
-    command.insert(command.end(), arguments.begin(), arguments.end());
-    Process launch(command);
-    EXPECT_TRUE(waitFor([] { return ros::service::exists("/haptic_cloth/reset", false); }))
-        << launch.output();
+    Launch launch(arguments, nodes);
+    EXPECT_TRUE(launch.ready()) << launch.output();
     for (const std::string& name : earlier) EXPECT_FALSE(ros::param::has(name)) << name;
-    launch.signal(SIGINT);
-    EXPECT_GE(launch.wait(), 0) << launch.output();
+    EXPECT_TRUE(launch.end()) << launch.output();
   };
   forgets({"device.launch", "driver:=chai3d", "scene:=" + kScene},
+          {"haptic_cloth", "device_adapter", "grasp_button"},
           {"/device_adapter/force/timeout", "/grasp_button/earlier"});
   EXPECT_TRUE(ros::param::has("/grasp_button/number")) << "an argument of the launch file";
-  forgets({"demo.launch", "mouse:=true", "rviz:=false", "scene:=" + kScene}, {"/mouse_hand/rate"});
+  forgets({"demo.launch", "mouse:=true", "rviz:=false", "scene:=" + kScene}, {"haptic_cloth", "mouse_hand"},
+          {"/mouse_hand/rate"});
   forgets({"demo.launch", "path:=true", "hand:=false", "rviz:=false", "scene:=" + kScene},
-          {"/path_hand/rate", "/path_hand/node"});
+          {"haptic_cloth", "path_hand"}, {"/path_hand/rate", "/path_hand/node"});
   EXPECT_TRUE(ros::param::has("/path_hand/repeat_after"));
   for (const char* const node : {"/haptic_cloth", "/grasp_button", "/path_hand"}) ros::param::del(node);
 }
@@ -258,8 +297,9 @@ TEST_F(LifecycleTest, RespawnDoesNotRepeatBadParameters) {
   const std::string text = "haptics: {max_force: -1.0}\n";
   ASSERT_EQ(write(file, text.data(), text.size()), static_cast<ssize_t>(text.size()));
   close(file);
-  Process launch({"roslaunch", "haptic_cloth", "haptic_cloth.launch", "respawn:=true", "scene:=" + kScene,
-                  std::string("settings:=") + settings});
+  Launch launch({"haptic_cloth.launch", "respawn:=true", "scene:=" + kScene,
+                 std::string("settings:=") + settings},
+                {"haptic_cloth"});
   const auto errors = [&] {
     const std::string output = launch.output(), rule = "must be > 0";
     int count = 0;
@@ -271,8 +311,7 @@ TEST_F(LifecycleTest, RespawnDoesNotRepeatBadParameters) {
   EXPECT_EQ(errors(), 1) << launch.output();
   EXPECT_EQ(launch.output().find("restarting"), std::string::npos) << launch.output();
   EXPECT_TRUE(launch.running()) << launch.output();
-  launch.signal(SIGINT);
-  EXPECT_GE(launch.wait(), 0) << launch.output();
+  EXPECT_TRUE(launch.end()) << launch.output();
   unlink(settings);
   ros::param::del("/haptic_cloth");
 }
@@ -285,11 +324,9 @@ TEST_F(LifecycleTest, ALaunchedSceneFindsTheFabricBesideIt) {
   std::filesystem::copy_file(std::string(HAPTIC_CLOTH_SOURCE_DIR) + "/config/fabrics/linear.yaml",
                              here / "mine.yaml");
   std::ofstream(here / "scene.yaml") << "cloth: {particles: [5, 5], fabric: mine.yaml}\n";
-  Process launch(
-      {"roslaunch", "haptic_cloth", "haptic_cloth.launch", "scene:=" + (here / "scene.yaml").string()});
-  EXPECT_TRUE(waitFor([] { return ros::service::exists("/haptic_cloth/reset", false); })) << launch.output();
-  launch.signal(SIGINT);
-  EXPECT_GE(launch.wait(), 0) << launch.output();
+  Launch launch({"haptic_cloth.launch", "scene:=" + (here / "scene.yaml").string()}, {"haptic_cloth"});
+  EXPECT_TRUE(launch.ready()) << launch.output();
+  EXPECT_TRUE(launch.end()) << launch.output();
   std::filesystem::remove_all(here);
   ros::param::del("/haptic_cloth");
 }
