@@ -1,5 +1,7 @@
 #include "energy/bend_energy.h"
 
+#include <algorithm>
+
 #include "simd/kernels.h"
 
 namespace haptic_cloth {
@@ -7,6 +9,34 @@ namespace haptic_cloth {
 BendEnergy::BendEnergy(const std::array<Loop, 2>& laws, const ActiveMesh& mesh)
     : ElementEnergy(mesh, mesh.triples, {laws.begin(), laws.end()}) {
   sagittas_.reserve(packs_.capacity());
+  held_.reserve(mesh.triples.capacity());
+  folds_.reserve(mesh.triples.capacity());
+}
+
+void BendEnergy::holdFolds(const Surface& at) {
+  held_.assign(elements(), 0.0);
+  for (const int t : at.normals.sharpFolds()) {
+    const double bent = deformation(t, at), moment = loop(t).force(step(t).play, bent);
+    held_[t] = bent * moment > 0.0 ? area(t) * moment / bent : 0.0;
+  }
+  listFolds();
+}
+
+void BendEnergy::listFolds() {
+  folds_.clear();
+  for (int t = 0; t < elements(); ++t) {
+    if (held_[t] > 0.0) folds_.push_back(t);
+  }
+  std::sort(folds_.begin(), folds_.end(),
+            [this](int a, int b) { return places_.place(a) < places_.place(b); });
+}
+
+/// Calls visit(triple) for the sharp folds in packs begin..end.
+template <class Visit>
+void BendEnergy::forFolds(int begin, int end, const Visit& visit) const {
+  const auto before = [this](int triple, int place) { return places_.place(triple) < place; };
+  auto fold = std::lower_bound(folds_.begin(), folds_.end(), kPack * begin, before);
+  for (; fold != folds_.end() && places_.place(*fold) < kPack * end; ++fold) visit(*fold);
 }
 
 void BendEnergy::resize(const PackedRange& places) {
@@ -45,16 +75,31 @@ void BendEnergy::evaluate(const PackRun& run, const Surface& at, const MutableAr
   sum.bend += kernels().evaluateTriples(packs_.data(), sagittas_.data(), run.begin, run.end,
                                         tables_[run.direction].view(), memory_.packs(), at.x.arrays(),
                                         at.normals.nodes(), slots, run.slot);
+  forFolds(run.begin, run.end, [&](int t) {
+    const Vec3 turned = across(t, list_[t].bent(at.x), at.normals);
+    sum.bend += 0.5 * held_[t] * turned.squaredNorm();
+    const int slot = run.slot + places_.place(t) - kPack * run.begin;
+    slots.x[slot] += held_[t] * turned.x();
+    slots.y[slot] += held_[t] * turned.y();
+    slots.z[slot] += held_[t] * turned.z();
+  });
 }
 
 void BendEnergy::addQuadraticForm(const PackRun& run, const Field& d, const SurfaceNormals& normals,
                                   double& sum) const {
   sum += kernels().tripleQuadraticForm(packs_.data(), sagittas_.data(), run.begin, run.end, d.arrays(),
                                        normals.nodes());
+  forFolds(run.begin, run.end,
+           [&](int t) { sum += held_[t] * across(t, list_[t].bent(d), normals).squaredNorm(); });
 }
 
 void BendEnergy::addBlocks(int begin, int end, const SurfaceNormals& normals, BlockField& blocks) const {
   kernels().addTripleBlocks(packs_.data(), sagittas_.data(), begin, end, normals.nodes(), blocks.arrays());
+  forFolds(begin, end, [&](int t) {
+    const Block block = held_[t] * (isotropic(1.0) - square(normals.node(list_[t].c)));
+    for (const auto& [node, coefficient] : list_[t].parts())
+      blocks.set(node, blocks[node] + coefficient * coefficient * block);
+  });
 }
 
 void BendEnergy::remember(const Surface& at, ForceHistory& history) const {
@@ -87,6 +132,17 @@ void BendEnergy::recall(const Followed<Triple>& change, ForceHistory& history) {
 void BendEnergy::deformations(int pack, const Surface& at, double* values) const {
   kernels().tripleCurvatures(packs_.data(), sagittas_.data(), pack, pack + 1, at.x.arrays(),
                              at.normals.nodes(), values);
+}
+
+void BendEnergy::addTurned(const Surface& at, ElasticEnergy& sum) const {
+  for (const int t : folds_)
+    sum.bend += 0.5 * held_[t] * across(t, list_[t].bent(at.x), at.normals).squaredNorm();
+}
+
+void BendEnergy::serialize(Archive& archive) {
+  ElementEnergy::serialize(archive);
+  archive("held", held_);
+  listFolds();
 }
 
 bool BendEnergy::touches(const TriplePack& pack, const char* flags) const {

@@ -127,6 +127,7 @@ InternalEnergy::Energy InternalEnergy::stored(const Field& x) const {
   Energy energy;
   stretch_.addStored(at(x), energy);
   bend_.addStored(at(x), energy);
+  bend_.addTurned(at(x), energy);
   shear_.addStored(at(x), energy);
   return energy;
 }

@@ -61,7 +61,10 @@ class InternalEnergy {
   Energy stored(const Field& x) const;
 
   /// Sets the surface normals, which are held until the next call.
-  void setNormals(const Field& positions) { normals_.update(mesh_, positions); }
+  void setNormals(const Field& positions) {
+    normals_.update(mesh_, positions);
+    bend_.holdFolds(at(positions));
+  }
 
   /// Number of elements; laws that are zero everywhere have none.
   int elements() const { return stretch_.elements() + bend_.elements() + shear_.elements(); }

@@ -9,6 +9,7 @@ namespace haptic_cloth {
 SurfaceNormals::SurfaceNormals(const ActiveMesh& mesh, bool of_patches) : of_patches_(of_patches) {
   nodes_.reserve(mesh.grid.particles());
   bends_.reserve(static_cast<int>(mesh.triples.capacity()));
+  sharp_folds_.reserve(mesh.triples.capacity());
   patches_.reserve(static_cast<int>(mesh.patches.capacity()));
 }
 
@@ -32,7 +33,8 @@ void SurfaceNormals::update(const ActiveMesh& mesh, const Field& positions) {
 /// is next to nothing on a smooth surface, and all there is where the sides of a fold lie on each other.
 /// Where the arms are stretched differently, κ has a part along the thread, which is not its curvature.
 void SurfaceNormals::addBends(const ActiveMesh& mesh, const Field& positions) {
-  constexpr double kCells = 4.0;
+  constexpr double kCells = 4.0, kSharp = 0.5;  // the latter: sin² 45°
+  sharp_folds_.clear();
   bends_.resize(static_cast<int>(mesh.triples.size()));
   for (int t = 0; t < bends_.size(); ++t) {
     const Triple& triple = mesh.triples[t];
@@ -42,6 +44,7 @@ void SurfaceNormals::addBends(const ActiveMesh& mesh, const Field& positions) {
                                triple.left * (centre - positions[triple.l]));  // cos(φ/2) long
     Vec3 bend = half * triple.bent(positions);
     bend -= bend.dot(along) / std::max(1.0, along.squaredNorm()) * along;
+    if (bend.squaredNorm() > kSharp) sharp_folds_.push_back(t);
     bends_.set(t, (nodes_[triple.c].dot(bend) < 0.0 ? -kCells : kCells) * bend.squaredNorm() * bend);
   }
   for (int t = 0; t < bends_.size(); ++t) nodes_.add(mesh.triples[t].c, bends_[t]);

@@ -1,6 +1,8 @@
 /// Surface normals, held over a step so that bending and twist have a potential.
 #pragma once
 
+#include <vector>
+
 #include "mesh/active_mesh.h"
 #include "mesh/field.h"
 #include "state/archive.h"
@@ -15,6 +17,9 @@ class SurfaceNormals {
   /// Sets the normals for some positions. That of a node has the direction of a sum: the normals of its
   /// cells, which count alike, and at a sharp fold, where these cancel, the curvature vectors of its triples.
   void update(const ActiveMesh& mesh, const Field& positions);
+
+  /// Triples that turn by more than 90 degrees at these positions.
+  const std::vector<int>& sharpFolds() const { return sharp_folds_; }
 
   Vec3 node(int node) const { return nodes_[node]; }
   Vec3 patch(int patch) const { return patches_[patch]; }
@@ -31,6 +36,7 @@ class SurfaceNormals {
   Field nodes_;
   Field bends_;    ///< what the triples add to the normals of their nodes
   Field patches_;  ///< unit vectors only if patches need normals
+  std::vector<int> sharp_folds_;
 };
 
 /// Place and shape of the cloth, as the elements see it.
