@@ -10,6 +10,9 @@ namespace {
 constexpr std::size_t kIntervals = 512;  ///< least number of intervals of a sampled law
 /// Strain at which compression_ratio takes the tangent stiffness [-]
 constexpr double kReferenceStrain = 0.01;
+/// Least share of the secant stiffness of the whole test that compression_ratio takes. Fabric that extends
+/// far has next to no slope at 1 %, and its threads would shrink wherever they bend.
+constexpr double kLeastShare = 0.2;
 
 // Slope after a reversal divided by that of the steeper branch, which KES does not give. In tension
 // the branches meet at both ends, so any value keeps the outer loop. In bending and shear the path
@@ -108,7 +111,9 @@ Loop tensileLoop(const HalfLoop& half, double compression_ratio) {
   const double reach = std::min(0.5 * half.step, kReferenceStrain);
   const double rise = branchAt(half.loading, half.step, kReferenceStrain + reach) -
                       branchAt(half.loading, half.step, kReferenceStrain - reach);
-  const double below_zero = -compression_ratio * rise / (2.0 * reach) * half.step;
+  const double tangent = rise / (2.0 * reach),
+               secant = half.loading.back() / (half.step * static_cast<double>(half.loading.size() - 1));
+  const double below_zero = -compression_ratio * std::max(tangent, kLeastShare * secant) * half.step;
   std::vector<double> upper{below_zero}, lower{below_zero};
   upper.insert(upper.end(), half.loading.begin(), half.loading.end());
   lower.insert(lower.end(), half.unloading.begin(), half.unloading.end());

@@ -170,6 +170,13 @@ TEST_F(FabricFile, CompressionIsLinearWithTheGivenShareOfTheStiffnessAtOnePercen
   EXPECT_EQ(fabric.tensile[kWarp].upper()(0.0).potential, 0.0);
 }
 
+TEST_F(FabricFile, FabricThatExtendsFarIsNotWithoutStiffnessInCompression) {
+  // docs/model.md: at least a fifth of F_m/ε_m counts. The slope at 1 % is 0.2 % of that here.
+  const Fabric fabric = load(std::string(kHead) + "tensile: {EMT: 40, LT: 0.5}\ncompression_ratio: 0.25\n");
+  const double secant = 490.3325 / 0.4;
+  EXPECT_NEAR(fabric.tensile[kWarp].upper()(-0.02).slope, 0.25 * 0.2 * secant, 1e-9 * secant);
+}
+
 TEST_F(FabricFile, LinearLaws) {
   const Fabric fabric = load(std::string(kHead) +
                              "tensile: {warp: {stiffness: 1000}, weft: {stiffness: 500}}\n"
