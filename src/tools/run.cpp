@@ -63,10 +63,17 @@ class StopRule {
   explicit StopRule(const Simulation& simulation)
       : stop_(simulation.scene().stop), slack_(0.5 * simulation.scene().solver.time_step) {
     slow_since_ = simulation.time();
+    for (const ProbeOptions& probe : simulation.scene().probes) {
+      if (!probe.path.empty()) scripted_until_ = std::max(scripted_until_, probe.path.back().time);
+      for (const auto& times : probe.grasp) scripted_until_ = std::max(scripted_until_, times[1]);
+    }
+    for (const Obstacle& obstacle : simulation.scene().obstacles) {
+      if (!obstacle.path.empty()) scripted_until_ = std::max(scripted_until_, obstacle.path.back().time);
+    }
   }
 
   bool ends(const Simulation& now) {
-    if (!(now.maxSpeed() < stop_.rest_speed)) slow_since_ = now.time();
+    if (!(now.maxSpeed() < stop_.rest_speed) || now.time() < scripted_until_) slow_since_ = now.time();
     at_rest_ = stop_.rest_speed > 0.0 && now.time() - slow_since_ >= kRestDuration - slack_;
     return at_rest_ || !(now.time() < stop_.time - slack_);
   }
@@ -76,6 +83,7 @@ class StopRule {
  private:
   StopOptions stop_;
   double slack_;  ///< half a step: many time steps may end a rounding error short of their limit [s]
+  double scripted_until_ = 0.0;  ///< end of all paths and grasps [s]
   double slow_since_;
   bool at_rest_ = false;
 };

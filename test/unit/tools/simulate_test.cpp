@@ -320,6 +320,17 @@ TEST_F(Simulate, StopsAtRest) {
   EXPECT_EQ(readLines(folder_ / "result/probe.csv").size(), 1u) << "no probe, header only";
 }
 
+TEST_F(Simulate, DoesNotStopAtRestBeforeItsPathsEnd) {
+  // As above, with a probe far away that waits until 0.2 s and then moves until 0.3 s.
+  const Outcome outcome = run(
+      "scene.yaml --set 'probe.path=[[0.2, 0, 0, 1], [0.3, 0, 0, 2]]' --set 'gravity=[0, 0, -1e-6]' --set "
+      "stop.rest_speed=0.001 --set stop.time=5 --out result");
+  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  const auto summary = nlohmann::json::parse(readText(folder_ / "result/summary.json"));
+  EXPECT_TRUE(summary["at_rest"]);
+  EXPECT_NEAR(summary["simulated_time"].get<double>(), 0.3 + 0.1, 2e-3);
+}
+
 TEST_F(Simulate, PrintsWithoutOut) {
   const Outcome outcome = run("scene.yaml");
   EXPECT_EQ(outcome.status, 0) << outcome.error;
