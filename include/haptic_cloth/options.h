@@ -58,6 +58,10 @@ struct AdaptOptions {
   double refine_above_strain = 0.005;
   /// Four siblings merge if it differs by less than this on their parent [-].
   double coarsen_below_strain = 0.0025;
+  /// Factors of these angles and of these strains for cells that are far from all probes, 1 or more [-].
+  double far_angle_factor = 1.0, far_strain_factor = 1.0;
+  /// How far beyond the finest cells around a probe cells still are near it [spacings of finest particles].
+  double near_reach = 8.0;
   int minimum_age = 30;  ///< time steps before a new cell may merge; prevents chatter
 };
 

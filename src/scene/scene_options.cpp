@@ -7,7 +7,7 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr Range kLevels{0.0, 8.0}, kThreads{0.0, 1024.0};
+constexpr Range kLevels{0.0, 8.0}, kThreads{0.0, 1024.0}, kFactor{1.0, 1000.0};
 constexpr Range kTimeStep{0.0, 1.0, true};  ///< [s]; cloth moves for about a second
 
 }  // namespace
@@ -125,6 +125,12 @@ Options optionsOf(AdaptOptions& adapt) {
            "strain difference above which a cell splits", Live{1e-4, 0.1}, kInState},
           {"coarsen_below_strain", field(adapt.coarsen_below_strain), kNotNegative, "",
            "the same, for merging; < `refine_above_strain`", Live{0.0, 0.1}, kInState},
+          {"far_angle_factor", field(adapt.far_angle_factor), kFactor, "",
+           "factor of both angles far from probes", Live{1.0, 10.0}, kInState},
+          {"far_strain_factor", field(adapt.far_strain_factor), kFactor, "",
+           "factor of both strain differences far from probes", Live{1.0, 100.0}, kInState},
+          {"near_reach", field(adapt.near_reach), kNotNegative, "finest cells",
+           "cells less far beyond the finest ones around a probe are near it", Live{0.0, 20.0}, kInState},
           {"minimum_age", field(adapt.minimum_age), atLeast(0), "", "time steps before a new cell may merge",
            Live{0, 1000}, kInState}};
 }

@@ -9,8 +9,8 @@ Adaptation::Adaptation(const AdaptOptions& options, const Grid& grid)
     : options_(options),
       grid_(grid),
       born_(grid.cells(), kLongAgo),
-      decided_below_(options.coarsen_below),
-      decided_below_strain_(options.coarsen_below_strain),
+      decided_below_(options.far_angle_factor * options.coarsen_below),
+      decided_below_strain_(options.far_strain_factor * options.coarsen_below_strain),
       crowded_(grid.cells(), 0),
       splits_(grid.cells(), 0),
       merge_transfer_(grid) {
@@ -35,16 +35,17 @@ bool Adaptation::coarsens() const {
 
 bool Adaptation::startDecision(long tick) {
   if (decided_ != kNever && tick / options_.interval == decided_ / options_.interval) return false;
-  const bool coarser =
-      options_.coarsen_below > decided_below_ || options_.coarsen_below_strain > decided_below_strain_;
+  const double below = options_.far_angle_factor * options_.coarsen_below,
+               below_strain = options_.far_strain_factor * options_.coarsen_below_strain;
+  const bool coarser = below > decided_below_ || below_strain > decided_below_strain_;
   if (coarser) std::fill(born_.begin(), born_.end(), kLongAgo);
   decided_ = tick;
-  decided_below_ = options_.coarsen_below;
-  decided_below_strain_ = options_.coarsen_below_strain;
+  decided_below_ = below;
+  decided_below_strain_ = below_strain;
   return true;
 }
 
-bool Adaptation::plan(long tick, const Field& nodes, const FineRegions& fine, const LeafMesh& leaves,
+bool Adaptation::plan(long tick, const Field& nodes, const ProbeRegions& probes, const LeafMesh& leaves,
                       const ActiveMesh& mesh, const ParticleState& state, const Turn& turn,
                       const Room& room) {
   measureStrain(nodes, mesh);
@@ -53,16 +54,17 @@ bool Adaptation::plan(long tick, const Field& nodes, const FineRegions& fine, co
   merged_.clear();
   for (const Cell& cell : leaves_) {
     if (!refines() || cell.level == 0) continue;
-    const bool strains = strainDifference(cell, 1, mesh) > options_.refine_above_strain ||
-                         shortening(cell, state.position) > options_.refine_above_strain;
-    if (strains || touches(fine, cell, state.position) ||
-        turn(cell, 1, options_.refine_above) > options_.refine_above)
+    const Thresholds most =
+        thresholdsOf({options_.refine_above, options_.refine_above_strain}, probes, cell, state.position);
+    if (strainDifference(cell, 1, mesh) > most.strain || shortening(cell, state.position) > most.strain ||
+        touches(probes, &ProbeRegion::finest_radius, cell, state.position) ||
+        turn(cell, 1, most.turn) > most.turn)
       marked_.push_back(cell);
   }
   for (const Cell& cell : leaves_) {
     if (!coarsens() || !hasParent(cell)) continue;
     const Cell parent{cell.i, cell.j, cell.level + 1};
-    if (mayMerge(parent, tick, fine, leaves, mesh, state, turn, room)) merged_.push_back(parent);
+    if (mayMerge(parent, tick, probes, leaves, mesh, state, turn, room)) merged_.push_back(parent);
   }
   findSplits(leaves);
   for (const Cell& cell : split_)
@@ -90,15 +92,26 @@ void Adaptation::forNeighbours(const Cell& cell, const Visit& visit) const {
   }
 }
 
-bool Adaptation::touches(const FineRegions& fine, const Cell& cell,
+bool Adaptation::touches(const ProbeRegions& probes, double ProbeRegion::*radius, const Cell& cell,
                          const std::vector<Vec3>& positions) const {
-  if (fine.empty()) return false;
+  if (probes.empty()) return false;
   const auto c = cell.corners(grid_);
   const Vec3 centre = 0.25 * (positions[c[0]] + positions[c[1]] + positions[c[2]] + positions[c[3]]);
   const double reach = 0.71 * cell.length(grid_);
-  return std::any_of(fine.begin(), fine.end(), [&](const FineRegion& region) {
-    return (centre - region.centre).norm() < region.radius + reach;
+  return std::any_of(probes.begin(), probes.end(), [&](const ProbeRegion& probe) {
+    return (centre - probe.centre).norm() < probe.*radius + reach;
   });
+}
+
+bool Adaptation::hasFarFactors() const {
+  return options_.far_angle_factor > 1.0 || options_.far_strain_factor > 1.0;
+}
+
+/// Thresholds at a cell, from those near a probe.
+Adaptation::Thresholds Adaptation::thresholdsOf(const Thresholds& near, const ProbeRegions& probes,
+                                                const Cell& cell, const std::vector<Vec3>& positions) const {
+  if (!hasFarFactors() || touches(probes, &ProbeRegion::near_radius, cell, positions)) return near;
+  return {options_.far_angle_factor * near.turn, options_.far_strain_factor * near.strain};
 }
 
 void Adaptation::measureStrain(const Field& nodes, const ActiveMesh& mesh) {
@@ -168,7 +181,7 @@ void Adaptation::mergeCells(long tick, LeafMesh& leaves, ActiveMesh& mesh, Parti
   merge_transfer_.apply(leaves, mesh, state);
 }
 
-bool Adaptation::mayMerge(const Cell& parent, long tick, const FineRegions& fine, const LeafMesh& leaves,
+bool Adaptation::mayMerge(const Cell& parent, long tick, const ProbeRegions& probes, const LeafMesh& leaves,
                           const ActiveMesh& mesh, const ParticleState& state, const Turn& turn,
                           const Room& room) const {
   const int half = parent.span() / 2;
@@ -177,10 +190,12 @@ bool Adaptation::mayMerge(const Cell& parent, long tick, const FineRegions& fine
       if (tick - born_[grid_.cell(i, j)] < options_.minimum_age) return false;
     }
   }
-  return leaves.canMerge(parent) && strainDifference(parent, 2, mesh) < options_.coarsen_below_strain &&
-         shortening(parent, state.position) < options_.coarsen_below_strain &&
-         !touches(fine, parent, state.position) &&
-         turn(parent, 2, options_.coarsen_below) < options_.coarsen_below &&
+  const Thresholds least =
+      thresholdsOf({options_.coarsen_below, options_.coarsen_below_strain}, probes, parent, state.position);
+  return leaves.canMerge(parent) && strainDifference(parent, 2, mesh) < least.strain &&
+         shortening(parent, state.position) < least.strain &&
+         !touches(probes, &ProbeRegion::finest_radius, parent, state.position) &&
+         turn(parent, 2, least.turn) < least.turn &&
          room(parent, 2, movedByMerge(grid_, parent, state.position));
 }
 

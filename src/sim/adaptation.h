@@ -13,12 +13,13 @@
 
 namespace haptic_cloth {
 
-/// Ball in which cells stay finest, around a probe.
-struct FineRegion {
+/// Balls around a probe in which cells are not as coarse as elsewhere.
+struct ProbeRegion {
   Vec3 centre;
-  double radius;  ///< [m]
+  double finest_radius;  ///< in which cells stay finest [m]
+  double near_radius;    ///< in which the far factors of the thresholds do not count [m]
 };
-using FineRegions = std::vector<FineRegion>;
+using ProbeRegions = std::vector<ProbeRegion>;
 
 /// Mesh decisions from turning angles and strain. The stretch cost enters as the difference of strain
 /// over a cell, which a larger cell cannot represent, and as the strain that its split would create.
@@ -68,13 +69,18 @@ class Adaptation {
   /// Decides all splits and merges from the current mesh.
   /// @param nodes positions of the nodes [m]
   /// @return whether apply() has anything to do
-  bool plan(long tick, const Field& nodes, const FineRegions& fine, const LeafMesh& leaves,
+  bool plan(long tick, const Field& nodes, const ProbeRegions& probes, const LeafMesh& leaves,
             const ActiveMesh& mesh, const ParticleState& state, const Turn& turn, const Room& room);
 
   /// Makes the planned changes: rebuilds `mesh` and hands the state over.
   void apply(long tick, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
 
  private:
+  /// Thresholds of splits or of merges.
+  struct Thresholds {
+    double turn, strain;  ///< [rad], [-]
+  };
+
   static constexpr long kNever = -1;
   static constexpr long kLongAgo = LONG_MIN / 4;  ///< beyond any minimum_age before any tick
 
@@ -86,13 +92,17 @@ class Adaptation {
   bool hasParent(const Cell& cell) const;
   bool refines() const;
   bool coarsens() const;
-  bool mayMerge(const Cell& parent, long tick, const FineRegions& fine, const LeafMesh& leaves,
+  bool mayMerge(const Cell& parent, long tick, const ProbeRegions& probes, const LeafMesh& leaves,
                 const ActiveMesh& mesh, const ParticleState& state, const Turn& turn, const Room& room) const;
   template <class Visit>
   void forNeighbours(const Cell& cell, const Visit& visit) const;
   void findSplits(const LeafMesh& leaves);
   bool touchesSplit(const Cell& parent, const LeafMesh& leaves) const;
-  bool touches(const FineRegions& fine, const Cell& cell, const std::vector<Vec3>& positions) const;
+  bool touches(const ProbeRegions& probes, double ProbeRegion::*radius, const Cell& cell,
+               const std::vector<Vec3>& positions) const;
+  bool hasFarFactors() const;
+  Thresholds thresholdsOf(const Thresholds& near, const ProbeRegions& probes, const Cell& cell,
+                          const std::vector<Vec3>& positions) const;
 
   AdaptOptions options_;
   Grid grid_;
@@ -101,7 +111,7 @@ class Adaptation {
   std::vector<int> edges_;  ///< edges at each node, scratch of measureStrain()
   std::vector<long> born_;  ///< tick at which a leaf was created, at its lower left finest cell
   long decided_ = kNever;   ///< tick of the last decision
-  double decided_below_, decided_below_strain_;  ///< its thresholds of merges [rad], [-]
+  double decided_below_, decided_below_strain_;  ///< its thresholds of merges far from probes [rad], [-]
   std::vector<Cell> leaves_, marked_, merged_, split_;
   /// Flag for each finest cell: the leaf with its lower left corner there has no room for the bilinear
   /// place of its centre. Set for all leaves that apply() splits.

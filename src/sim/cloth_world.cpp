@@ -38,7 +38,7 @@ ClothWorld::ClothWorld(const Scene& scene)
       energy_(cloth_, solver_.objective()),
       force_error_(scene_),
       idle_(probes_.count()) {
-  fine_.reserve(probes_.count());
+  near_probes_.reserve(probes_.count());
   touches_.reserve(probes_.count());
   for (auto* flags : {&ejected_, &jumped_}) flags->reserve(cloth_.grid().particles());
 }
@@ -96,19 +96,21 @@ void ClothWorld::adapt(StepReport& report) {
 /// Plans mesh changes from the end of the last step. @return whether there are any
 bool ClothWorld::planMesh() {
   if (!adaptation_.startDecision(ticks_) || !adaptation_.changesMesh()) return false;
-  const double reach = kFineReach * std::max(cloth_.grid().dx, cloth_.grid().dy);
-  fine_.clear();
+  const double spacing = std::max(cloth_.grid().dx, cloth_.grid().dy), reach = kFineReach * spacing;
+  near_probes_.clear();
   for (int k = 0; k < probes_.count(); ++k) {
     const ProbeStep& probe = probes_.steps()[k];
     const double ahead = std::min((probe.device - probe.proxy).norm(), reach),
                  size = scene_.probes[k].radius + 0.5 * scene_.probes[k].length;
-    if (probe.present) fine_.push_back({probe.proxy, size + reach + ahead});
+    const double finest = size + reach + ahead,
+                 near = probes_.reports()[k].contact ? scene_.adapt.near_reach * spacing : 0.0;
+    if (probe.present) near_probes_.push_back({probe.proxy, finest, finest + near});
   }
   const TurnEstimate::View view = turnView();
   turns_.begin(view, std::min(scene_.adapt.refine_above, scene_.adapt.coarsen_below));
   bool asked = false;  // most decisions change nothing
   return adaptation_.plan(
-      ticks_, cloth_.nodes(), fine_, cloth_.leaves(), cloth_.mesh(), cloth_.state(),
+      ticks_, cloth_.nodes(), near_probes_, cloth_.leaves(), cloth_.mesh(), cloth_.state(),
       [&](const Cell& cell, int parts, double enough) { return turns_.turn(view, cell, parts, enough); },
       [&](const Cell& cell, int parts, double moved) {
         if (parts == 2 && contacts_.maySink(cloth_.mesh(), cloth_.nodes(), cell, moved)) return false;

@@ -101,7 +101,7 @@ class ClothWorld {
   IdleTracker idle_;
   long steps_ = 0, ticks_ = 0;
   Vec3 support_force_ = Vec3::Zero();
-  FineRegions fine_;                          ///< scratch of planMesh()
+  ProbeRegions near_probes_;                  ///< scratch of planMesh()
   std::vector<TurnEstimate::Touch> touches_;  ///< scratch of turnView()
   std::vector<char> ejected_, jumped_;        ///< scratch of accept(): one flag for each node
 };

@@ -18,7 +18,7 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr char kName[] = "haptic_cloth recording ", kVersion[] = "3";
+constexpr char kName[] = "haptic_cloth recording ", kVersion[] = "4";
 constexpr char kScene[] = "scene ", kEquals[] = " = ";
 
 std::string join(const char* word, int number, std::initializer_list<const double*> vectors,

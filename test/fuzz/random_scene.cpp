@@ -187,6 +187,11 @@ class Writer {
           << number("coarsen_below_strain", strain * dice_.uniform(0.0, 0.99))
           << ", minimum_age: " << dice_.choice(std::vector<int>{0, 1, 3, 30});
     if (strategy == "amrc" && dice_.chance(0.3)) text_ << ", start: coarsest";
+    if (dice_.chance(0.3)) {
+      text_ << ", " << number("far_angle_factor", dice_.logUniform(1.0, 10.0)) << ", "
+            << number("far_strain_factor", dice_.logUniform(1.0, 100.0)) << ", "
+            << number("near_reach", dice_.uniform(0.0, 10.0));
+    }
     text_ << "}\n";
     text_ << "stop: {" << number("time", step * steps) << "}\n";
   }

@@ -94,8 +94,11 @@ void writeOptions(std::ostream& out, const Scene& scene) {
   out << ", levels: " << adapt.levels << ", interval: " << adapt.interval
       << ", refine_above: " << adapt.refine_above << ", coarsen_below: " << adapt.coarsen_below
       << ", refine_above_strain: " << adapt.refine_above_strain
-      << ", coarsen_below_strain: " << adapt.coarsen_below_strain << ", minimum_age: " << adapt.minimum_age
-      << "}\nstop: {time: " << scene.stop.time << ", rest_speed: " << scene.stop.rest_speed << "}\n";
+      << ", coarsen_below_strain: " << adapt.coarsen_below_strain
+      << ", far_angle_factor: " << adapt.far_angle_factor
+      << ", far_strain_factor: " << adapt.far_strain_factor << ", near_reach: " << adapt.near_reach
+      << ", minimum_age: " << adapt.minimum_age << "}\nstop: {time: " << scene.stop.time
+      << ", rest_speed: " << scene.stop.rest_speed << "}\n";
 }
 
 }  // namespace

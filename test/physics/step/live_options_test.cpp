@@ -84,6 +84,12 @@ INSTANTIATE_TEST_SUITE_P(
                              s.adapt.refine_above_strain = 1e-4;
                              s.adapt.coarsen_below_strain = 5e-5;
                            }},
+                    Change{"far",
+                           [](Scene& s) {
+                             s.adapt.far_angle_factor = 8.0;
+                             s.adapt.far_strain_factor = 50.0;
+                             s.adapt.near_reach = 1.0;
+                           }},
                     Change{"air_damping", [](Scene& s) { s.air_damping = 8.0; }},
                     Change{"coupling_stiffness", [](Scene& s) { s.probes[0].coupling_stiffness = 900.0; }},
                     Change{"coupling_damping", [](Scene& s) { s.probes[0].coupling_damping = 3.0; }}),

@@ -74,13 +74,13 @@ class Shadow {
   const std::vector<int>& particles() const { return particles_; }
 
   /// Called once before each step. @return nothing if the mesh does not change
-  std::optional<Change> change(ClothWorld& world, const FineRegions& fine = {}) {
+  std::optional<Change> change(ClothWorld& world, const ProbeRegions& probes = {}) {
     if (!adaptation_.startDecision(world.ticks())) return std::nullopt;
     const Cloth& cloth = world.cloth();
     const TurnEstimate::View view = world.turnView();
     turns_.begin(view, std::min(world.scene().adapt.refine_above, world.scene().adapt.coarsen_below));
     if (!adaptation_.plan(
-            world.ticks(), cloth.nodes(), fine, cloth.leaves(), cloth.mesh(), cloth.state(),
+            world.ticks(), cloth.nodes(), probes, cloth.leaves(), cloth.mesh(), cloth.state(),
             [&](const Cell& cell, int parts, double enough) {
               return turns_.turn(view, cell, parts, enough);
             },
@@ -272,15 +272,16 @@ TEST(MeshChange, RestSurvivesRoundTrips) {
   makeTrip("clamped strip", clampedStrip(Strategy::Finest), Legs{c, r, c});
 }
 
-/// Regions of finest cells around the probe, as in docs/model.md.
-FineRegions moveProbe(ClothWorld& world) {
+/// Region around the probe, as in docs/model.md. No far factor is set, so its near radius has no effect.
+ProbeRegions moveProbe(ClothWorld& world) {
   const double h = world.scene().solver.time_step, t = world.time();
   const Vec3 from = pathPosition(world.scene().probes[0].path, t),
              to = pathPosition(world.scene().probes[0].path, t + h);
   world.setDevice(0, {to, (to - from) / h});
   const double spacing = std::max(world.cloth().grid().dx, world.cloth().grid().dy);
   const double ahead = std::min((to - world.probes()[0].proxy).norm(), 2.0 * spacing);
-  return {{world.probes()[0].proxy, world.scene().probes[0].radius + 2.0 * spacing + ahead}};
+  const double finest = world.scene().probes[0].radius + 2.0 * spacing + ahead;
+  return {{world.probes()[0].proxy, finest, finest}};
 }
 
 struct Shipped {
@@ -300,9 +301,9 @@ TEST_P(ShippedScene, NothingSeenPops) {
   double largest = 0.0;
   int merged = 0, split = 0;
   while (world.time() < shipped.time) {
-    FineRegions fine;
-    if (!scene.probes[0].path.empty()) fine = moveProbe(world);
-    const std::optional<Change> change = shadow.change(world, fine);
+    ProbeRegions probes;
+    if (!scene.probes[0].path.empty()) probes = moveProbe(world);
+    const std::optional<Change> change = shadow.change(world, probes);
     const StepReport report = world.step();
     ASSERT_EQ(report.coarsened, change ? change->merged : 0);
     ASSERT_EQ(report.refined, change ? change->split : 0);

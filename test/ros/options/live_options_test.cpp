@@ -35,7 +35,7 @@ LiveValue another(const LiveOption& option, const NodeOptions& options) {
   const LiveValue value = liveValues(options).at(option.name);
   if (const bool* flag = std::get_if<bool>(&value)) return !*flag;
   if (const int* whole = std::get_if<int>(&value)) return *whole + 1;
-  if (const double* number = std::get_if<double>(&value)) return *number > 0.0 ? 0.75 * *number : 0.01;
+  if (const double* number = std::get_if<double>(&value)) return *number > 0.0 ? 1.25 * *number : 0.01;
   return option.choices.back();
 }
 

@@ -10,7 +10,9 @@
 #include <cmath>
 #include <functional>
 
+#include "haptic_cloth/scene.h"
 #include "haptics/quality_ladder.h"
+#include "support/scenes.h"
 
 namespace haptic_cloth {
 namespace {
@@ -255,7 +257,7 @@ TEST(QualityLadder, BeginsWithTheSceneAndGetsCoarser) {
   const SolverOptions solver;
   const AdaptOptions adapt;
   const std::vector<Quality> ladder = qualityLadder(solver, adapt, 4);
-  ASSERT_EQ(ladder.size(), 9u);
+  ASSERT_EQ(ladder.size(), 10u);
   EXPECT_EQ(ladder[0].longest_step, 1);
   EXPECT_EQ(ladder[0].given_up, "");
   EXPECT_EQ(ladder[0].solver.minimizer.tolerance, solver.minimizer.tolerance);
@@ -265,32 +267,32 @@ TEST(QualityLadder, BeginsWithTheSceneAndGetsCoarser) {
     EXPECT_GE(coarse.longest_step, fine.longest_step);
     EXPECT_GE(coarse.solver.minimizer.tolerance, fine.solver.minimizer.tolerance);
     EXPECT_LE(coarse.solver.minimizer.max_iterations, fine.solver.minimizer.max_iterations);
-    EXPECT_GE(coarse.adapt.refine_above, fine.adapt.refine_above);
-    EXPECT_GE(coarse.adapt.refine_above_strain, fine.adapt.refine_above_strain);
-    EXPECT_LT(coarse.adapt.coarsen_below, coarse.adapt.refine_above);
-    EXPECT_LT(coarse.adapt.coarsen_below_strain, coarse.adapt.refine_above_strain);
+    EXPECT_GE(coarse.adapt.far_angle_factor, fine.adapt.far_angle_factor);
+    EXPECT_GE(coarse.adapt.far_strain_factor, fine.adapt.far_strain_factor);
+    EXPECT_LE(coarse.adapt.near_reach, fine.adapt.near_reach);
     EXPECT_NE(coarse.given_up, fine.given_up);
   }
   EXPECT_EQ(ladder[1].given_up, "tolerance 1, steps to 2 ms");
-  EXPECT_EQ(ladder[8].given_up, "tolerance 1, steps to 4 ms, mesh thresholds x 5, 10 iterations");
+  EXPECT_EQ(ladder[9].given_up,
+            "tolerance 1, steps to 4 ms, mesh thresholds x 5 beyond 2 cells of probes, 10 iterations");
 }
 
 TEST(QualityLadder, ShowsStrainsOfAMeshThatGoesByStrainAlone) {
   AdaptOptions adapt;
   adapt.refine_above = 5.0;  // beyond any turning angle
   const std::vector<Quality> ladder = qualityLadder(SolverOptions(), adapt, 4);
-  EXPECT_EQ(ladder[2].given_up, "tolerance 1, steps to 2 ms, mesh thresholds x 2");
-  EXPECT_EQ(ladder[3].given_up, "tolerance 1, steps to 2 ms, mesh thresholds x 8");
-  EXPECT_EQ(ladder[4].given_up, "tolerance 1, steps to 2 ms, mesh thresholds x 32");
+  EXPECT_EQ(ladder[2].given_up, "tolerance 1, steps to 2 ms, mesh thresholds x 2 beyond 8 cells of probes");
+  EXPECT_EQ(ladder[3].given_up, "tolerance 1, steps to 2 ms, mesh thresholds x 8 beyond 8 cells of probes");
+  EXPECT_EQ(ladder[4].given_up, "tolerance 1, steps to 2 ms, mesh thresholds x 32 beyond 8 cells of probes");
   EXPECT_EQ(ladder[4].solver.minimizer.max_iterations, SolverOptions().minimizer.max_iterations);
 }
 
-TEST(QualityLadder, KeepsThresholdsApartThatAreOneRoundingApart) {
-  AdaptOptions adapt;
-  adapt.refine_above = 1.7232120318720765;  // 5/3 of both would be one number
-  adapt.coarsen_below = std::nextafter(adapt.refine_above, 0.0);
-  for (const Quality& rung : qualityLadder(SolverOptions(), adapt, 4)) {
-    EXPECT_LT(rung.adapt.coarsen_below, rung.adapt.refine_above) << rung.given_up;
+TEST(QualityLadder, StaysWithinTheRangeOfTheFarFactors) {
+  Scene scene = sheetScene(makeFabric({}), 5, 5, 0.1, 0.1);
+  scene.adapt.far_angle_factor = scene.adapt.far_strain_factor = 300.0;
+  for (const Quality& rung : qualityLadder(scene.solver, scene.adapt, 4)) {
+    scene.adapt = rung.adapt;
+    EXPECT_NO_THROW(validateScene(scene, rung.given_up));
   }
 }
 

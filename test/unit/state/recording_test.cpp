@@ -80,7 +80,7 @@ TEST(Recording, SaysWhatDoesNotFit) {
   expect(text, "");
   EXPECT_EQ(messageOf(text, run.scene), "");
   expect("", "must be a recording");
-  expect(with("recording 3", "recording 2"), "version = 2: must be 3");
+  expect(with("recording 4", "recording 3"), "version = 3: must be 4");
   expect(text.substr(0, text.rfind("end")), "cut off");
   expect(with("step 3", "step 2"), "its replay with");
   expect(with("\nstep 3", "\nstep 0"), "must have a length");
