@@ -138,6 +138,8 @@ void readObstacle(const YamlValue& value, Obstacle& obstacle) {
   readOptions(map, options);
   if (const auto name = map.find("name")) obstacle.name = name->text();
   if (const auto path = map.find("path")) obstacle.path = readPath(*path);
+  if (!obstacle.path.empty() && !map.find("position"))
+    obstacle.pose.position = pathPosition(obstacle.path, 0.0);
 }
 
 void readProbe(const YamlValue& value, ProbeOptions& probe) {

@@ -49,6 +49,18 @@ void expectMessages(const std::vector<Case>& cases) {
 /// A cloth with a fabric and more keys; the rest of the scene follows.
 std::string withCloth(const std::string& keys) { return "cloth: {fabric: linear, " + keys + "}\n"; }
 
+TEST(Scene, AnObstacleStartsOnItsPathIfItHasNoPosition) {
+  const std::string cloth = "cloth: {particles: [5, 5], size: [0.1, 0.1], fabric: linear}\n",
+                    path = "path: [[0.5, 1, 2, 3], [1, 4, 5, 6]]";
+  const auto startOf = [&](const std::string& position) {
+    return parse(cloth + "obstacles: [{shape: sphere, radius: 0.1, " + position + path + "}]")
+        .obstacles[0]
+        .pose.position;
+  };
+  EXPECT_EQ(startOf(""), Vec3(1, 2, 3)) << "it holds its first place until 0.5 s";
+  EXPECT_EQ(startOf("position: [0, 0, 1], "), Vec3(0, 0, 1));
+}
+
 TEST(Scene, DefaultsAreThoseOfTheStructs) {
   const Scene scene = parse(kCloth);
   const Scene plain;
@@ -86,7 +98,8 @@ probe: {radius: 0.01, friction: 0.5, coupling_stiffness: 300, coupling_damping: 
 solver: {time_step: 0.002, cost: condensed, preconditioner: none, tolerance: 0.3, max_iterations: 7,
          time_budget: 0.01, threads: 3}
 adapt: {strategy: refine, levels: 3, interval: 5, refine_above: 0.4, coarsen_below: 0.3,
-        refine_above_strain: 0.02, coarsen_below_strain: 0.01, minimum_age: 6}
+        refine_above_strain: 0.02, coarsen_below_strain: 0.01, far_angle_factor: 2.5, far_strain_factor: 3.5,
+        near_reach: 4.5, minimum_age: 6}
 stop: {time: 4, rest_speed: 0.001}
 )");
   EXPECT_EQ(scene.cloth.particles, (std::array<int, 2>{9, 17}));
@@ -123,6 +136,9 @@ stop: {time: 4, rest_speed: 0.001}
   EXPECT_EQ(scene.adapt.coarsen_below, 0.3);
   EXPECT_EQ(scene.adapt.refine_above_strain, 0.02);
   EXPECT_EQ(scene.adapt.coarsen_below_strain, 0.01);
+  EXPECT_EQ(scene.adapt.far_angle_factor, 2.5);
+  EXPECT_EQ(scene.adapt.far_strain_factor, 3.5);
+  EXPECT_EQ(scene.adapt.near_reach, 4.5);
   EXPECT_EQ(scene.adapt.minimum_age, 6);
   EXPECT_EQ(scene.stop.time, 4);
   EXPECT_EQ(scene.stop.rest_speed, 0.001);
@@ -236,7 +252,8 @@ TEST(Scene, UnknownAndDuplicateKeysAreNamed) {
         "max_iterations, time_budget, sleep_speed, threads"},
        {ok + "adapt: {level: 1}",
         "scene: adapt.level: unknown key; known here: strategy, start, levels, interval, refine_above, "
-        "coarsen_below, refine_above_strain, coarsen_below_strain, minimum_age"},
+        "coarsen_below, refine_above_strain, coarsen_below_strain, far_angle_factor, far_strain_factor, "
+        "near_reach, minimum_age"},
        {ok + "probe: {r: 1}",
         "scene: probe.r: unknown key; known here: shape, radius, length, friction, "
         "coupling_stiffness, coupling_damping, path, orientation, grasp"},
