@@ -16,6 +16,8 @@ constexpr double kRateShare = 0.9;      ///< share of the wanted rate that is go
 constexpr double kLatenessGood = 1e-3;  ///< 99 % of the ticks must be less late than this [s]
 constexpr double kNow = 0.5;            ///< longest interval between good messages [s]
 constexpr double kLately = 5.0;         ///< time for which a past fault remains a warning [s]
+constexpr double kMostSlip = 0.05;      ///< share of the time that may slip [-]
+constexpr double kTransformAge = 1.0;   ///< older transforms are doubtful [s]
 
 void add(DiagnosticStatus& status, const std::string& key, const std::string& value) {
   diagnostic_msgs::KeyValue entry;
@@ -88,7 +90,14 @@ DiagnosticStatus solverStatus(const SolverStats& stats, bool paused, double now)
     judge(status, DiagnosticStatus::WARN, failureText(stats.failed.why));
   } else {
     const std::string& given_up = stats.quality.given_up;
-    judge(status, DiagnosticStatus::OK, given_up.empty() ? "running" : "running with " + given_up);
+    const std::string running = given_up.empty() ? "running" : "running with " + given_up;
+    if (stats.slipped_share > kMostSlip) {
+      char text[64];
+      std::snprintf(text, sizeof text, "too slow, %.0f %% of the time slips; ", 100.0 * stats.slipped_share);
+      judge(status, DiagnosticStatus::WARN, text + running);
+    } else {
+      judge(status, DiagnosticStatus::OK, running);
+    }
   }
   const bool stands = paused || !(stats.wall > 0.0);  // then there are no rates
   add(status, "steps per second", stands ? 0.0 : stats.steps / stats.wall);
@@ -170,8 +179,12 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
           std::to_string(dropped) + " " + message + "s dropped, the last: " + lastDropped(counters) + and_so);
   } else if (stale) {
     judge(status, DiagnosticStatus::WARN, "the " + message + "s stopped; no force");
+  } else if (now - felt.stopped < kLately) {
+    judge(status, DiagnosticStatus::WARN, "the force was off within the last 5 s");
   } else if (doubt != UnitDoubt::None) {
     judge(status, DiagnosticStatus::WARN, toText(doubt));
+  } else if (counters.transform_age > kTransformAge) {
+    judge(status, DiagnosticStatus::WARN, "the transform of the device's frame is old");
   } else {
     judge(status, DiagnosticStatus::OK, "receiving");
   }
@@ -189,6 +202,7 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
   add(status, "force off: solver stalled", felt.snapshot_stops);
   add(status, "units", std::string(doubt == UnitDoubt::None ? "plausible" : toText(doubt)));
   add(status, "taken: bad quaternion", counters.bad_quaternion.load());
+  add(status, "age of the transform [s]", counters.transform_age.load());
   add(status, "other publishers", others.empty() ? std::string("none") : others);
   return status;
 }

@@ -47,7 +47,8 @@ void DeviceInput::accept(const geometry_msgs::PoseStamped& pose, const std::stri
   const Vec3 position = toVec3(pose.pose.position);
   checkUnits(position, received);
   taken.frame_id = pose.header.frame_id.empty() ? frames_.clothFrame() : pose.header.frame_id;
-  const std::optional<Pose> frame = device_.use_tf ? frames_.find(taken.frame_id) : Pose();
+  const std::optional<FrameLookup::Found> frame =
+      device_.use_tf ? frames_.find(taken.frame_id) : FrameLookup::Found();
   if (!frame) {
     counters_.drop(counters_.unknown_frame, received);
     warn(notice_.unknownFrame(taken.frame_id, received));
@@ -58,6 +59,7 @@ void DeviceInput::accept(const geometry_msgs::PoseStamped& pose, const std::stri
     counters_.drop(counters_.too_far, received);
     return;
   }
+  counters_.transform_age = frame->stamp.isZero() ? 0.0 : secondsBetween(frame->stamp, ros::Time::now());
   gate_.take(pose.header, sender, received);
   notice_.taken();
   taken.frame_position = frame->position;

@@ -22,6 +22,7 @@ struct InputCounters {
   std::atomic<std::uint64_t> received{0}, not_finite{0}, unknown_frame{0}, out_of_order{0}, late{0};
   std::atomic<std::uint64_t> other_sender{0}, too_far{0};
   std::atomic<std::uint64_t> bad_quaternion{0};  ///< poses taken with the last good orientation
+  std::atomic<double> transform_age{0.0};        ///< of the frame of the last pose taken [s]
   std::atomic<UnitDoubt> doubt{UnitDoubt::None};
   std::atomic<double> last_dropped{-1e30};                               ///< steady clock [s]
   std::atomic<const std::atomic<std::uint64_t>*> last_counter{nullptr};  ///< of the last dropped message

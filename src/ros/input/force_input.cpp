@@ -36,7 +36,8 @@ void ForceInput::accept(const geometry_msgs::WrenchStamped& wrench, const std::s
     return;
   }
   force.frame_id = wrench.header.frame_id.empty() ? frames_.clothFrame() : wrench.header.frame_id;
-  const std::optional<Pose> frame = use_tf_ ? frames_.find(force.frame_id) : Pose();
+  const std::optional<FrameLookup::Found> frame =
+      use_tf_ ? frames_.find(force.frame_id) : FrameLookup::Found();
   if (!frame) {
     counters_.drop(counters_.unknown_frame, received);
     warn(notice_.unknownFrame(force.frame_id, received));

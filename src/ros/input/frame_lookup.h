@@ -15,9 +15,14 @@ class FrameLookup {
   /// @param frame_id the cloth's frame
   FrameLookup(const std::string& frame_id, const tf2_ros::Buffer& transforms);
 
+  /// A frame in the cloth's frame.
+  struct Found : Pose {
+    ros::Time stamp;  ///< of its newest transform; zero if it does not change
+  };
+
   /// Newest pose of `frame` in the cloth's frame. An empty name means the cloth's frame. Empty if
   /// there is no finite transform.
-  std::optional<Pose> find(const std::string& frame) const;
+  std::optional<Found> find(const std::string& frame) const;
 
   const std::string& clothFrame() const { return frame_id_; }
 

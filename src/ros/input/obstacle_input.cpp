@@ -11,7 +11,7 @@ void ObstacleInput::accept(const geometry_msgs::PoseStamped& pose, double receiv
     counters_.drop(counters_.not_finite, received);
     return;
   }
-  const std::optional<Pose> frame = frames_.find(pose.header.frame_id);
+  const std::optional<FrameLookup::Found> frame = frames_.find(pose.header.frame_id);
   if (!frame) {
     counters_.drop(counters_.unknown_frame, received);
     return;

@@ -17,6 +17,7 @@
 #include "haptic_cloth/step_pacer.h"
 #include "haptics/lateness.h"
 #include "ros/node/solver_tasks.h"
+#include "ros/node/steady_clock.h"
 #include "ros/options/live_options.h"
 
 namespace haptic_cloth {
@@ -88,6 +89,7 @@ struct SolverStats {
   double time = 0.0;            ///< simulated since reset [s]
   int steps = 0;                ///< in the window
   double real_time_factor = 0;  ///< simulated over wall time [-]
+  double slipped_share = 0.0;   ///< share of the wall time that slipped [-]
   double iterations = 0.0;      ///< mean a step [-]
   double kinetic = 0.0;         ///< [J]
   bool meets_itself = true;     ///< see Simulation::meetsItself()
@@ -113,14 +115,18 @@ struct FeltForce {
   Vec3 force = Vec3::Zero();                          ///< on the hand, in the cloth's axes [N]
   Vec3 torque = Vec3::Zero();                         ///< on the hand, in the cloth's axes [N·m]
   std::uint64_t input_stops = 0, snapshot_stops = 0;  ///< how often either was stale, since start
+  double stopped = -1e30;                             ///< when the last of these began, steady clock [s]
 
   /// Records the result of a tick.
   void note(HapticStatus now, const Wrench& sent) {
     const auto stale = [](HapticStatus s) {
       return s == HapticStatus::PoseStale || s == HapticStatus::ForceStale;
     };
-    input_stops += stale(now) && !stale(status);
-    snapshot_stops += now == HapticStatus::SnapshotStale && status != now;
+    const bool input_stops_now = stale(now) && !stale(status);
+    const bool snapshot_stops_now = now == HapticStatus::SnapshotStale && status != now;
+    input_stops += input_stops_now;
+    snapshot_stops += snapshot_stops_now;
+    if (input_stops_now || snapshot_stops_now) stopped = steadyNow();
     status = now;
     force = sent.force;
     torque = sent.torque;

@@ -175,6 +175,7 @@ void SolverLoop::record(const StepReport& report) {
   if (window_start_ < 0.0) {
     window_start_ = now;
     window_start_time_ = simulation_.time();
+    window_start_slipped_ = pacer_.quality().slipped;
     window_.steps = 0;
     window_iterations_ = 0.0;
     return;
@@ -185,10 +186,12 @@ void SolverLoop::record(const StepReport& report) {
   window_.taken = now;
   window_.wall = now - window_start_;
   window_.real_time_factor = (simulation_.time() - window_start_time_) / window_.wall;
+  window_.slipped_share = (pacer_.quality().slipped - window_start_slipped_) / window_.wall;
   window_.iterations = window_iterations_ / window_.steps;
   writeStats();
   window_start_ = now;
   window_start_time_ = window_.time;
+  window_start_slipped_ = window_.quality.slipped;
   window_.steps = 0;
   window_iterations_ = 0.0;
 }
@@ -197,6 +200,7 @@ void SolverLoop::record(const StepReport& report) {
 void SolverLoop::endWindow() {
   window_start_ = -1.0;
   window_.wall = 0.0;
+  window_.slipped_share = 0.0;
   writeStats();
 }
 

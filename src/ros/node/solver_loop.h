@@ -55,7 +55,8 @@ class SolverLoop {
   std::uint64_t resets_seen_ = 0;
 
   SolverStats window_;
-  double window_start_ = -1.0, window_start_time_ = 0.0, window_iterations_ = 0.0;
+  double window_start_ = -1.0, window_start_time_ = 0.0, window_start_slipped_ = 0.0,
+         window_iterations_ = 0.0;
   FailedSteps failed_;
   StepReport last_;  ///< of this cloth
   DisplayFrame frame_;

@@ -274,6 +274,13 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
   EXPECT_EQ(value(solverStatus(solver, false, 10.0), "quality rung"), "2");
   EXPECT_EQ(value(solverStatus(solver, false, 10.0), "step length [s]"), "0.004");
   EXPECT_EQ(value(solverStatus(solver, false, 10.0), "slipped [s]"), "0.5");
+  solver.slipped_share = 0.04;
+  EXPECT_EQ(solverStatus(solver, false, 10.0).level, DiagnosticStatus::OK);
+  solver.slipped_share = 0.98;
+  EXPECT_EQ(solverStatus(solver, false, 10.0).level, DiagnosticStatus::WARN);
+  EXPECT_EQ(solverStatus(solver, false, 10.0).message,
+            "too slow, 98 % of the time slips; running with tolerance 1");
+  solver.slipped_share = 0.0;
   solver.steps = 100;
   solver.wall = 1.0;
   solver.real_time_factor = 1.0;
@@ -339,11 +346,44 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
     felt.status = stopped;
     EXPECT_EQ(probe().level, DiagnosticStatus::WARN);
   }
+  felt.status = HapticStatus::Free;
+  felt.stopped = 6.0;
+  EXPECT_EQ(probe().level, DiagnosticStatus::WARN) << "4 s ago";
+  EXPECT_EQ(probe().message, "the force was off within the last 5 s");
+  felt.stopped = 4.0;
+  EXPECT_EQ(probe().level, DiagnosticStatus::OK) << "6 s ago";
+  counters.transform_age = 0.5;
+  EXPECT_EQ(probe().level, DiagnosticStatus::OK);
+  counters.transform_age = 2.0;
+  EXPECT_EQ(probe().level, DiagnosticStatus::WARN);
+  EXPECT_EQ(probe().message, "the transform of the device's frame is old");
+  EXPECT_EQ(value(probe(), "age of the transform [s]"), "2");
+  counters.transform_age = 0.0;
   const DiagnosticStatus shared =
       probeStatus("thumb", counters, felt, GraspState::Open, 0.0, 10.0, "pose", "/other");
   EXPECT_EQ(shared.level, DiagnosticStatus::WARN);
   EXPECT_EQ(shared.message, "the device also gets messages of /other");
   EXPECT_EQ(displayStatus(0, 0, false, 0).level, DiagnosticStatus::WARN);
+}
+
+TEST(Frames, SayWhenTheirNewestTransformWasSent) {
+  tf2_ros::Buffer transforms;
+  transforms.setUsingDedicatedThread(true);
+  geometry_msgs::TransformStamped sent;
+  sent.header.frame_id = "world";
+  sent.transform.rotation.w = 1.0;
+  const FrameLookup frames("world", transforms);
+  sent.child_frame_id = "arm";
+  for (const double time : {5.0, 7.5}) {
+    sent.header.stamp = ros::Time(time);
+    transforms.setTransform(sent, "test");
+  }
+  EXPECT_EQ(frames.find("arm")->stamp, ros::Time(7.5));
+  sent.child_frame_id = "base";
+  transforms.setTransform(sent, "test", true);
+  EXPECT_TRUE(frames.find("base")->stamp.isZero()) << "it does not change";
+  EXPECT_TRUE(frames.find("")->stamp.isZero());
+  EXPECT_FALSE(frames.find("nowhere"));
 }
 
 TEST(Diagnostics, AnObstaclesDroppedPoseIsForgivenWhenPosesAreGoodAgain) {
