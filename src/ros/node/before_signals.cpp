@@ -92,7 +92,7 @@ class Relay {
 
   std::mutex mutex_;
   Rests rests_;
-  std::array<Taken, 3> signals_{Taken{SIGINT}, Taken{SIGTERM}, Taken{SIGHUP}};
+  std::array<Taken, 4> signals_{Taken{SIGINT}, Taken{SIGTERM}, Taken{SIGHUP}, Taken{SIGQUIT}};
   std::atomic<int> came_{0};
   sem_t woken_;
 };

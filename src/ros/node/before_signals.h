@@ -6,7 +6,7 @@
 
 namespace haptic_cloth {
 
-/// During its lifetime `rest` is called before SIGINT, SIGTERM or SIGHUP have their former effect
+/// During its lifetime `rest` is called before SIGINT, SIGTERM, SIGHUP or SIGQUIT have their former effect
 /// in this process. In roscpp that effect closes all topics at once, and a driver would hold the
 /// last force for ever.
 class BeforeSignals {

@@ -7,9 +7,9 @@
 
 namespace haptic_cloth {
 
-/// SIGINT, SIGTERM and SIGHUP, blocked in every thread and waited for in one. A signal handler
-/// could not send the last wrench. Create it before any other thread, with roscpp's own handler
-/// disabled.
+/// The signals that ask a process to end, blocked in every thread and waited for in one. A signal handler
+/// could not send the last wrench. Ctrl-Z does nothing, because the device would hold the force of a stopped
+/// process. Create it before any other thread, with roscpp's own handler disabled.
 class Signals {
  public:
   Signals();

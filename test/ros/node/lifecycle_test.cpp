@@ -131,6 +131,22 @@ TEST_F(LifecycleTest, SigintSendsZeroLast) {
   expectZeroAtTheEnd();
 }
 
+TEST_F(LifecycleTest, CtrlBackslashSendsZeroLast) {
+  startPressed();
+  process_->signal(SIGQUIT);
+  expectZeroAtTheEnd();
+}
+
+TEST_F(LifecycleTest, CtrlZDoesNotStopTheNode) {
+  // A device would hold the force of a stopped node for ever.
+  startPressed();
+  process_->signal(SIGTSTP);
+  device_->moveTo(Vec3(0.0, 0.0, 0.125));
+  EXPECT_TRUE(waitFor([this] { return reaction_->force() == Vec3::Zero(); })) << "the node stands still";
+  process_->signal(SIGTERM);
+  expectZeroAtTheEnd();
+}
+
 TEST_F(LifecycleTest, RosnodeKillSendsZeroLast) {
   startPressed();
   Process kill({"rosnode", "kill", "/cloth"});
@@ -297,9 +313,9 @@ TEST_F(LifecycleTest, RespawnDoesNotRepeatBadParameters) {
   const std::string text = "haptics: {max_force: -1.0}\n";
   ASSERT_EQ(write(file, text.data(), text.size()), static_cast<ssize_t>(text.size()));
   close(file);
-  Launch launch({"haptic_cloth.launch", "respawn:=true", "scene:=" + kScene,
-                 std::string("settings:=") + settings},
-                {"haptic_cloth"});
+  Launch launch(
+      {"haptic_cloth.launch", "respawn:=true", "scene:=" + kScene, std::string("settings:=") + settings},
+      {"haptic_cloth"});
   const auto errors = [&] {
     const std::string output = launch.output(), rule = "must be > 0";
     int count = 0;

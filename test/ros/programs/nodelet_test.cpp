@@ -76,7 +76,7 @@ TEST_P(ManagerEnds, WithoutForce) {
   ros::param::del(space);
 }
 
-INSTANTIATE_TEST_SUITE_P(Signal, ManagerEnds, testing::Values(SIGINT, SIGTERM));
+INSTANTIATE_TEST_SUITE_P(Signal, ManagerEnds, testing::Values(SIGINT, SIGTERM, SIGQUIT));
 
 TEST(Nodelet, SaysWhyItDoesNotLoad) {
   // The manager reports only that loading failed.
