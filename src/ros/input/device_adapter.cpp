@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kAskPeriod = 0.5;    ///< interval between two questions to the master [s]
 constexpr double kSayPeriod = 5.0;    ///< interval between two warnings of the same kind [s]
+constexpr double kSilence = 0.05;     ///< then another node may send positions, as for the node's poses [s]
 constexpr int kZeros = 20;            ///< number of zeros sent at the end
 constexpr double kZeroPeriod = 2e-3;  ///< interval between them [s]
 constexpr double kFlush = 0.05;       ///< time for the last message to leave the process [s]
@@ -56,7 +57,21 @@ PoseAdapter::PoseAdapter(ros::NodeHandle& node, const AdapterOptions& options)
                                ros::TransportHints().tcpNoDelay());
 }
 
-void PoseAdapter::accept(const topic_tools::ShapeShifter::ConstPtr& message) {
+bool PoseAdapter::isOfFirst(const std::string& sender) {
+  const double now = steadyNow();
+  if (sender != sender_ && now - received_ < kSilence) {
+    ROS_WARN_STREAM_THROTTLE(
+        kSayPeriod, "positions from " << sender << " are dropped as long as " << sender_ << " sends, too");
+    return false;
+  }
+  sender_ = sender;
+  received_ = now;
+  return true;
+}
+
+void PoseAdapter::accept(const ros::MessageEvent<topic_tools::ShapeShifter const>& event) {
+  if (!isOfFirst(event.getPublisherName())) return;
+  const topic_tools::ShapeShifter::ConstPtr message = event.getConstMessage();
   if (message->getMD5Sum() != md5sum_) {
     md5sum_ = message->getMD5Sum();
     reader_ = findPositionReader(md5sum_);

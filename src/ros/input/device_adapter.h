@@ -35,13 +35,17 @@ class PoseAdapter {
   PoseAdapter(ros::NodeHandle& node, const AdapterOptions& options);
 
  private:
-  void accept(const topic_tools::ShapeShifter::ConstPtr& message);
+  void accept(const ros::MessageEvent<topic_tools::ShapeShifter const>& event);
+  /// Tells whether a message comes from the first sender. Another one counts as first after a silence.
+  bool isOfFirst(const std::string& sender);
 
   AdapterOptions options_;
   ros::Publisher pose_;
-  ros::Subscriber subscriber_;
   std::string md5sum_;               ///< of the newest message; empty before the first
   PositionReader reader_ = nullptr;  ///< for messages with that sum
+  std::string sender_;               ///< node whose positions are taken; empty before the first
+  double received_ = -1.0;           ///< its last message, steady clock [s]
+  ros::Subscriber subscriber_;       ///< last member: its callbacks use all members above
 };
 
 /// probe/reaction → device/force (a type of driver_messages.h). Sends zero if the node is silent, if a force

@@ -282,6 +282,35 @@ TEST_F(AdapterTest, ADriversPositionIsAPose) {
   EXPECT_EQ(pose.pose.orientation.w, 1.0);
 }
 
+TEST_F(AdapterTest, ASecondDriverDoesNotThrowTheProbeToAndFro) {
+  start({});
+  std::mutex mutex;
+  std::vector<double> heights;
+  const ros::Subscriber poses = node_.subscribe<geometry_msgs::PoseStamped>(
+      "alone/pose", 1000, [&](const geometry_msgs::PoseStamped::ConstPtr& message) {
+        const std::lock_guard<std::mutex> lock(mutex);
+        heights.push_back(message->pose.position.z);
+      });
+  const auto count = [&](double height) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    return std::count(heights.begin(), heights.end(), height);
+  };
+  // Two other nodes send without pause, each its own height.
+  const auto sender = [](const std::string& height) {
+    return std::make_unique<Process>(std::vector<std::string>{"rostopic", "pub", "-r", "200",
+                                                              "/alone/device_pose", "geometry_msgs/Twist",
+                                                              "[0, 0, " + height + "]", "[0, 0, 0]"});
+  };
+  std::unique_ptr<Process> first = sender("1.0");
+  ASSERT_TRUE(waitFor([&] { return count(1.0) > 50; })) << process_->output();
+  std::unique_ptr<Process> second = sender("2.0");
+  ASSERT_TRUE(waitFor([&] { return process_->output().find("are dropped as long as") != std::string::npos; }))
+      << process_->output();
+  EXPECT_EQ(count(2.0), 0);
+  first.reset();
+  EXPECT_TRUE(waitFor([&] { return count(2.0) > 0; })) << "the first one has ended";
+}
+
 TEST_F(AdapterTest, BadParametersAreNamed) {
   const auto expectRefused = [](const std::vector<std::string>& arguments, const std::string& word) {
     std::vector<std::string> command{programDirectory() + "/device_adapter", "__name:=alone"};
