@@ -26,6 +26,7 @@ struct Reaction {
 
 int run(int argc, char** argv) {
   ros::init(argc, argv, "hand");
+  haptic_cloth::endOnSigterm();
   ros::NodeHandle node, private_node("~");
   const auto options = haptic_cloth::ownOptions<haptic_cloth::HandOptions>(private_node);
 

@@ -270,6 +270,7 @@ void write(const std::string& result, const std::string& path) {
 
 int run(int argc, char** argv) {
   ros::init(argc, argv, "latency_probe");
+  haptic_cloth::endOnSigterm();
   ros::NodeHandle node, private_node("~");
   const auto options = haptic_cloth::ownOptions<haptic_cloth::LatencyProbeOptions>(private_node);
   const haptic_cloth::NodeOptions served = haptic_cloth::optionsOf(node, options.node);

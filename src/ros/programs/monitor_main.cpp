@@ -56,6 +56,7 @@ std::vector<std::string> findProbes(const ros::NodeHandle& node, const MonitorOp
 
 int run(int argc, char** argv) {
   ros::init(argc, argv, "monitor", ros::init_options::AnonymousName);
+  haptic_cloth::endOnSigterm();
   ros::NodeHandle node, private_node("~");
   const auto options = haptic_cloth::ownOptions<MonitorOptions>(private_node);
 

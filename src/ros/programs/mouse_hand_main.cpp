@@ -83,6 +83,7 @@ class MouseProbe {
 
 int run(int argc, char** argv) {
   ros::init(argc, argv, "mouse_hand");
+  haptic_cloth::endOnSigterm();
   ros::NodeHandle node, private_node("~");
   const auto mouse = haptic_cloth::ownOptions<haptic_cloth::MouseHandOptions>(private_node);
   const std::string served = node.resolveName(mouse.node);

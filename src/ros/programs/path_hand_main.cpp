@@ -30,15 +30,20 @@ constexpr double kLead = 0.5;
 /// Estimates the time of the cloth between two state messages, at the real-time factor of the last interval.
 class ClothClock {
  public:
+  /// The time goes back if others reset the cloth or load a state. The hand then goes on from there.
   void hear(double cloth_time) {
     const double now = haptic_cloth::steadyNow();
+    if (cloth_time < heard_) {
+      *this = ClothClock();
+      time_ = cloth_time;
+    }
     const bool forward = cloth_time > heard_ && now > when_;
     if (when_ > 0.0 && forward) real_time_factor_ = std::min(1.0, (cloth_time - heard_) / (now - when_));
     heard_ = cloth_time;
     when_ = now;
   }
-  /// Estimated time. It never decreases, is at most 0.1 s ahead of the last message, and runs at most twice
-  /// as fast as real time: a hand does not jump because messages were late.
+  /// Estimated time. Between two calls of hear() it never decreases, is at most 0.1 s ahead of the last
+  /// message, and runs at most twice as fast as real time: a hand does not jump because messages were late.
   double read() {
     const double now = haptic_cloth::steadyNow();
     const double ahead = std::min(now - when_, kAhead);
@@ -115,6 +120,7 @@ class PathProbe {
 
 int run(int argc, char** argv) {
   ros::init(argc, argv, "path_hand");
+  haptic_cloth::endOnSigterm();
   ros::NodeHandle node, private_node("~");
   const auto path = haptic_cloth::ownOptions<haptic_cloth::PathHandOptions>(private_node);
   const std::string served = node.resolveName(path.node);

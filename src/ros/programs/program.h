@@ -4,6 +4,7 @@
 #include <ros/init.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -17,6 +18,12 @@ namespace haptic_cloth {
 /// Option for programs that roslaunch restarts whatever their exit status (respawn): with bad input
 /// the restarts would never end.
 constexpr char kWaitOnBadInput[] = "--wait-on-bad-input";
+
+/// Makes SIGTERM end a program as Ctrl-C does, so that the ROS master forgets it. For programs that send no
+/// force; call it after ros::init().
+inline void endOnSigterm() {
+  std::signal(SIGTERM, [](int) { ros::requestShutdown(); });
+}
 
 /// Reads the arguments besides those of ROS. @return whether to run; false: the usage was printed
 /// @throws InputError for an unknown argument

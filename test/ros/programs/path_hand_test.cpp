@@ -1,6 +1,14 @@
 /// A hand that follows the path of the scene again and again.
+#include <geometry_msgs/PoseStamped.h>
 #include <gtest/gtest.h>
 #include <ros/ros.h>
+#include <signal.h>
+#include <std_srvs/Empty.h>
+
+#include <algorithm>
+#include <atomic>
+#include <string>
+#include <vector>
 
 #include "ros/support/ros_test_support.h"
 
@@ -19,6 +27,57 @@ TEST(PathHand, AGraspFromTheStartHoldsInEveryRound) {
   for (int round = 1; round <= 2; ++round) {
     EXPECT_TRUE(becomes("holds cloth")) << "round " << round;
     EXPECT_TRUE(becomes("open")) << "round " << round;
+  }
+}
+
+/// After a reset by others the hand goes back to where its path is at that time of the cloth.
+TEST(PathHand, AResetByOthersTakesItBack) {
+  ros::NodeHandle node;
+  ros::AsyncSpinner spinner(1);
+  spinner.start();
+  std::atomic<double> height{0.0};
+  const ros::Subscriber poses = node.subscribe<geometry_msgs::PoseStamped>(
+      "probe/pose", 1,
+      [&](const geometry_msgs::PoseStamped::ConstPtr& pose) { height = pose->pose.position.z; });
+  ASSERT_TRUE(waitFor([&] { return height == 0.105; })) << "the path's lowest point, from 0.5 to 3.5 s";
+  std_srvs::Empty empty;
+  ASSERT_TRUE(ros::service::call("/haptic_cloth/reset", empty));
+  EXPECT_TRUE(waitFor([&] { return height > 0.12; })) << "the first 0.2 s of the path";
+  EXPECT_TRUE(waitFor([&] { return height == 0.105; }));
+}
+
+/// Tells whether a node publishes or subscribes to a topic other than that of its log.
+bool isAtWork(const std::string& node) {
+  XmlRpc::XmlRpcValue request, response, state;
+  request[0] = ros::this_node::getName();
+  if (!ros::master::execute("getSystemState", request, response, state, false)) return false;
+  for (const int kind : {0, 1}) {
+    for (int k = 0; k < state[kind].size(); ++k) {
+      XmlRpc::XmlRpcValue &topic = state[kind][k][0], &nodes = state[kind][k][1];
+      for (int n = 0; n < nodes.size(); ++n) {
+        if (nodes[n] == XmlRpc::XmlRpcValue(node) && !(topic == XmlRpc::XmlRpcValue("/rosout"))) return true;
+      }
+    }
+  }
+  return false;
+}
+
+/// The ROS master forgets a program that is asked to end.
+TEST(Programs, SignOffWhenTheyAreTerminated) {
+  for (const std::string program : {"monitor", "hand", "mouse_hand", "path_hand"}) {
+    std::vector<std::string> command{programDirectory() + "/" + program, "__name:=ending"};
+    if (program != "hand") command.push_back("_node:=/haptic_cloth");
+    Process process(command);
+    const auto known = [] {
+      ros::V_string nodes;
+      ros::master::getNodes(nodes);
+      return std::find(nodes.begin(), nodes.end(), "/ending") != nodes.end();
+    };
+    ASSERT_TRUE(waitFor([] { return isAtWork("/ending"); })) << program << process.output();
+    process.signal(SIGTERM);
+    EXPECT_EQ(process.wait(), 0) << program << process.output();
+    EXPECT_TRUE(waitFor([&] { return !known(); })) << program;
+    ros::param::del("/ending");
   }
 }
 
