@@ -46,7 +46,8 @@ launch_died() {
   exit 1
 }
 
-until rosparam get /rosversion >/dev/null 2>&1; do
+# A ROS master that runs already holds the parameters of earlier launches until this one starts its nodes.
+until grep -q 'process\[.*haptic_cloth-' "$log"; do
   kill -0 "$launch" 2>/dev/null || launch_died
   sleep 0.2
 done
