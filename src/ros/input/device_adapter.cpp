@@ -5,6 +5,7 @@
 #include <ros/this_node.h>
 
 #include "haptic_cloth/error.h"
+#include "haptic_cloth/haptics.h"
 #include "ros/node/conversions.h"
 #include "ros/node/steady_clock.h"
 #include "ros/node/topics.h"
@@ -14,7 +15,6 @@ namespace {
 
 constexpr double kAskPeriod = 0.5;    ///< interval between two questions to the master [s]
 constexpr double kSayPeriod = 5.0;    ///< interval between two warnings of the same kind [s]
-constexpr double kSilence = 0.05;     ///< then another node may send positions, as for the node's poses [s]
 constexpr int kZeros = 20;            ///< number of zeros sent at the end
 constexpr double kZeroPeriod = 2e-3;  ///< interval between them [s]
 constexpr double kFlush = 0.05;       ///< time for the last message to leave the process [s]
@@ -52,25 +52,22 @@ std::optional<std::string> typeOnMaster(const std::string& topic) {
 
 PoseAdapter::PoseAdapter(ros::NodeHandle& node, const AdapterOptions& options)
     : options_(options),
-      pose_(node.advertise<geometry_msgs::PoseStamped>(topics::kPose, topics::kPoseQueue)) {
+      pose_(node.advertise<geometry_msgs::PoseStamped>(topics::kPose, topics::kPoseQueue)),
+      gate_(0.0, HapticOptions().pose_timeout) {
   subscriber_ = node.subscribe(topics::kDevicePose, topics::kPoseQueue, &PoseAdapter::accept, this,
                                ros::TransportHints().tcpNoDelay());
 }
 
-bool PoseAdapter::isOfFirst(const std::string& sender) {
-  const double now = steadyNow();
-  if (sender != sender_ && now - received_ < kSilence) {
-    ROS_WARN_STREAM_THROTTLE(
-        kSayPeriod, "positions from " << sender << " are dropped as long as " << sender_ << " sends, too");
-    return false;
-  }
-  sender_ = sender;
-  received_ = now;
-  return true;
-}
-
 void PoseAdapter::accept(const ros::MessageEvent<topic_tools::ShapeShifter const>& event) {
-  if (!isOfFirst(event.getPublisherName())) return;
+  const std::string& sender = event.getPublisherName();
+  const std_msgs::Header no_stamp;  // the node judges stamps
+  const double received = steadyNow();
+  if (gate_.judge(no_stamp, true, sender, ros::Time(), received) == PoseVerdict::OtherSender) {
+    ROS_WARN_STREAM_THROTTLE(kSayPeriod, "positions from " << sender << " are dropped as long as "
+                                                           << gate_.sender() << " sends, too");
+    return;
+  }
+  gate_.take(no_stamp, sender, received);
   const topic_tools::ShapeShifter::ConstPtr message = event.getConstMessage();
   if (message->getMD5Sum() != md5sum_) {
     md5sum_ = message->getMD5Sum();

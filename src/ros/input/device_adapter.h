@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "ros/input/driver_messages.h"
+#include "ros/input/pose_gate.h"
 #include "scene/option.h"
 
 namespace haptic_cloth {
@@ -36,15 +37,12 @@ class PoseAdapter {
 
  private:
   void accept(const ros::MessageEvent<topic_tools::ShapeShifter const>& event);
-  /// Tells whether a message comes from the first sender. Another one counts as first after a silence.
-  bool isOfFirst(const std::string& sender);
 
   AdapterOptions options_;
   ros::Publisher pose_;
   std::string md5sum_;               ///< of the newest message; empty before the first
   PositionReader reader_ = nullptr;  ///< for messages with that sum
-  std::string sender_;               ///< node whose positions are taken; empty before the first
-  double received_ = -1.0;           ///< its last message, steady clock [s]
+  PoseGate gate_;                    ///< keeps to the first sender, as the node's does
   ros::Subscriber subscriber_;       ///< last member: its callbacks use all members above
 };
 
