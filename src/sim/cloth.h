@@ -46,6 +46,8 @@ class Cloth {
     pins_.begin(length, end);
   }
   void setAirDamping(double air_damping) { integrator_.setAirDamping(air_damping); }
+  /// Tells the integrator which nodes may be stopped in this step.
+  void expectJumps(const std::vector<char>& nodes) { integrator_.expectJumps(nodes); }
 
   bool pinsMove() const { return pins_.any(); }
   int pins() const { return pins_.count(); }  ///< entries of the scene's pins

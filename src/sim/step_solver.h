@@ -72,6 +72,7 @@ class StepSolver {
  private:
   void findContacts();
   double evaluateStart();
+  void foreseeTouches();
   void beginSolve(const std::vector<HeldNode>& held);
   void movePins();
   bool stopPins();
@@ -109,9 +110,10 @@ class StepSolver {
   ContactReach reach_;
   Start start_values_;
   CostReport cost_;
-  Field forces_;  ///< negative forces on the nodes at rest, for sleep_ [N]
-  Field pinned_;  ///< scratch: positions with the pins where they end [m]
-  Field end_;     ///< scratch: ends of motions, or motions [m]
+  Field forces_;               ///< negative forces on the nodes at rest, for sleep_ [N]
+  Field pinned_;               ///< scratch: positions with the pins where they end [m]
+  Field end_;                  ///< scratch: ends of motions, or motions [m]
+  std::vector<char> touched_;  ///< scratch of foreseeTouches(): a flag for each node
   std::vector<double> pins_made_;
   std::vector<char> pins_go_;  ///< pins that nothing has stopped in this step
   Vector x_, start_, motion_, gradient_, joint_x_;

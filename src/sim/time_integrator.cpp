@@ -70,6 +70,10 @@ void TimeIntegrator::scatter(const ActiveMesh& mesh, ParticleState& state) const
   }
 }
 
+void TimeIntegrator::expectJumps(const std::vector<char>& nodes) {
+  for (std::size_t n = 0; n < jumped_.size(); ++n) jumped_[n] |= nodes[n];
+}
+
 void TimeIntegrator::finish(const ActiveMesh& mesh, const Field& start, const Field& end,
                             const std::vector<char>& jumped, Field& velocities) {
   if (first_order_only_) return setMeanVelocities(start, end, velocities);

@@ -34,8 +34,9 @@ struct BackwardDifference {
   }
 };
 
-/// Integrator of all nodes. BDF2 falls back to backward Euler for nodes whose velocity has jumped: its
-/// formula takes a jump for smooth motion and would throw the node back.
+/// Integrator of all nodes. BDF2 falls back to backward Euler for nodes whose velocity has jumped, because
+/// its formula takes a jump for smooth motion and would throw the node back, and for nodes whose velocity
+/// is about to jump, because to stop a node in a step it needs 9/4 of the node's momentum.
 class TimeIntegrator {
  public:
   /// @param time_step usual length of a step [s]
@@ -51,6 +52,12 @@ class TimeIntegrator {
 
   /// Gives the particles what they keep of a step, as for a cloth that has made none.
   void prepare(ParticleState& state) const;
+
+  /// Tells whether any node follows the formula of second order.
+  bool secondOrder() const { return !first_order_only_; }
+
+  /// Lets the marked nodes take this step by backward Euler.
+  void expectJumps(const std::vector<char>& nodes);
 
   /// Reads what the nodes keep from the step before. Call after each change of the mesh.
   void gather(const ActiveMesh& mesh, const ParticleState& state);

@@ -1,11 +1,13 @@
 /// Order of the time integrators.
 /// Criteria: the error of a method of order p falls by 2^p with half the time step (Hairer, Nørsett,
-/// Wanner: Solving ODEs I, II.3); cloth that lands does not fly up again.
+/// Wanner: Solving ODEs I, II.3); cloth that lands does not fly up again; the floor takes its momentum
+/// (Newton), and friction the share μ of that (Coulomb).
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <string>
 #include <vector>
 
 #include "support/record.h"
@@ -93,17 +95,22 @@ TEST(TimeOrder, AllowsLongerStepsWithBdf2) {
   EXPECT_LT(rms(swung(Integrator::Bdf2, Strategy::Finest, 2e-3), exact), tolerance(1.0) * euler);
 }
 
-/// Share of the kinetic energy of a sheet that falls flat on a plane, 3 steps after it is largest.
-double keptByLanding(Integrator integrator) {
+/// Sheet that falls flat on a plane.
+Scene landing(Integrator integrator, double height) {
   LinearFabric linear;
   linear.rigidity = 1e-5;
   Scene scene = sheetScene(makeFabric(linear), 9, 9, 0.1, 0.1);
-  scene.cloth.pose.position.z() = 0.05;
+  scene.cloth.pose.position.z() = height;
   Obstacle plane;
   plane.shape = Shape::Plane;
   scene.obstacles.push_back(plane);
   scene.solver.integrator = integrator;
-  Simulation simulation(scene);
+  return scene;
+}
+
+/// Share of the kinetic energy of a landing sheet, 3 steps after it is largest.
+double keptByLanding(Integrator integrator) {
+  Simulation simulation(landing(integrator, 0.05));
   std::vector<double> kinetic;
   while (simulation.time() < 0.15) {
     simulation.step();
@@ -120,6 +127,64 @@ TEST(TimeOrder, LandingClothStays) {
     EXPECT_LT(keptByLanding(integrator), tolerance(0.025));
   }
 }
+
+struct Landing {
+  const char* name;
+  Integrator integrator;
+  double time_step;
+};
+
+class Lands : public testing::TestWithParam<Landing> {
+ protected:
+  static constexpr double kHeight = 0.03, kTime = 0.2, kTolerance = 1e-3;
+
+  Lands() : scene(landing(GetParam().integrator, kHeight)) {
+    scene.solver.time_step = GetParam().time_step;
+    scene.solver.minimizer.tolerance = kTolerance;
+    scene.solver.minimizer.max_iterations = 5000;
+    scene.solver.sleep_speed = 0.0;
+  }
+
+  Scene scene;
+};
+
+TEST_P(Lands, AndTheFloorTakesItsMomentum) {
+  Simulation simulation(scene);
+  double momentum = 0.0;
+  while (simulation.time() < kTime) {
+    ASSERT_EQ(simulation.step().minimizer.why, Termination::Converged);
+    momentum -= scene.solver.time_step * simulation.supportForce().z();
+  }
+  // Cloth that rests at both ends has given away what gravity gave it. Each step may leave kTolerance of
+  // the weight.
+  const double given = simulation.mass() * scene.gravity.z() * simulation.time();
+  EXPECT_NEAR(momentum / given, 1.0, tolerance(kTolerance));
+}
+
+TEST_P(Lands, AndABeltCarriesItAlong) {
+  constexpr double kFriction = 0.4, kBelt = 2.0;  // the sheet does not come near the speed of the belt
+  scene.obstacles[0].friction = kFriction;
+  Simulation simulation(scene);
+  while (simulation.time() < kTime) {
+    simulation.moveObstacle(
+        0, {Vec3(kBelt * (simulation.time() + scene.solver.time_step), 0.0, 0.0), Quat::Identity()});
+    ASSERT_EQ(simulation.step().minimizer.why, Termination::Converged);
+  }
+  // Sliding friction is μ times the pressure, also in the impact: v = μ (√(2 g height) + g t) at t after it.
+  const double g = scene.gravity.norm(), height = kHeight - scene.cloth.fabric.thickness,
+               fall = std::sqrt(2.0 * height / g), slides = simulation.time() - fall;
+  const double way = kFriction * (g * fall * slides + 0.5 * g * slides * slides);
+  // The touch counts up to one step too late.
+  const double speed = kFriction * g * simulation.time();
+  EXPECT_NEAR(particle(simulation, 4, 4).x(), way, tolerance(1.0) * speed * scene.solver.time_step);
+}
+
+INSTANTIATE_TEST_SUITE_P(Integrators, Lands,
+                         testing::Values(Landing{"euler2ms", Integrator::Euler, 2e-3},
+                                         Landing{"bdf2At1ms", Integrator::Bdf2, 1e-3},
+                                         Landing{"bdf2At2ms", Integrator::Bdf2, 2e-3},
+                                         Landing{"bdf2At4ms", Integrator::Bdf2, 4e-3}),
+                         [](const auto& info) { return std::string(info.param.name); });
 
 }  // namespace
 }  // namespace haptic_cloth
