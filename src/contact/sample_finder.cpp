@@ -21,8 +21,12 @@ constexpr double kSlanting = 3.0;       // length of parts across slanting edges
 constexpr std::array<std::array<std::pair<int, int>, 2>, 2> kSides{{{{{0, 1}, {2, 3}}}, {{{0, 2}, {1, 3}}}}};
 constexpr double kStart = 3e-8;  // time that the start of a sample takes, about [s]
 
-/// Largest distance of the samples of a probe: a third of half its width [m].
-double probeSpacing(const Solid& probe) { return probe.halfWidth() / 3.0; }
+/// Largest distance of the samples of a probe: a third of half its width, and of the radius on which a ball
+/// of that size that touches flat cloth is nearer to it than the range [m].
+double probeSpacing(const Solid& probe, double range) {
+  const double width = probe.halfWidth();
+  return std::min(width, std::sqrt(2.0 * width * range)) / 3.0;
+}
 
 /// Line of points of a cell at one v along weft. It is straight, since cells are bilinear.
 struct Row {
@@ -69,7 +73,7 @@ SampleFinder::SampleFinder(const Grid& grid, const SolidSet& solids, const Conta
     list->reserve(grid.particles());
   double shortest = kCut * law_.range();
   for (int k = solids_.obstacles(); k < solids_.size(); ++k)
-    shortest = std::min(shortest, probeSpacing(solids_[k]));
+    shortest = std::min(shortest, probeSpacing(solids_[k], law_.range()));
   const int span = 1 << grid_.levels, rest = 2 * span + 4;  // rest: parts beside an edge, and rounding
   const int most = static_cast<int>(span * std::max(grid_.dx, grid_.dy) / shortest) + rest;
   for (auto& lines : lines_) lines.reserve(most);
@@ -90,7 +94,7 @@ int SampleFinder::capacity() const {
   const double spacing = std::max(grid_.dx, grid_.dy);
   bool fine = chord(2.0) <= kCut * law_.range();
   for (int k = solids_.obstacles(); k < solids; ++k) {
-    fine = fine && spacing <= probeSpacing(solids_[k]);
+    fine = fine && spacing <= probeSpacing(solids_[k], law_.range());
   }
   const int places = fine ? (particles + particles / 2) * solids : 4 * particles * (solids + 1);
   return places + 2 * kPack * solids;
@@ -376,7 +380,8 @@ void SampleFinder::addProbePoints(const ActiveMesh& mesh, const Field& nodes,
     if (near < 0.0) continue;
     const Patch& patch = mesh.patches[k];
     for (const int direction : {kWarp, kWeft}) {
-      const double parts = std::ceil(patch.cell.span() * spacing(direction) / probeSpacing(solid));
+      const double parts =
+          std::ceil(patch.cell.span() * spacing(direction) / probeSpacing(solid, law_.range()));
       lines_[direction].clear();
       addMiddles(direction, std::max(1, static_cast<int>(parts)), 0.0, 1.0);
     }

@@ -18,7 +18,7 @@ namespace haptic_cloth {
 /// Finds samples. Obstacles are sampled at the nodes, and at every point of the finest grid in
 /// coarse cells on which they do not press evenly, so that these rest like fine ones. Across sharp
 /// edges the samples are as near as the pressure asks. Probes are sampled at points at most a third of
-/// their radius apart. Model: decisions 0010 and 0041.
+/// their radius apart, and of the radius on which they press on flat cloth. Model: decisions 0010 and 0041.
 class SampleFinder {
  public:
   /// Reach of a probe in the next step.
