@@ -242,6 +242,19 @@ void ContactSet::markTouched(std::vector<char>& nodes) const {
   }
 }
 
+bool ContactSet::markCarried(std::vector<char>& nodes) const {
+  bool any = false;
+  forSamples(kObstacles, [&](int k) {
+    const ContactSample& sample = samples_[k];
+    if (solids_.isStill(sample.solid) || !forces_.touches(k)) return;
+    any = true;
+    for (int c = 0; c < 4; ++c) {
+      if (sample.weights[c] > 0.0) nodes[sample.nodes[c]] = 1;
+    }
+  });
+  return any;
+}
+
 void ContactSet::touchedNodes(int probe, std::vector<int>& nodes) const {
   forSamples(probe, [&](int k) {
     if (forces_.touches(k)) nodes.insert(nodes.end(), samples_[k].nodes.begin(), samples_[k].nodes.end());

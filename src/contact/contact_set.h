@@ -148,6 +148,10 @@ class ContactSet {
   /// Sets the flags of the nodes of samples and pairs that carried force at the last evaluation to 1.
   void markTouched(std::vector<char>& nodes) const;
 
+  /// Sets the flags of the nodes that a moving obstacle touched at the last evaluation to 1.
+  /// @return whether there are any
+  bool markCarried(std::vector<char>& nodes) const;
+
   /// Adds the packs that act on an awake node, and all packs of probes, to `runs`, counted from
   /// `first`.
   void appendAwake(const std::vector<char>& awake, int first, Runs& runs) const;

@@ -40,7 +40,7 @@ ClothWorld::ClothWorld(const Scene& scene)
       idle_(probes_.count()) {
   near_probes_.reserve(probes_.count());
   touches_.reserve(probes_.count());
-  for (auto* flags : {&ejected_, &jumped_}) flags->reserve(cloth_.grid().particles());
+  for (auto* flags : {&driven_, &jumped_}) flags->reserve(cloth_.grid().particles());
 }
 
 StepReport ClothWorld::step(int length) {
@@ -167,8 +167,8 @@ void ClothWorld::accept(StepReport& report) {
   const double kinetic_before = cloth_.kineticEnergy(), gravity_work = cloth_.gravityWork(solved.nodes());
   const double pinned_before = cloth_.pinnedKineticEnergy();
   const Vec3 momentum_before = cloth_.pinnedMomentum();
-  // Ejected cloth is stopped after each step, but does not count as resting.
-  markEjected();
+  // Ejected cloth is stopped after each step, and a belt may not carry cloth at once, but neither rests.
+  markDriven();
   markJumped(report.minimizer);
   contacts_.rememberFriction(cloth_.mesh(), cloth_.internal().nodeNormals());
   cloth_.move(solved, jumped_);
@@ -177,7 +177,7 @@ void ClothWorld::accept(StepReport& report) {
   energy_.notePinWork(solved.pinWork() + pinned - pinned_before, 2.0 * h * scene_.air_damping * pinned);
   const Vec3 momentum = cloth_.pinnedMomentum();
   const Vec3 pinned_force = (momentum - momentum_before) / h + scene_.air_damping * momentum;
-  sleep_.update(cloth_.mesh(), cloth_.velocities(), solved.awake().flags(), ejected_);
+  sleep_.update(cloth_.mesh(), cloth_.velocities(), solved.awake().flags(), driven_);
   cloth_.stopEjected(contacts_);
   report.velocity_scale = energy_.guard(kinetic_before, gravity_work, solved,
                                         report.minimizer.why == Termination::Converged, cloth_);
@@ -203,7 +203,7 @@ void ClothWorld::markJumped(const MinimizerReport& report) {
     jumped_.assign(mesh.nodes(), 1);
     return;
   }
-  jumped_ = ejected_;
+  jumped_ = driven_;
   contacts_.markTouched(jumped_);
   for (const HeldNode& held : solver_.objective().held()) jumped_[held.node] = 1;
   const std::vector<char>& awake = solver_.objective().awake().flags();
@@ -211,12 +211,13 @@ void ClothWorld::markJumped(const MinimizerReport& report) {
   mesh.markMasters(jumped_);
 }
 
-/// Marks the nodes that obstacles eject.
-void ClothWorld::markEjected() {
+/// Marks the nodes that obstacles eject, and those that moving obstacles touch.
+void ClothWorld::markDriven() {
   const ActiveMesh& mesh = cloth_.mesh();
-  ejected_.assign(mesh.nodes(), 0);
-  contacts_.markEjected(ejected_);
-  mesh.markMasters(ejected_);
+  driven_.assign(mesh.nodes(), 0);
+  contacts_.markEjected(driven_);
+  contacts_.markCarried(driven_);
+  mesh.markMasters(driven_);
 }
 
 /// Returns to the start of the step, at rest: the last state known to be good.

@@ -81,7 +81,7 @@ class ClothWorld {
   bool feelsCloth() const;
   void accept(StepReport& report);
   void reportPairs(StepReport& report);
-  void markEjected();
+  void markDriven();
   void markJumped(const MinimizerReport& report);
   void restore();
   StepReport skipStep(int length);
@@ -103,7 +103,7 @@ class ClothWorld {
   Vec3 support_force_ = Vec3::Zero();
   ProbeRegions near_probes_;                  ///< scratch of planMesh()
   std::vector<TurnEstimate::Touch> touches_;  ///< scratch of turnView()
-  std::vector<char> ejected_, jumped_;        ///< scratch of accept(): one flag for each node
+  std::vector<char> driven_, jumped_;         ///< scratch of accept(): one flag for each node
 };
 
 }  // namespace haptic_cloth

@@ -15,14 +15,15 @@ void SleepTracker::setSpeed(double speed) {
 }
 
 void SleepTracker::updateCandidates(const ActiveMesh& mesh, const Field& forces, const Field& residuals,
-                                    double tolerance, double gravity, const std::vector<char>& awake) {
+                                    double tolerance, double gravity, const std::vector<char>& awake,
+                                    const std::vector<char>& carried) {
   // Change of force that wakes: more than a solve may leave, but less than the weight, so that cloth whose
   // support goes away wakes at any tolerance.
   constexpr double kDisturbed = 3.0, kWeightShare = 0.5;
   const double wakes = std::min(kDisturbed * tolerance, kWeightShare * gravity);
   sleeps_.assign(mesh.nodes(), 0);
   for (int n = 0; n < mesh.free; ++n) {
-    if (awake[n] == 0) sleeps_[n] = isCalm(mesh, n, forces[n], wakes);
+    if (awake[n] == 0) sleeps_[n] = carried[n] == 0 && isCalm(mesh, n, forces[n], wakes);
   }
   keepBalance(mesh, residuals, tolerance);
 }

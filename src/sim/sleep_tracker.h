@@ -33,13 +33,14 @@ class SleepTracker {
   /// @param tolerance of the solve [m/s²]
   /// @param gravity unit of the tolerance [m/s²]
   /// @param awake flag for each node: it takes part in the solve
+  /// @param carried flag for each node: it may not sleep, because what it lies on moves
   void updateCandidates(const ActiveMesh& mesh, const Field& forces, const Field& residuals, double tolerance,
-                        double gravity, const std::vector<char>& awake);
+                        double gravity, const std::vector<char>& awake, const std::vector<char>& carried);
   bool sleeps(int node) const { return sleeps_[node] != 0; }
 
   /// Updates the particles after a step.
   /// @param awake flag for each node: it took part in the solve
-  /// @param driven flag for each node: it is being moved from where it may not stay, however slowly
+  /// @param driven flag for each node: it is being moved, however slowly
   void update(const ActiveMesh& mesh, const Field& velocities, const std::vector<char>& awake,
               const std::vector<char>& driven);
 

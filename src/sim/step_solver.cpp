@@ -222,7 +222,7 @@ MinimizerReport StepSolver::minimizeCondensed() {
     if (!more && !first && !left) break;
     if (solve == kSolves - 1) awake.wakeAll();
     const double start = solve == 0 ? chooseInitialGuess() : objective_.evaluate(x_, gradient_);
-    const int least = solve == 0 && moves() ? 1 : 0;
+    const int least = solve == 0 && (moves() || markCarried()) ? 1 : 0;
     report = sum(report, minimizer_.minimize(objective_, x_, start, gradient_, team_, least));
     if (balanceAfter(report, report.value_end)) report.residual = objective_.residual(gradient_);
     const bool ended = report.why == Termination::NotFinite || report.why == Termination::TimeBudget;
@@ -250,13 +250,22 @@ bool StepSolver::moves() const {
   return twice_kinetic > Cloth::kSlow * Cloth::kSlow * mass;
 }
 
+/// Marks the nodes that moving obstacles touch. @return whether there are any
+bool StepSolver::markCarried() {
+  touched_.assign(cloth_.mesh().nodes(), 0);
+  const bool any = contacts_.markCarried(touched_);
+  cloth_.mesh().markMasters(touched_);
+  return any;
+}
+
 /// Wakes nodes that may not sleep at the last evaluated point. @return whether there were any
 bool StepSolver::wakeDisturbed() {
   if (objective_.awake().all()) return false;
   const double unit = objective_.accelerationUnit(), tolerance = scene_.solver.minimizer.tolerance * unit;
   objective_.forcesAtRest(forces_);
+  markCarried();
   sleep_.updateCandidates(cloth_.mesh(), forces_, objective_.gradient(), tolerance, unit,
-                          objective_.awake().flags());
+                          objective_.awake().flags(), touched_);
   const bool more = objective_.awake().wake(sleep_);
   objective_.measureSleepers();
   return more;

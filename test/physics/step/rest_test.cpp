@@ -188,6 +188,67 @@ TEST(Rest, ACreepingProbeIsFelt) {
   EXPECT_LT(worst, tolerance(hidden));
 }
 
+/// Sheet that has come to rest, and to sleep where it may, on a box.
+struct Lying {
+  static constexpr double kFriction = 0.05;
+
+  explicit Lying(double sleep_speed) : simulation(scene(sleep_speed)) { run(simulation, 0.3); }
+
+  static Scene scene(double sleep_speed) {
+    Scene scene = sheetScene(makeFabric({}), 17, 17, 0.08, 0.08);
+    Obstacle box;
+    box.size = Vec3(2.0, 2.0, 0.1);
+    box.pose.position.z() = -0.05;
+    box.friction = kFriction;
+    scene.obstacles.push_back(box);
+    scene.cloth.pose.position.z() = scene.cloth.fabric.thickness;
+    scene.solver.sleep_speed = sleep_speed;
+    return scene;
+  }
+
+  double accelerates() const { return kFriction * simulation.scene().gravity.norm(); }
+
+  Simulation simulation;
+};
+
+TEST(Rest, ABeltCarriesClothThatSleeps) {
+  // The friction, 0.05 g, is within the tolerance of a solve, 0.1 g: no residual tells of it.
+  for (const double sleep_speed : {0.0, 3e-4}) {
+    Lying lying(sleep_speed);
+    Simulation& simulation = lying.simulation;
+    const double h = simulation.scene().solver.time_step, speed = 0.06, time = 0.3, start = simulation.time(),
+                 from = particle(simulation, 8, 8).x();
+    ASSERT_EQ(simulation.maxSpeed(), 0.0);
+    while (simulation.time() < start + time - 0.5 * h) {
+      const double x = speed * (simulation.time() + h - start);
+      simulation.moveObstacle(0, {Vec3(x, 0.0, -0.05), Quat::Identity()});
+      simulation.step();
+    }
+    // Coulomb: it lags by v²/(2 μ g). The belt starts at its speed, and a step takes it there at once.
+    const double way = speed * time - speed * speed / (2.0 * lying.accelerates());
+    EXPECT_NEAR(particle(simulation, 8, 8).x() - from, way, tolerance(1.0) * speed * h) << sleep_speed;
+  }
+}
+
+TEST(Rest, ATurntableCarriesCloth) {
+  // The net force is 0 here, too.
+  Lying lying(0.0);
+  Simulation& simulation = lying.simulation;
+  const double h = simulation.scene().solver.time_step, speed = 1.0, time = 0.4, start = simulation.time();
+  const auto side = [&] { return Vec3(particle(simulation, 16, 8) - particle(simulation, 0, 8)); };
+  while (simulation.time() < start + time - 0.5 * h) {
+    const double angle = speed * (simulation.time() + h - start);
+    simulation.moveObstacle(0, {Vec3(0.0, 0.0, -0.05), Quat(Eigen::AngleAxisd(angle, Vec3::UnitZ()))});
+    simulation.step();
+  }
+  // Friction turns a square of side a about its centre with μ g <r>/<r²>: <r> = 0.3826 a, <r²> = a²/6.
+  const double a = 0.08, turns = lying.accelerates() * 0.3826 * 6.0 / a;
+  const double lag = speed * speed / (2.0 * turns);
+  // Nodes stand for areas of the size of a cell, a/16: <r> and <r²> to one in 16².  One step, as above.
+  EXPECT_NEAR(std::atan2(side().y(), side().x()), speed * time - lag,
+              tolerance(1.0) * (speed * h + 2.0 * lag / 256.0));
+}
+
 TEST(Rest, NewAdaptOptionsAreNotSleptThrough) {
   ClothWorld world(sagging(3e-4));
   for (int step = 0; step < 4000; ++step) world.step();
