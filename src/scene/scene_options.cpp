@@ -56,7 +56,7 @@ Options optionsOf(Obstacle& obstacle) {
       {"orientation", field(obstacle.pose.orientation), kNoRange, "", "of the shape's axes", kFixed,
        kInState},
       {"friction", field(obstacle.friction), kNotNegative, "", "Coulomb coefficient", kFixed, kInState},
-      {"path", OwnReader{"[]", "rows t, x, y, z"}, kNoRange, "s, m",
+      {"path", OwnReader{"[]", "rows t, x, y, z; t increases"}, kNoRange, "s, m",
        "`simulate` moves the obstacle along it"}};
 }
 
@@ -138,7 +138,7 @@ Options optionsOf(AdaptOptions& adapt) {
 Options optionsOf(StopOptions& stop) {
   return {{"time", field(stop.time), kPositive, "s", "simulated time at which `simulate` ends"},
           {"rest_speed", field(stop.rest_speed), kNotNegative, "m/s",
-           "ends early after 0.1 s below this speed; 0: never"}};
+           "after all paths and grasps, ends early after 0.1 s below this speed; 0: never"}};
 }
 
 Options ownOptions(Obstacle& obstacle) {
