@@ -4,6 +4,16 @@
 #include <cmath>
 
 namespace haptic_cloth {
+namespace {
+
+/// Sets the flags of the nodes that a sample acts on to 1.
+void markNodes(const ContactSample& sample, std::vector<char>& nodes) {
+  for (int c = 0; c < 4; ++c) {
+    if (sample.weights[c] > 0.0) nodes[sample.nodes[c]] = 1;
+  }
+}
+
+}  // namespace
 
 ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
                        const std::vector<ProbeOptions>& probes, const Options& options, Team& team)
@@ -235,23 +245,20 @@ void ContactSet::markEjected(std::vector<char>& nodes) const {
 void ContactSet::markTouched(std::vector<char>& nodes) const {
   if (self_) self_->markTouched(nodes);
   for (int k = 0; k < samples_.size(); ++k) {
-    if (!forces_.touches(k)) continue;
-    for (int c = 0; c < 4; ++c) {
-      if (samples_[k].weights[c] > 0.0) nodes[samples_[k].nodes[c]] = 1;
-    }
+    if (forces_.touches(k)) markNodes(samples_[k], nodes);
   }
 }
 
 bool ContactSet::markCarried(std::vector<char>& nodes) const {
   bool any = false;
-  forSamples(kObstacles, [&](int k) {
-    const ContactSample& sample = samples_[k];
-    if (solids_.isStill(sample.solid) || !forces_.touches(k)) return;
-    any = true;
-    for (int c = 0; c < 4; ++c) {
-      if (sample.weights[c] > 0.0) nodes[sample.nodes[c]] = 1;
+  for (const SampleList::Group& group : samples_.groups()) {
+    if (solids_.isProbe(group.solid) || solids_.isStill(group.solid)) continue;
+    for (int k = kPack * group.begin; k < kPack * group.end; ++k) {
+      if (!forces_.touches(k)) continue;
+      any = true;
+      markNodes(samples_[k], nodes);
     }
-  });
+  }
   return any;
 }
 

@@ -142,7 +142,7 @@ void StepSolver::foreseeTouches() {
   mesh.interpolateGhosts(end_);
   for (int k = 0; k < probes_.count(); ++k) {
     const ProbeStep& probe = probes_.steps()[k];
-    contacts_.placeProbe(k, probe.proxy + integrator.stepLength() * probe.device_velocity);
+    if (probe.present) contacts_.placeProbe(k, probe.proxy + integrator.stepLength() * probe.device_velocity);
   }
   contacts_.evaluate(0, contacts_.size(), end_);
   touched_.assign(mesh.nodes(), 0);

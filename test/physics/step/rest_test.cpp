@@ -206,7 +206,7 @@ struct Lying {
     return scene;
   }
 
-  double accelerates() const { return kFriction * simulation.scene().gravity.norm(); }
+  double acceleration() const { return kFriction * simulation.scene().gravity.norm(); }
 
   Simulation simulation;
 };
@@ -225,7 +225,7 @@ TEST(Rest, ABeltCarriesClothThatSleeps) {
       simulation.step();
     }
     // Coulomb: it lags by v²/(2 μ g). The belt starts at its speed, and a step takes it there at once.
-    const double way = speed * time - speed * speed / (2.0 * lying.accelerates());
+    const double way = speed * time - speed * speed / (2.0 * lying.acceleration());
     EXPECT_NEAR(particle(simulation, 8, 8).x() - from, way, tolerance(1.0) * speed * h) << sleep_speed;
   }
 }
@@ -242,7 +242,7 @@ TEST(Rest, ATurntableCarriesCloth) {
     simulation.step();
   }
   // Friction turns a square of side a about its centre with μ g <r>/<r²>: <r> = 0.3826 a, <r²> = a²/6.
-  const double a = 0.08, turns = lying.accelerates() * 0.3826 * 6.0 / a;
+  const double a = 0.08, turns = lying.acceleration() * 0.3826 * 6.0 / a;
   const double lag = speed * speed / (2.0 * turns);
   // Nodes stand for areas of the size of a cell, a/16: <r> and <r²> to one in 16².  One step, as above.
   EXPECT_NEAR(std::atan2(side().y(), side().x()), speed * time - lag,
