@@ -24,37 +24,52 @@ namespace haptic_cloth {
 using Sums = Eigen::Array<double, 6, 1>;
 
 /// Decides whether a parallel region pays. Threads that share a core with other programs take turns, and a
-/// thread that was taken off its core makes the others wait. Cores that share no cache exchange what the
-/// threads write so slowly that only many particles gain. After a region that did not pay, the next runs use
-/// one thread; their number doubles with each such region in a row.
+/// thread that was taken off its core makes the others wait. And cores may exchange what the threads write so
+/// slowly that loops take longer than on one; that depends on the machine, on the number of particles and,
+/// where a host moves virtual cores, on the moment. So now and then two runs on one thread measure what loops
+/// take there. After a region that did not pay, the next runs use one thread; their number doubles with each
+/// such region in a row.
 class Backoff {
  public:
   /// Measurements of a region.
   struct Region {
-    double lost;        ///< time in which the caller waited or had no core [s]
-    double all;         ///< time that the region took [s]
-    double round_trip;  ///< of a cache line to another thread and back; 0 if unknown [s]
-    int particles;      ///< number of particles in the work
+    double lost;  ///< time in which the caller waited or had no core [s]
+    double all;   ///< time that the region took [s]
+    double cost;  ///< time of its shared loops over the time estimated for one thread; 0: there was none
   };
 
   /// Tells whether the next run is to use one thread, and counts it.
   bool alone() { return left_ > 0 && left_-- > 0; }
 
+  /// Records a run with one thread. @param cost of the loops that a region shares; 0: there was none
+  void noteAlone(double cost) {
+    if (cost > 0.0) cost_alone_ = cost_alone_ > 0.0 ? 0.5 * (cost_alone_ + cost) : cost;
+    regions_ = 0;
+  }
+
   /// Records a region.
   void note(const Region& region) {
     const bool crowded = region.lost > kMostLost * region.all;
-    const bool apart = region.round_trip > kFar && region.particles < kParticlesIfFar;
-    left_ = crowded || apart ? length_ : 0;
-    length_ = crowded || apart ? std::min(2 * length_, kLongest) : kShortest;
+    // The first region after a run alone finds the cloth in the caller's cache.
+    const bool judged = ++regions_ > 1 && cost_alone_ > 0.0 && region.cost > 0.0;
+    const bool slow = judged && region.cost > kMostCost * cost_alone_;
+    left_ = crowded || slow ? length_ : regions_ < kRegions ? 0 : kMeasured;
+    if (crowded || slow)
+      length_ = std::min(2 * length_, kLongest);
+    else if (judged)
+      length_ = kShortest;
   }
 
  private:
   /// Largest lost share of a region; beyond it two threads gain little or lose.
   static constexpr double kMostLost = 0.25;
-  static constexpr double kFar = 150e-9;  ///< cores with a common cache take 50 to 130 ns, others 180 or more
-  static constexpr int kParticlesIfFar = 14000;        ///< fewer take longer on two such cores than on one
+  /// Largest cost over that of one thread; what runs between the loops takes longer beside other threads.
+  static constexpr double kMostCost = 0.9;
   static constexpr int kShortest = 8, kLongest = 512;  ///< number of runs with one thread
-  int length_ = kShortest, left_ = 0;
+  static constexpr int kMeasured = 2, kRegions = 512;  ///< runs that measure one thread; regions between them
+  static constexpr int kFirst = 3;                     ///< regions before the first of these runs
+  double cost_alone_ = 0.0;
+  int length_ = kShortest, left_ = 0, regions_ = kRegions - kFirst;
 };
 
 /// Runs loops over index ranges. Work is divided into blocks of fixed size for any number of
@@ -100,9 +115,9 @@ class Team {
       const auto start = Clock::now();
       const double worked = coreSeconds();
       auto end = start;
-      double round_trip = 0.0;
       loop_->open = true;
       loop_->waited = 0.0;
+      times_ = {};
       loop_->closed.store(false, std::memory_order_relaxed);
 #pragma omp parallel num_threads(wanted)
       {
@@ -114,7 +129,6 @@ class Team {
             failure = std::current_exception();
           }
           loop_->closed.store(true, std::memory_order_release);
-          if (!kShareAll && omp_get_num_threads() > 1) round_trip = loop_->measureRoundTrip();
           end = Clock::now();
         } else {
           loop_->serve(omp_get_thread_num());
@@ -123,8 +137,14 @@ class Team {
       loop_->open = false;
       const auto left = Clock::now();
       const double all = seconds(left - start), off_core = all - (coreSeconds() - worked);
-      backoff_.note({off_core + loop_->waited + seconds(left - end), all, round_trip, particles});
+      backoff_.note({off_core + loop_->waited + seconds(left - end), all, times_.cost()});
       if (failure) std::rethrow_exception(failure);
+      return;
+    }
+    if (wanted > 1 && !loop_->open) {
+      times_ = {};
+      body();
+      backoff_.noteAlone(times_.cost());
       return;
     }
 #endif
@@ -137,8 +157,13 @@ class Team {
   template <class Work>
   void forRange(int count, const Work& work, double item = kElement, const BlockOrder& order = {}) {
     const int blocks = BlockOrder::blocks(count);
-    if (!isShared(blocks, count * item)) {
+    if (!isWorthSharing(blocks, count * item)) {
       if (count > 0) work(0, count);
+      return;
+    }
+    const LoopTimer timer(times_, count * item);
+    if (!loop_->open) {
+      work(0, count);
       return;
     }
     shareBlocks(blocks, [&](int position) {
@@ -157,10 +182,17 @@ class Team {
     const auto of_block = [&](int block) {
       partial_[block] = work(block * kBlock, std::min(count, (block + 1) * kBlock));
     };
-    if (isShared(blocks, count * item)) {
-      shareBlocks(blocks, [&](int position) { of_block(order[position]); });
-    } else {
+    const auto all_blocks = [&] {
       for (int block = 0; block < blocks; ++block) of_block(block);
+    };
+    if (isWorthSharing(blocks, count * item)) {
+      const LoopTimer timer(times_, count * item);
+      if (loop_->open)
+        shareBlocks(blocks, [&](int position) { of_block(order[position]); });
+      else
+        all_blocks();
+    } else {
+      all_blocks();
     }
     Sums total = Sums::Zero();
     for (int block = 0; block < blocks; ++block) total += partial_[block];
@@ -188,7 +220,7 @@ class Team {
   /// Calls work(k) for tasks 0 .. count-1, each long enough to be shared.
   template <class Work>
   void forTasks(int count, const Work& work) {
-    if (isShared(count, 1.0)) return shareBlocks(count, work);
+    if (loop_->open && isWorthSharing(count, 1.0)) return shareBlocks(count, work);
     for (int task = 0; task < count; ++task) work(task);
   }
 
@@ -214,9 +246,26 @@ class Team {
 #endif
 
   /// @param seconds approximate time on one thread
-  bool isShared(int blocks, double seconds) const {
-    return loop_->open && blocks > 1 && (seconds >= kWorthSharing || kShareAll);
+  static bool isWorthSharing(int blocks, double seconds) {
+    return blocks > 1 && (seconds >= kWorthSharing || kShareAll);
   }
+
+  /// Times of the loops of a run that are worth sharing, whether they were shared or not [s].
+  struct LoopTimes {
+    double taken = 0.0, estimated = 0.0;  ///< estimated for one thread
+    double cost() const { return estimated > 0.0 ? taken / estimated : 0.0; }
+  };
+
+  /// Adds the time until its end.
+  class LoopTimer {
+   public:
+    LoopTimer(LoopTimes& times, double estimate) : times_(times) { times_.estimated += estimate; }
+    ~LoopTimer() { times_.taken += seconds(Clock::now() - start_); }
+
+   private:
+    LoopTimes& times_;
+    const Clock::time_point start_ = Clock::now();
+  };
 
   template <class Work>
   void shareBlocks(int blocks, const Work& work) {
@@ -262,25 +311,6 @@ class Team {
       waited += seconds(Clock::now() - start);
     }
 
-    /// Measures how long a cache line takes to the second thread and back, the least of some times [s].
-    /// @pre the region is closed  @return 0 if that thread is not there at once
-    double measureRoundTrip() {
-      double least = 1.0;
-      for (int ball = 1; ball <= kBalls;) {
-        const auto start = Clock::now();
-        for (const int end = ball + kBallsAtOnce; ball < end; ball += 2) {
-          ball_.store(ball, std::memory_order_release);
-          if (!catches(ball + 1)) {
-            ball_.store(0, std::memory_order_release);
-            return 0.0;
-          }
-        }
-        least = std::min(least, 2.0 / kBallsAtOnce * seconds(Clock::now() - start));
-      }
-      ball_.store(0, std::memory_order_release);
-      return least;
-    }
-
     /// Offers a call to the other threads.
     void offer(Call call, const void* context) {
       offered_call_ = call;
@@ -308,23 +338,9 @@ class Team {
         help(thread);
         spin = 0;
       }
-      for (int ball = 1; thread == 1 && ball < kBalls && catches(ball); ball += 2)
-        ball_.store(ball + 1, std::memory_order_release);
     }
 
    private:
-    static constexpr int kBalls = 32,
-                         kBallsAtOnce = 16;  ///< those of one time; odd ones go, even ones return
-
-    /// Waits a little for a ball. @return whether it came
-    bool catches(int ball) {
-      for (int spin = 0; spin < kPatience; ++spin) {
-        if (ball_.load(std::memory_order_acquire) == ball) return true;
-        pause(0);
-      }
-      return false;
-    }
-
     enum class Offered { None, Open, Taken };
     static constexpr int kMostUnits = 32768;
     static constexpr int kPatience = 2000;  ///< about 20 to 50 us
@@ -393,7 +409,6 @@ class Team {
     std::atomic<int> unit_{1}, blocks_{0};
     alignas(64) std::atomic<int> unfinished_{0};      ///< number of units
     alignas(64) std::atomic<unsigned> announced_{0};  ///< number of the current loop
-    alignas(64) std::atomic<int> ball_{0};            ///< see measureRoundTrip()
     alignas(64) std::atomic<Offered> offered_{Offered::None};
     Call offered_call_ = nullptr;
     const void* offered_context_ = nullptr;
@@ -402,6 +417,7 @@ class Team {
 
   int threads_;
   Backoff backoff_;
+  LoopTimes times_;
   std::unique_ptr<Loop> loop_;
   std::vector<Sums> partial_;
 };
