@@ -15,6 +15,7 @@ struct Rung {
   double tolerance;        ///< at least this [-]
   double angles, strains;  ///< factors of the mesh's thresholds far from probes [-]
   double near_reach;       ///< what is near: at most this [finest cells]
+  double near_load;        ///< what carries load: at least this [-]
   int interval;            ///< at least this [-]
   int max_iterations;      ///< at most this [-]
 };
@@ -39,18 +40,19 @@ struct Rung {
 // off can ruin folds (0028), so they come last.
 constexpr int kAny = INT_MAX;
 constexpr double kAll = HUGE_VAL;
+constexpr double kNoLoad = 100.0;                       ///< more than a cell carries [-]
 constexpr double kMostAngle = 4.0, kMostStrain = 10.0;  ///< [rad], [-]
 constexpr double kMostFactor = 1000.0;                  ///< the largest that the option takes [-]
 constexpr std::array<Rung, 9> kRungs{{
-    {2, 1.0, 1.0, 1.0, kAll, 0, kAny},
-    {2, 1.0, 5.0 / 3.0, 2.0, kAll, 6, kAny},
-    {2, 1.0, 8.0 / 3.0, 8.0, kAll, 6, kAny},
-    {2, 1.0, 5.0, 32.0, kAll, 6, kAny},
-    {2, 1.0, 5.0, 32.0, 4.0, 6, kAny},
-    {kAny, 1.0, 5.0, 32.0, 2.0, 6, kAny},
-    {kAny, 1.0, 5.0, 32.0, 2.0, 6, 50},
-    {kAny, 1.0, 5.0, 32.0, 2.0, 6, 20},
-    {kAny, 1.0, 5.0, 32.0, 2.0, 6, 10},
+    {2, 1.0, 1.0, 1.0, kAll, 0.0, 0, kAny},
+    {2, 1.0, 5.0 / 3.0, 2.0, kAll, 0.0, 6, kAny},
+    {2, 1.0, 8.0 / 3.0, 8.0, kAll, 0.0, 6, kAny},
+    {2, 1.0, 5.0, 32.0, kAll, 0.0, 6, kAny},
+    {2, 1.0, 5.0, 32.0, 4.0, 0.1, 6, kAny},
+    {kAny, 1.0, 5.0, 32.0, 2.0, kNoLoad, 6, kAny},
+    {kAny, 1.0, 5.0, 32.0, 2.0, kNoLoad, 6, 50},
+    {kAny, 1.0, 5.0, 32.0, 2.0, kNoLoad, 6, 20},
+    {kAny, 1.0, 5.0, 32.0, 2.0, kNoLoad, 6, 10},
 }};
 
 Quality at(const Rung& rung, const Quality& asked, int longest_step) {
@@ -67,7 +69,10 @@ Quality at(const Rung& rung, const Quality& asked, int longest_step) {
   const double strains = adapt.refine_above_strain < kMostStrain ? rung.strains : 1.0;
   adapt.far_angle_factor = std::min(angles * adapt.far_angle_factor, kMostFactor);
   adapt.far_strain_factor = std::min(strains * adapt.far_strain_factor, kMostFactor);
-  if (angles > 1.0 || strains > 1.0) adapt.near_reach = std::min(adapt.near_reach, rung.near_reach);
+  if (angles > 1.0 || strains > 1.0) {
+    adapt.near_reach = std::min(adapt.near_reach, rung.near_reach);
+    adapt.near_load = std::max(adapt.near_load, rung.near_load);
+  }
   return quality;
 }
 
@@ -75,11 +80,12 @@ bool differ(const Quality& a, const Quality& b) {
   return a.longest_step != b.longest_step || a.solver.minimizer.tolerance != b.solver.minimizer.tolerance ||
          a.solver.minimizer.max_iterations != b.solver.minimizer.max_iterations ||
          a.adapt.interval != b.adapt.interval || a.adapt.far_angle_factor != b.adapt.far_angle_factor ||
-         a.adapt.far_strain_factor != b.adapt.far_strain_factor || a.adapt.near_reach != b.adapt.near_reach;
+         a.adapt.far_strain_factor != b.adapt.far_strain_factor || a.adapt.near_reach != b.adapt.near_reach ||
+         a.adapt.near_load != b.adapt.near_load;
 }
 
-/// Text of what a rung gives up: "tolerance 1, steps to 4 ms, mesh thresholds x 1.7 beyond 8 cells of
-/// probes".
+/// Text of what a rung gives up: "tolerance 1, steps to 2 ms, mesh thresholds x 1.7 beyond 8 cells of probes
+/// and below 3 % of their load".
 std::string givenUp(const Quality& rung, const Quality& asked) {
   std::string text;
   const auto add = [&text](const char* format, double value) {
@@ -95,9 +101,13 @@ std::string givenUp(const Quality& rung, const Quality& asked) {
                factor = angles != 1.0 ? angles : strains;
   if (factor != 1.0) {
     add("mesh thresholds x %.2g", factor);
-    char place[64];
+    char place[96];
     std::snprintf(place, sizeof place, " beyond %.3g cells of probes", rung.adapt.near_reach);
     text += place;
+    if (rung.adapt.near_load < kNoLoad) {
+      std::snprintf(place, sizeof place, " and below %.3g %% of their load", 100.0 * rung.adapt.near_load);
+      text += place;
+    }
   }
   if (now.max_iterations != then.max_iterations) add("%.0f iterations", now.max_iterations);
   return text;

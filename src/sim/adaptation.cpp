@@ -47,15 +47,15 @@ bool Adaptation::startDecision(long tick) {
 
 bool Adaptation::plan(long tick, const Field& nodes, const ProbeRegions& probes, const LeafMesh& leaves,
                       const ActiveMesh& mesh, const ParticleState& state, const Turn& turn,
-                      const Room& room) {
+                      const Carries& carries, const Room& room) {
   measureStrain(nodes, mesh);
   leaves.leaves(leaves_);
   marked_.clear();
   merged_.clear();
   for (const Cell& cell : leaves_) {
     if (!refines() || cell.level == 0) continue;
-    const Thresholds most =
-        thresholdsOf({options_.refine_above, options_.refine_above_strain}, probes, cell, state.position);
+    const Thresholds most = thresholdsOf({options_.refine_above, options_.refine_above_strain}, probes, cell,
+                                         1, state.position, carries);
     if (strainDifference(cell, 1, mesh) > most.strain || shortening(cell, state.position) > most.strain ||
         touches(probes, &ProbeRegion::finest_radius, cell, state.position) ||
         turn(cell, 1, most.turn) > most.turn)
@@ -64,7 +64,7 @@ bool Adaptation::plan(long tick, const Field& nodes, const ProbeRegions& probes,
   for (const Cell& cell : leaves_) {
     if (!coarsens() || !hasParent(cell)) continue;
     const Cell parent{cell.i, cell.j, cell.level + 1};
-    if (mayMerge(parent, tick, probes, leaves, mesh, state, turn, room)) merged_.push_back(parent);
+    if (mayMerge(parent, tick, probes, leaves, mesh, state, turn, carries, room)) merged_.push_back(parent);
   }
   findSplits(leaves);
   for (const Cell& cell : split_)
@@ -109,8 +109,11 @@ bool Adaptation::hasFarFactors() const {
 
 /// Thresholds at a cell, from those near a probe.
 Adaptation::Thresholds Adaptation::thresholdsOf(const Thresholds& near, const ProbeRegions& probes,
-                                                const Cell& cell, const std::vector<Vec3>& positions) const {
-  if (!hasFarFactors() || touches(probes, &ProbeRegion::near_radius, cell, positions)) return near;
+                                                const Cell& cell, int parts,
+                                                const std::vector<Vec3>& positions,
+                                                const Carries& carries) const {
+  if (!hasFarFactors() || touches(probes, &ProbeRegion::near_radius, cell, positions) || carries(cell, parts))
+    return near;
   return {options_.far_angle_factor * near.turn, options_.far_strain_factor * near.strain};
 }
 
@@ -183,15 +186,15 @@ void Adaptation::mergeCells(long tick, LeafMesh& leaves, ActiveMesh& mesh, Parti
 
 bool Adaptation::mayMerge(const Cell& parent, long tick, const ProbeRegions& probes, const LeafMesh& leaves,
                           const ActiveMesh& mesh, const ParticleState& state, const Turn& turn,
-                          const Room& room) const {
+                          const Carries& carries, const Room& room) const {
   const int half = parent.span() / 2;
   for (const int j : {parent.j, parent.j + half}) {
     for (const int i : {parent.i, parent.i + half}) {
       if (tick - born_[grid_.cell(i, j)] < options_.minimum_age) return false;
     }
   }
-  const Thresholds least =
-      thresholdsOf({options_.coarsen_below, options_.coarsen_below_strain}, probes, parent, state.position);
+  const Thresholds least = thresholdsOf({options_.coarsen_below, options_.coarsen_below_strain}, probes,
+                                        parent, 2, state.position, carries);
   return leaves.canMerge(parent) && strainDifference(parent, 2, mesh) < least.strain &&
          shortening(parent, state.position) < least.strain &&
          !touches(probes, &ProbeRegion::finest_radius, parent, state.position) &&

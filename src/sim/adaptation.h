@@ -66,11 +66,15 @@ class Adaptation {
   /// has room to move by a distance [m].
   using Room = std::function<bool(const Cell& cell, int parts, double moved)>;
 
+  /// Tells whether a leaf (parts 1) or the parent of four leaves (parts 2) is near probes by what it carries.
+  using Carries = std::function<bool(const Cell& cell, int parts)>;
+
   /// Decides all splits and merges from the current mesh.
   /// @param nodes positions of the nodes [m]
   /// @return whether apply() has anything to do
   bool plan(long tick, const Field& nodes, const ProbeRegions& probes, const LeafMesh& leaves,
-            const ActiveMesh& mesh, const ParticleState& state, const Turn& turn, const Room& room);
+            const ActiveMesh& mesh, const ParticleState& state, const Turn& turn, const Carries& carries,
+            const Room& room);
 
   /// Makes the planned changes: rebuilds `mesh` and hands the state over.
   void apply(long tick, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
@@ -93,7 +97,8 @@ class Adaptation {
   bool refines() const;
   bool coarsens() const;
   bool mayMerge(const Cell& parent, long tick, const ProbeRegions& probes, const LeafMesh& leaves,
-                const ActiveMesh& mesh, const ParticleState& state, const Turn& turn, const Room& room) const;
+                const ActiveMesh& mesh, const ParticleState& state, const Turn& turn, const Carries& carries,
+                const Room& room) const;
   template <class Visit>
   void forNeighbours(const Cell& cell, const Visit& visit) const;
   void findSplits(const LeafMesh& leaves);
@@ -101,8 +106,8 @@ class Adaptation {
   bool touches(const ProbeRegions& probes, double ProbeRegion::*radius, const Cell& cell,
                const std::vector<Vec3>& positions) const;
   bool hasFarFactors() const;
-  Thresholds thresholdsOf(const Thresholds& near, const ProbeRegions& probes, const Cell& cell,
-                          const std::vector<Vec3>& positions) const;
+  Thresholds thresholdsOf(const Thresholds& near, const ProbeRegions& probes, const Cell& cell, int parts,
+                          const std::vector<Vec3>& positions, const Carries& carries) const;
 
   AdaptOptions options_;
   Grid grid_;

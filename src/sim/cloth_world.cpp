@@ -112,6 +112,7 @@ bool ClothWorld::planMesh() {
   return adaptation_.plan(
       ticks_, cloth_.nodes(), near_probes_, cloth_.leaves(), cloth_.mesh(), cloth_.state(),
       [&](const Cell& cell, int parts, double enough) { return turns_.turn(view, cell, parts, enough); },
+      [&](const Cell& cell, int parts) { return turns_.carries(view, cell, parts, scene_.adapt.near_load); },
       [&](const Cell& cell, int parts, double moved) {
         if (parts == 2 && contacts_.maySink(cloth_.mesh(), cloth_.nodes(), cell, moved)) return false;
         if (!std::exchange(asked, true)) contacts_.beginChange(cloth_.mesh(), cloth_.nodes());

@@ -25,7 +25,8 @@ TurnEstimate::TurnEstimate(const Fabric& fabric, const Grid& grid, const Vec3& g
       density_(fabric.areal_density),
       gravity_(referenceAcceleration(gravity)),
       rigidity_{rigidity(fabric.bending[kWarp]), rigidity(fabric.bending[kWeft])},
-      range_(fabric.thickness) {
+      range_(fabric.thickness),
+      weight_(density_ * gravity_ * (grid.columns - 1) * grid.dx * (grid.rows - 1) * grid.dy) {
   for (auto& tension : tension_) tension.reserve(grid.particles());
   for (auto& compression : compression_) compression.assign(grid.particles(), kNone);
   curvature_.reserve(grid.particles());
@@ -109,6 +110,21 @@ double TurnEstimate::turn(const View& view, const Cell& cell, int parts, double 
     largest = std::max(largest, (this->*hidden)(view, cell, parts));
   }
   return largest;
+}
+
+/// A cell carries its largest tension, at the nodes that visible() looks at, times its length.
+bool TurnEstimate::carries(const View& view, const Cell& cell, int parts, double share) const {
+  if (view.touches.empty()) return false;
+  double force = 0.0, tension = 0.0;
+  for (const Touch& touch : view.touches) force = std::max(force, touch.force);
+  const int step = cell.span() / parts;
+  for (int j = 0; j <= parts; ++j) {
+    for (int i = 0; i <= parts; ++i) {
+      const int n = view.mesh.node[grid_.particle(cell.i + i * step, cell.j + j * step)];
+      tension = std::max({tension, tension_[kWarp][n], tension_[kWeft][n]});
+    }
+  }
+  return tension * cell.length(grid_) > share * (force + weight_);
 }
 
 /// Turning angle over a cell, from the nodes at its corners or at the corners of its four children.

@@ -190,7 +190,8 @@ class Writer {
     if (dice_.chance(0.3)) {
       text_ << ", " << number("far_angle_factor", dice_.logUniform(1.0, 10.0)) << ", "
             << number("far_strain_factor", dice_.logUniform(1.0, 100.0)) << ", "
-            << number("near_reach", dice_.uniform(0.0, 10.0));
+            << number("near_reach", dice_.uniform(0.0, 10.0)) << ", "
+            << number("near_load", dice_.logUniform(1e-3, 1.0));
     }
     text_ << "}\n";
     text_ << "stop: {" << number("time", step * steps) << "}\n";

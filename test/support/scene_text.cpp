@@ -97,8 +97,8 @@ void writeOptions(std::ostream& out, const Scene& scene) {
       << ", coarsen_below_strain: " << adapt.coarsen_below_strain
       << ", far_angle_factor: " << adapt.far_angle_factor
       << ", far_strain_factor: " << adapt.far_strain_factor << ", near_reach: " << adapt.near_reach
-      << ", minimum_age: " << adapt.minimum_age << "}\nstop: {time: " << scene.stop.time
-      << ", rest_speed: " << scene.stop.rest_speed << "}\n";
+      << ", near_load: " << adapt.near_load << ", minimum_age: " << adapt.minimum_age
+      << "}\nstop: {time: " << scene.stop.time << ", rest_speed: " << scene.stop.rest_speed << "}\n";
 }
 
 }  // namespace

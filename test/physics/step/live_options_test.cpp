@@ -89,6 +89,7 @@ INSTANTIATE_TEST_SUITE_P(
                              s.adapt.far_angle_factor = 8.0;
                              s.adapt.far_strain_factor = 50.0;
                              s.adapt.near_reach = 1.0;
+                             s.adapt.near_load = 1.0;
                            }},
                     Change{"air_damping", [](Scene& s) { s.air_damping = 8.0; }},
                     Change{"coupling_stiffness", [](Scene& s) { s.probes[0].coupling_stiffness = 900.0; }},

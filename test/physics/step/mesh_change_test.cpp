@@ -84,6 +84,9 @@ class Shadow {
             [&](const Cell& cell, int parts, double enough) {
               return turns_.turn(view, cell, parts, enough);
             },
+            [&](const Cell& cell, int parts) {
+              return turns_.carries(view, cell, parts, world.scene().adapt.near_load);
+            },
             [&](const Cell& cell, int parts, double moved) {
               return parts == 1 || !world.contacts().maySink(cloth.mesh(), cloth.nodes(), cell, moved);
             })) {

@@ -270,6 +270,7 @@ TEST(QualityLadder, BeginsWithTheSceneAndGetsCoarser) {
     EXPECT_GE(coarse.adapt.far_angle_factor, fine.adapt.far_angle_factor);
     EXPECT_GE(coarse.adapt.far_strain_factor, fine.adapt.far_strain_factor);
     EXPECT_LE(coarse.adapt.near_reach, fine.adapt.near_reach);
+    EXPECT_GE(coarse.adapt.near_load, fine.adapt.near_load);
     EXPECT_NE(coarse.given_up, fine.given_up);
   }
   EXPECT_EQ(ladder[1].given_up, "tolerance 1, steps to 2 ms");
@@ -281,9 +282,15 @@ TEST(QualityLadder, ShowsStrainsOfAMeshThatGoesByStrainAlone) {
   AdaptOptions adapt;
   adapt.refine_above = 5.0;  // beyond any turning angle
   const std::vector<Quality> ladder = qualityLadder(SolverOptions(), adapt, 4);
-  EXPECT_EQ(ladder[2].given_up, "tolerance 1, steps to 2 ms, mesh thresholds x 2 beyond 8 cells of probes");
-  EXPECT_EQ(ladder[3].given_up, "tolerance 1, steps to 2 ms, mesh thresholds x 8 beyond 8 cells of probes");
-  EXPECT_EQ(ladder[4].given_up, "tolerance 1, steps to 2 ms, mesh thresholds x 32 beyond 8 cells of probes");
+  EXPECT_EQ(
+      ladder[2].given_up,
+      "tolerance 1, steps to 2 ms, mesh thresholds x 2 beyond 8 cells of probes and below 3 % of their load");
+  EXPECT_EQ(
+      ladder[3].given_up,
+      "tolerance 1, steps to 2 ms, mesh thresholds x 8 beyond 8 cells of probes and below 3 % of their load");
+  EXPECT_EQ(ladder[4].given_up,
+            "tolerance 1, steps to 2 ms, mesh thresholds x 32 beyond 8 cells of probes and below 3 % of "
+            "their load");
   EXPECT_EQ(ladder[4].solver.minimizer.max_iterations, SolverOptions().minimizer.max_iterations);
 }
 

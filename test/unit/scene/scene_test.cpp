@@ -99,7 +99,7 @@ solver: {time_step: 0.002, cost: condensed, preconditioner: none, tolerance: 0.3
          time_budget: 0.01, threads: 3}
 adapt: {strategy: refine, levels: 3, interval: 5, refine_above: 0.4, coarsen_below: 0.3,
         refine_above_strain: 0.02, coarsen_below_strain: 0.01, far_angle_factor: 2.5, far_strain_factor: 3.5,
-        near_reach: 4.5, minimum_age: 6}
+        near_reach: 4.5, near_load: 0.05, minimum_age: 6}
 stop: {time: 4, rest_speed: 0.001}
 )");
   EXPECT_EQ(scene.cloth.particles, (std::array<int, 2>{9, 17}));
@@ -139,6 +139,7 @@ stop: {time: 4, rest_speed: 0.001}
   EXPECT_EQ(scene.adapt.far_angle_factor, 2.5);
   EXPECT_EQ(scene.adapt.far_strain_factor, 3.5);
   EXPECT_EQ(scene.adapt.near_reach, 4.5);
+  EXPECT_EQ(scene.adapt.near_load, 0.05);
   EXPECT_EQ(scene.adapt.minimum_age, 6);
   EXPECT_EQ(scene.stop.time, 4);
   EXPECT_EQ(scene.stop.rest_speed, 0.001);
@@ -253,7 +254,7 @@ TEST(Scene, UnknownAndDuplicateKeysAreNamed) {
        {ok + "adapt: {level: 1}",
         "scene: adapt.level: unknown key; known here: strategy, start, levels, interval, refine_above, "
         "coarsen_below, refine_above_strain, coarsen_below_strain, far_angle_factor, far_strain_factor, "
-        "near_reach, minimum_age"},
+        "near_reach, near_load, minimum_age"},
        {ok + "probe: {r: 1}",
         "scene: probe.r: unknown key; known here: shape, radius, length, friction, "
         "coupling_stiffness, coupling_damping, path, orientation, grasp"},

@@ -1,14 +1,16 @@
-/// Turning angle of cells: compression, its memory, and pull round a solid.
+/// Turning angle of cells: compression, its memory, and pull round a solid; and the load that they carry.
 /// Criteria: the formulas of docs/model.md (The adaptive mesh). A sheet with linear fabric that is
 /// squeezed by ε carries k ε along its threads. Its turning angle is `refine_above` times k ε over
 /// 2 (π² B/l² + 0.1 ρ g l), at the first look. Once the sheet is flat again, the angle falls with a time
 /// constant of 70 ms (docs/decisions/0032). The load agrees to 1e-6, as exactly as the table of a law
 /// gives its slope; the rest agrees to rounding. A curved sheet turns by κ l, or by twice that if its tension
-/// times κ is more than 2 ρ g.
+/// times κ is more than 2 ρ g. A pulled one carries k ε l, of which the largest force of a probe and the
+/// weight are the whole.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "sim/cloth_world.h"
 #include "support/scenes.h"
@@ -34,19 +36,35 @@ class TurnOfASheet : public testing::Test {
   /// sheet
   template <class Place>
   double turn(const Place& place) {
-    const TurnEstimate::View flat = world_.turnView();
-    Field nodes = flat.nodes;
-    for (int n = 0; n < flat.mesh.nodes(); ++n) nodes.set(n, place(flat.nodes[n]));
-    const TurnEstimate::View view{flat.mesh,   flat.internal,  flat.contacts, nodes,          flat.velocities,
-                                  flat.weight, flat.look_time, flat.touches,  flat.split_turn};
-    turns_.begin(view, 0.0);
-    return turns_.turn(view, Cell{0, 0, 1}, 2, std::numeric_limits<double>::infinity());
+    return lookAt(place, {}, [&](const TurnEstimate::View& view) {
+      return turns_.turn(view, kParent, 2, std::numeric_limits<double>::infinity());
+    });
+  }
+
+  /// Tells whether that parent carries more than a share of the load.
+  template <class Place>
+  bool carries(const Place& place, const std::vector<TurnEstimate::Touch>& touches, double share) {
+    return lookAt(place, touches,
+                  [&](const TurnEstimate::View& view) { return turns_.carries(view, kParent, 2, share); });
   }
 
   const LinearFabric linear_;
   const Scene scene_;
 
  private:
+  static constexpr Cell kParent{0, 0, 1};
+
+  template <class Place, class Look>
+  auto lookAt(const Place& place, const std::vector<TurnEstimate::Touch>& touches, const Look& look) {
+    const TurnEstimate::View flat = world_.turnView();
+    Field nodes = flat.nodes;
+    for (int n = 0; n < flat.mesh.nodes(); ++n) nodes.set(n, place(flat.nodes[n]));
+    const TurnEstimate::View view{flat.mesh,   flat.internal,  flat.contacts, nodes,          flat.velocities,
+                                  flat.weight, flat.look_time, touches,       flat.split_turn};
+    turns_.begin(view, 0.0);
+    return look(view);
+  }
+
   static LinearFabric linear() {
     LinearFabric linear;
     linear.rigidity = 1e-5;
@@ -94,6 +112,18 @@ TEST_F(TurnOfASheet, PulledRoundASolidCountsTwice) {
   const double limit = 2.0 * linear_.areal_density * 9.80665 / kCurvature;  // of tension [N/m]
   EXPECT_NEAR(turnUnder(0.8 * limit), kCurvature * kLength, tolerance(1e-9));
   EXPECT_NEAR(turnUnder(1.05 * limit), 2.0 * kCurvature * kLength, tolerance(1e-9));
+}
+
+TEST_F(TurnOfASheet, CarriesItsTensionTimesItsLength) {
+  constexpr double kStrain = 1e-3, kForce = 0.5, kLess = 0.2;  // [-], [N], [N]
+  const auto pulled = [&](const Vec3& x) { return Vec3((1.0 + kStrain) * x.x(), x.y(), x.z()); };
+  const std::vector<TurnEstimate::Touch> touches{{Vec3::Zero(), 0.01, kLess}, {Vec3::Zero(), 0.01, kForce}};
+  const double weight = linear_.areal_density * 9.80665 * kSize * kSize,
+               share = linear_.stiffness * kStrain * kLength / (kForce + weight);
+  EXPECT_TRUE(carries(pulled, touches, share * (1.0 - tolerance(1e-6))));
+  EXPECT_FALSE(carries(pulled, touches, share * (1.0 + tolerance(1e-6))));
+  EXPECT_FALSE(carries([](const Vec3& x) { return x; }, touches, 1e-9)) << "no tension";
+  EXPECT_FALSE(carries(pulled, {}, 1e-9)) << "no probe touches";
 }
 
 }  // namespace
