@@ -119,6 +119,7 @@ void ClothCase::lookAtMesh() {
   adaptation_.plan(
       0, nodes(), {}, cloth().leaves(), mesh(), cloth().state(),
       [&](const Cell& cell, int parts, double enough) { return turns.turn(view, cell, parts, enough); },
+      [&](const Cell& cell, int parts) { return turns.carries(view, cell, parts, adapt.near_load); },
       [](const Cell&, int, double) { return true; });
 }
 
