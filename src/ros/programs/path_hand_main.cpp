@@ -27,6 +27,10 @@ namespace topics = haptic_cloth::topics;
 /// restarts [s].
 constexpr double kLead = 0.5;
 
+/// Silence beyond `probe_timeout` before the paths start again: the probes leave the scene, so they do not
+/// press on cloth on the way to their start [s].
+constexpr double kSilence = 0.2;
+
 /// Estimates the time of the cloth between two state messages, at the real-time factor of the last interval.
 class ClothClock {
  public:
@@ -156,10 +160,12 @@ int run(int argc, char** argv) {
     }
     ros::spinOnce();
     const double time = started ? clock.read() : 0.0;
-    for (PathProbe& probe : probes) probe.step(time);
+    if (lead <= kLead) {
+      for (PathProbe& probe : probes) probe.step(time);
+    }
     if (path.repeat_after > 0.0 && time > end + path.repeat_after) {
       started = false;
-      lead = kLead;
+      lead = kLead + options.haptics.probe_timeout + kSilence;
       clock = ClothClock();
       news = FirstNews();
     }

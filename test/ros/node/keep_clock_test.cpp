@@ -20,6 +20,7 @@
 
 #include "haptic_cloth/simulation.h"
 #include "haptic_cloth/state_file.h"
+#include "haptics/quality_ladder.h"
 #include "ros/node/steady_clock.h"
 #include "ros/options/reconfigure_messages.h"
 #include "ros/support/ros_test_support.h"
@@ -28,9 +29,9 @@ namespace haptic_cloth {
 namespace {
 
 const Vec3 kAbove(0.0, 0.0, 0.125), kPressed(0.0, 0.0, 0.100);
-constexpr int kLastRung = 8;
 constexpr int kEnough = 40;  // prompt messages, of which a quarter tells more than chance
 constexpr double kTimeStep = 5e-4, kLongest = 4e-3;  // of the scene and of the node [s]
+const int kLastRung = static_cast<int>(qualityLadder(SolverOptions(), AdaptOptions(), 8).size()) - 1;
 
 /// Newest state of the cloth, and what was the worst of several.
 class StateListener {

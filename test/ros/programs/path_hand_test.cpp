@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "ros/node/steady_clock.h"
 #include "ros/support/ros_test_support.h"
 
 namespace haptic_cloth {
@@ -64,6 +65,23 @@ TEST(PathHand, AResetByOthersTakesItBack) {
   ASSERT_TRUE(spinUntil([&] { return resets > before && cloth_time > 1.0; }));
   EXPECT_TRUE(began_again);
   EXPECT_TRUE(spinUntil([&] { return height == 0.105; }));
+}
+
+/// On the way to its start the hand would press on cloth, so it leaves the scene: it is silent for longer
+/// than `probe_timeout`, here 5 s.
+TEST(PathHand, LeavesTheSceneBeforeItStartsAgain) {
+  ros::NodeHandle node;
+  double heard = 0.0, silence = 0.0;
+  const ros::Subscriber poses = node.subscribe<geometry_msgs::PoseStamped>(
+      "probe/pose", 1000, [&](const geometry_msgs::PoseStamped::ConstPtr&) {
+        const double now = steadyNow();
+        if (heard > 0.0) silence = std::max(silence, now - heard);
+        heard = now;
+      });
+  EXPECT_TRUE(waitFor([&] {
+    ros::spinOnce();
+    return silence > 5.0;
+  }));
 }
 
 /// Tells whether a node publishes or subscribes to a topic other than that of its log.
