@@ -26,7 +26,8 @@ TurnEstimate::TurnEstimate(const Fabric& fabric, const Grid& grid, const Vec3& g
       gravity_(referenceAcceleration(gravity)),
       rigidity_{rigidity(fabric.bending[kWarp]), rigidity(fabric.bending[kWeft])},
       range_(fabric.thickness),
-      weight_(density_ * gravity_ * (grid.columns - 1) * grid.dx * (grid.rows - 1) * grid.dy) {
+      own_tension_(density_ * gravity_ *
+                   std::sqrt((grid.columns - 1) * grid.dx * (grid.rows - 1) * grid.dy)) {
   for (auto& tension : tension_) tension.reserve(grid.particles());
   for (auto& compression : compression_) compression.assign(grid.particles(), kNone);
   curvature_.reserve(grid.particles());
@@ -112,8 +113,12 @@ double TurnEstimate::turn(const View& view, const Cell& cell, int parts, double 
   return largest;
 }
 
-/// A cell carries its largest tension, at the nodes that visible() looks at, times its length.
+/// A cell carries its largest tension, at the nodes that visible() looks at, times its length. Cloth that
+/// hangs has tension of its own, which does not count. Merges need less load than splits, against chatter:
+/// the mesh changes the tension.
 bool TurnEstimate::carries(const View& view, const Cell& cell, int parts, double share) const {
+  constexpr double kOwn = 3.0;     // over the weight of the cloth by its width
+  constexpr double kMerge = 0.25;  // of the load that keeps a cell from merging, over that of a split
   if (view.touches.empty()) return false;
   double force = 0.0, tension = 0.0;
   for (const Touch& touch : view.touches) force = std::max(force, touch.force);
@@ -124,7 +129,8 @@ bool TurnEstimate::carries(const View& view, const Cell& cell, int parts, double
       tension = std::max({tension, tension_[kWarp][n], tension_[kWeft][n]});
     }
   }
-  return tension * cell.length(grid_) > share * (force + weight_);
+  const double carried = (tension - kOwn * own_tension_) * cell.length(grid_);
+  return carried > (parts == 2 ? kMerge : 1.0) * share * force;
 }
 
 /// Turning angle over a cell, from the nodes at its corners or at the corners of its four children.

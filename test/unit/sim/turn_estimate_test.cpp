@@ -4,8 +4,8 @@
 /// 2 (π² B/l² + 0.1 ρ g l), at the first look. Once the sheet is flat again, the angle falls with a time
 /// constant of 70 ms (docs/decisions/0032). The load agrees to 1e-6, as exactly as the table of a law
 /// gives its slope; the rest agrees to rounding. A curved sheet turns by κ l, or by twice that if its tension
-/// times κ is more than 2 ρ g. A pulled one carries k ε l, of which the largest force of a probe and the
-/// weight are the whole.
+/// times κ is more than 2 ρ g. A pulled one carries (k ε - 3 ρ g w) l, w its width; a merge needs a quarter
+/// of what a split needs.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -41,11 +41,13 @@ class TurnOfASheet : public testing::Test {
     });
   }
 
-  /// Tells whether that parent carries more than a share of the load.
+  /// Tells whether that parent carries a share of the load that counts for splits (parts 1) or merges (parts
+  /// 2).
   template <class Place>
-  bool carries(const Place& place, const std::vector<TurnEstimate::Touch>& touches, double share) {
-    return lookAt(place, touches,
-                  [&](const TurnEstimate::View& view) { return turns_.carries(view, kParent, 2, share); });
+  bool carries(const Place& place, const std::vector<TurnEstimate::Touch>& touches, int parts, double share) {
+    return lookAt(place, touches, [&](const TurnEstimate::View& view) {
+      return turns_.carries(view, kParent, parts, share);
+    });
   }
 
   const LinearFabric linear_;
@@ -115,15 +117,20 @@ TEST_F(TurnOfASheet, PulledRoundASolidCountsTwice) {
 }
 
 TEST_F(TurnOfASheet, CarriesItsTensionTimesItsLength) {
-  constexpr double kStrain = 1e-3, kForce = 0.5, kLess = 0.2;  // [-], [N], [N]
+  constexpr double kStrain = 0.02, kForce = 0.5, kLess = 0.2;  // [-], [N], [N]
   const auto pulled = [&](const Vec3& x) { return Vec3((1.0 + kStrain) * x.x(), x.y(), x.z()); };
   const std::vector<TurnEstimate::Touch> touches{{Vec3::Zero(), 0.01, kLess}, {Vec3::Zero(), 0.01, kForce}};
-  const double weight = linear_.areal_density * 9.80665 * kSize * kSize,
-               share = linear_.stiffness * kStrain * kLength / (kForce + weight);
-  EXPECT_TRUE(carries(pulled, touches, share * (1.0 - tolerance(1e-6))));
-  EXPECT_FALSE(carries(pulled, touches, share * (1.0 + tolerance(1e-6))));
-  EXPECT_FALSE(carries([](const Vec3& x) { return x; }, touches, 1e-9)) << "no tension";
-  EXPECT_FALSE(carries(pulled, {}, 1e-9)) << "no probe touches";
+  const double own = 3.0 * linear_.areal_density * 9.80665 * kSize,
+               share = (linear_.stiffness * kStrain - own) * kLength / kForce;  // of the parent
+  for (const auto& [parts, needed] : {std::pair{1, share}, std::pair{2, 4.0 * share}}) {
+    EXPECT_TRUE(carries(pulled, touches, parts, needed * (1.0 - tolerance(1e-6))));
+    EXPECT_FALSE(carries(pulled, touches, parts, needed * (1.0 + tolerance(1e-6))));
+  }
+  EXPECT_FALSE(carries(pulled, {}, 2, 1e-9)) << "no probe touches";
+  const double little = 0.99 * own / linear_.stiffness;
+  EXPECT_FALSE(
+      carries([&](const Vec3& x) { return Vec3((1.0 + little) * x.x(), x.y(), x.z()); }, touches, 2, 0.0))
+      << "no more than it may carry of its own";
 }
 
 }  // namespace
