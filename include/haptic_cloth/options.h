@@ -62,8 +62,8 @@ struct AdaptOptions {
   double far_angle_factor = 1.0, far_strain_factor = 1.0;
   /// How far beyond the finest cells around a probe cells still are near it [spacings of finest particles].
   double near_reach = 8.0;
-  /// Cells whose tension carries more than this share of the largest force of a probe are near, too, wherever
-  /// they are [-].
+  /// Cells whose tension carries more than this share of the largest force of a probe, or of the weight of
+  /// the cloth if that is more, are near, too, wherever they are [-].
   double near_load = 0.03;
   int minimum_age = 30;  ///< time steps before a new cell may merge; prevents chatter
 };

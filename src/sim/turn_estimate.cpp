@@ -26,8 +26,8 @@ TurnEstimate::TurnEstimate(const Fabric& fabric, const Grid& grid, const Vec3& g
       gravity_(referenceAcceleration(gravity)),
       rigidity_{rigidity(fabric.bending[kWarp]), rigidity(fabric.bending[kWeft])},
       range_(fabric.thickness),
-      own_tension_(density_ * gravity_ *
-                   std::sqrt((grid.columns - 1) * grid.dx * (grid.rows - 1) * grid.dy)) {
+      weight_(density_ * gravity_ * (grid.columns - 1) * grid.dx * (grid.rows - 1) * grid.dy),
+      width_(std::sqrt((grid.columns - 1) * grid.dx * (grid.rows - 1) * grid.dy)) {
   for (auto& tension : tension_) tension.reserve(grid.particles());
   for (auto& compression : compression_) compression.assign(grid.particles(), kNone);
   curvature_.reserve(grid.particles());
@@ -114,13 +114,13 @@ double TurnEstimate::turn(const View& view, const Cell& cell, int parts, double 
 }
 
 /// A cell carries its largest tension, at the nodes that visible() looks at, times its length. Cloth that
-/// hangs has tension of its own, which does not count. Merges need less load than splits, against chatter:
-/// the mesh changes the tension.
+/// hangs has tension of its own, which does not count; nor does a touch that has only begun. Merges need less
+/// load than splits, against chatter: the mesh changes the tension.
 bool TurnEstimate::carries(const View& view, const Cell& cell, int parts, double share) const {
   constexpr double kOwn = 3.0;     // over the weight of the cloth by its width
   constexpr double kMerge = 0.25;  // of the load that keeps a cell from merging, over that of a split
   if (view.touches.empty()) return false;
-  double force = 0.0, tension = 0.0;
+  double force = weight_, tension = 0.0;
   for (const Touch& touch : view.touches) force = std::max(force, touch.force);
   const int step = cell.span() / parts;
   for (int j = 0; j <= parts; ++j) {
@@ -129,7 +129,7 @@ bool TurnEstimate::carries(const View& view, const Cell& cell, int parts, double
       tension = std::max({tension, tension_[kWarp][n], tension_[kWeft][n]});
     }
   }
-  const double carried = (tension - kOwn * own_tension_) * cell.length(grid_);
+  const double carried = (tension - kOwn * weight_ / width_) * cell.length(grid_);
   return carried > (parts == 2 ? kMerge : 1.0) * share * force;
 }
 

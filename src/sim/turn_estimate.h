@@ -82,8 +82,9 @@ class TurnEstimate {
   /// @pre begin() for the same mesh
   double turn(const View& view, const Cell& cell, int parts, double enough) const;
 
-  /// Tells whether a leaf (parts 1) carries more than a share of the largest force of a probe, or the parent
-  /// of four leaves (parts 2) more than a quarter of that. Without a probe that touches, none does.
+  /// Tells whether a leaf (parts 1) carries more than a share of the largest force of a probe or, if that is
+  /// larger, of the weight of the cloth; or the parent of four leaves (parts 2) more than a quarter of that.
+  /// Without a probe that touches, none does.
   /// @pre begin() for the same mesh
   bool carries(const View& view, const Cell& cell, int parts, double share) const;
 
@@ -111,7 +112,7 @@ class TurnEstimate {
   double gravity_;                  ///< [m/s²]; standard gravity if a scene has none
   std::array<double, 2> rigidity_;  ///< of each direction [N·m]
   double range_;                    ///< gap at which contact begins [m]
-  double own_tension_;              ///< weight of the cloth over its width [N/m]
+  double weight_, width_;           ///< of the cloth; mean of both directions [N], [m]
   double least_ = 0.0;
   std::array<std::vector<double>, 2> tension_;  ///< mean of a node's edges by direction [N/m]
   /// Compression of each particle by direction, which falls slowly [N/m].
