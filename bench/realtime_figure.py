@@ -17,7 +17,7 @@ def draw(path, rows, words):
     for k, (threads, burners) in enumerate(choices):
         own = {row["scene"]: row for row in rows if (row["threads"], row["burners"]) == (threads, burners)}
         places = [names.index(name) + (k - 0.5 * (len(choices) - 1)) * width for name in own]
-        style = {"color": COLOURS[loads.index(burners) % len(COLOURS)], "alpha": 1.0 if threads == 1 else 0.55,
+        style = {"color": COLOURS[loads.index(burners) % len(COLOURS)], "alpha": threads ** -0.86,
                  "label": "%d thread%s, %d burners" % (threads, "s"[:threads - 1], burners)}
         above.bar(places, [max(row["force_percent"] or 0.0, LEAST_PERCENT) for row in own.values()], 0.9 * width, **style)
         below.bar(places, [row["mean_rung"] for row in own.values()], 0.9 * width, **style)
