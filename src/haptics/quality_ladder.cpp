@@ -88,10 +88,14 @@ bool differ(const Quality& a, const Quality& b) {
 /// and below 3 % of their load".
 std::string givenUp(const Quality& rung, const Quality& asked) {
   std::string text;
-  const auto add = [&text](const char* format, double value) {
+  const auto append = [&text](const char* format, double value) {
     char part[64];
     std::snprintf(part, sizeof(part), format, value);
-    text += (text.empty() ? "" : ", ") + std::string(part);
+    text += part;
+  };
+  const auto add = [&](const char* format, double value) {
+    if (!text.empty()) text += ", ";
+    append(format, value);
   };
   const MinimizerOptions &now = rung.solver.minimizer, &then = asked.solver.minimizer;
   if (now.tolerance != then.tolerance) add("tolerance %.3g", now.tolerance);
@@ -101,13 +105,9 @@ std::string givenUp(const Quality& rung, const Quality& asked) {
                factor = angles != 1.0 ? angles : strains;
   if (factor != 1.0) {
     add("mesh thresholds x %.2g", factor);
-    char place[96];
-    std::snprintf(place, sizeof place, " beyond %.3g cells of probes", rung.adapt.near_reach);
-    text += place;
-    if (rung.adapt.near_load < kNoLoad) {
-      std::snprintf(place, sizeof place, " and below %.3g %% of their load", 100.0 * rung.adapt.near_load);
-      text += place;
-    }
+    append(" beyond %.3g cells of probes", rung.adapt.near_reach);
+    if (rung.adapt.near_load < kNoLoad)
+      append(" and below %.3g %% of their load", 100.0 * rung.adapt.near_load);
   }
   if (now.max_iterations != then.max_iterations) add("%.0f iterations", now.max_iterations);
   return text;

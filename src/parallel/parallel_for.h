@@ -157,18 +157,14 @@ class Team {
   template <class Work>
   void forRange(int count, const Work& work, double item = kElement, const BlockOrder& order = {}) {
     const int blocks = BlockOrder::blocks(count);
-    if (!isWorthSharing(blocks, count * item)) {
+    const auto alone = [&] {
       if (count > 0) work(0, count);
-      return;
-    }
-    const LoopTimer timer(times_, count * item);
-    if (!loop_->open) {
-      work(0, count);
-      return;
-    }
-    shareBlocks(blocks, [&](int position) {
-      const int begin = order[position] * kBlock;
-      work(begin, std::min(count, begin + kBlock));
+    };
+    loop(blocks, count * item, alone, [&] {
+      shareBlocks(blocks, [&](int position) {
+        const int begin = order[position] * kBlock;
+        work(begin, std::min(count, begin + kBlock));
+      });
     });
   }
 
@@ -182,18 +178,11 @@ class Team {
     const auto of_block = [&](int block) {
       partial_[block] = work(block * kBlock, std::min(count, (block + 1) * kBlock));
     };
-    const auto all_blocks = [&] {
+    const auto alone = [&] {
       for (int block = 0; block < blocks; ++block) of_block(block);
     };
-    if (isWorthSharing(blocks, count * item)) {
-      const LoopTimer timer(times_, count * item);
-      if (loop_->open)
-        shareBlocks(blocks, [&](int position) { of_block(order[position]); });
-      else
-        all_blocks();
-    } else {
-      all_blocks();
-    }
+    loop(blocks, count * item, alone,
+         [&] { shareBlocks(blocks, [&](int position) { of_block(order[position]); }); });
     Sums total = Sums::Zero();
     for (int block = 0; block < blocks; ++block) total += partial_[block];
     return total;
@@ -266,6 +255,14 @@ class Team {
     LoopTimes& times_;
     const Clock::time_point start_ = Clock::now();
   };
+
+  /// Makes a loop: shared() in a region, if that pays, else alone(). @param estimate of alone() [s]
+  template <class Alone, class Shared>
+  void loop(int blocks, double estimate, const Alone& alone, const Shared& shared) {
+    if (!isWorthSharing(blocks, estimate)) return alone();
+    const LoopTimer timer(times_, estimate);
+    loop_->open ? shared() : alone();
+  }
 
   template <class Work>
   void shareBlocks(int blocks, const Work& work) {
