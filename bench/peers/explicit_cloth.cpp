@@ -63,7 +63,7 @@ class ExplicitCloth : public Peer {
     const bool first = present_ && !placed_;
     if (first) proxy_ = *device;
     placed_ = present_;
-    contacts_.stopEjected(v_);
+    stopEjected();
     internal_.setNormals(x_);
     collect();
     force_ = Vec3::Zero();
@@ -136,6 +136,15 @@ class ExplicitCloth : public Peer {
     return true;
   }
 
+  /// Stops what obstacles eject: it is not thrown.
+  void stopEjected() {
+    ejected_.assign(mesh_.nodes(), 0);
+    contacts_.markEjected(ejected_);
+    for (int n = 0; n < mesh_.nodes(); ++n) {
+      if (ejected_[n] != 0) v_.set(n, Vec3::Zero());
+    }
+  }
+
   /// Energy of fabric and contact [J]; gradient_ is its gradient.
   double evaluate() {
     const InternalEnergy::Energy e = internal_.evaluate(0, internal_.size(), x_);
@@ -143,7 +152,7 @@ class ExplicitCloth : public Peer {
     const ContactSet::Energy c = contacts_.evaluate(0, contacts_.size(), x_);
     gradient_.fill(0.0);
     internal_.addGradient(0, mesh_.nodes(), gradient_);
-    contacts_.addGradient(0, mesh_.nodes(), gradient_);
+    contacts_.addGradient(0, mesh_.nodes(), 1.0, gradient_);
     contact_ = c.contact;
     return e.stretch + e.bend + e.shear + c.contact;
   }
@@ -233,6 +242,7 @@ class ExplicitCloth : public Peer {
   std::vector<ContactSet::Reach> touching_;
   Field x_, v_, gradient_, start_;
   std::vector<double> reach_;
+  std::vector<char> ejected_;  ///< scratch of stopEjected(): a flag for each node
   double h_ = 0.0;
   int parts_ = 1;
   bool present_ = false, placed_ = false, entered_ = false;

@@ -139,14 +139,8 @@ class ContactSet {
   /// One node of the cell of sample k.
   int firstNode(int k) const { return samples_[k].nodes[0]; }
 
-  /// Stops the nodes of samples that began the step inside a solid: they are ejected, not thrown.
-  void stopEjected(Field& velocities) const;
-
-  /// Sets the flags of the nodes that stopEjected() stops to 1.
+  /// Sets the flags of the nodes of samples that began the step inside a solid to 1.
   void markEjected(std::vector<char>& nodes) const;
-
-  /// Sets the flags of the nodes of samples and pairs that carried force at the last evaluation to 1.
-  void markTouched(std::vector<char>& nodes) const;
 
   /// Sets the flags of the nodes that a moving obstacle touched at the last evaluation to 1.
   /// @return whether there are any
@@ -176,16 +170,17 @@ class ContactSet {
   double quadraticForm(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
                        bool whole_motion) const;
 
-  /// Add the energy gradient [N] at nodes begin..end, and the diagonal of H⁺ [N/m] at all nodes.
-  void addGradient(int begin, int end, Field& gradient) const {
-    gather_.add(begin, end, forces_.gradient(), gradient);
-    if (self_) self_->addGradient(begin, end, gradient);
+  /// Add `factor` times the energy gradient [N] at nodes begin..end, and the diagonal of H⁺ [N/m] at all
+  /// nodes.
+  void addGradient(int begin, int end, double factor, Field& gradient) const {
+    gather_.add(begin, end, factor, forces_.gradient(), gradient);
+    if (self_) self_->addGradient(begin, end, factor, gradient);
   }
-  void addDiagonal(Field& diagonal) const;
+  void addDiagonal(double factor, Field& diagonal) const;
 
-  /// Adds the stiffness of all samples of a probe, or of the obstacles and pairs, to their nodes in
-  /// proportion to the weights [N/m].
-  void addSprings(int probe, Blocks& blocks) const;
+  /// Adds `factor` times the stiffness of all samples of a probe, or of the obstacles and pairs, to their
+  /// nodes in proportion to the weights [N/m].
+  void addSprings(int probe, double factor, Blocks& blocks) const;
   static constexpr int kObstacles = -1;
 
   /// Stores how the gradient of each sample changes along d at `nodes`, the last evaluated point.
@@ -193,8 +188,8 @@ class ContactSet {
   void linearise(int begin, int end, const Field& nodes, const Field& d, const std::vector<Vec3>& d_proxies) {
     forces_.linearise(begin, end, nodes, d, d_proxies);
   }
-  void addChange(int begin, int end, Field& change) const {
-    gather_.add(begin, end, forces_.change(), change);
+  void addChange(int begin, int end, double factor, Field& change) const {
+    gather_.add(begin, end, factor, forces_.change(), change);
   }
   Vec3 proxyChange(int probe) const;
 

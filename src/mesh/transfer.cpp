@@ -52,7 +52,7 @@ void transferAfterSplit(const Grid& grid, const std::vector<Cell>& cells, const 
     const auto c = cell.corners(grid);
     const int middle = (c[0] + c[3]) / 2;
     const auto sides = sidesOf(c);
-    for (auto* values : {&state.position, &state.velocity, &state.moved, &state.gained}) {
+    for (auto* values : {&state.position, &state.velocity, &state.gained, &state.lag, &state.pushed}) {
       auto& x = *values;
       if (x.empty()) continue;
       for (const auto& [a, b] : sides) x[(a + b) / 2] = 0.5 * (x[a] + x[b]);
@@ -60,10 +60,6 @@ void transferAfterSplit(const Grid& grid, const std::vector<Cell>& cells, const 
     }
     if (crowded[grid.cell(cell.i, cell.j)])
       state.position[middle] = middleOfDiagonal(cell, c, state.position);
-    if (state.jumped.empty()) continue;
-    auto& jumped = state.jumped;
-    for (const auto& [a, b] : sides) jumped[(a + b) / 2] = jumped[a] | jumped[b];
-    jumped[middle] = jumped[c[0]] | jumped[c[1]] | jumped[c[2]] | jumped[c[3]];
   }
 }
 
@@ -83,9 +79,9 @@ void forCorners(const LeafMesh& leaves, const ActiveMesh& mesh, int particle, co
   }
 }
 
-/// Velocities and the changes of the last step: what moves on with the mass.
-std::array<std::vector<Vec3>*, 3> motionsOf(ParticleState& state) {
-  return {&state.velocity, &state.moved, &state.gained};
+/// Velocities and what BDF2 keeps of the last step: what moves on with the mass.
+std::array<std::vector<Vec3>*, 4> motionsOf(ParticleState& state) {
+  return {&state.velocity, &state.gained, &state.lag, &state.pushed};
 }
 
 }  // namespace
@@ -114,23 +110,6 @@ void MergeTransfer::apply(const LeafMesh& leaves, const ActiveMesh& mesh, Partic
   for (const Ghost& g : mesh.ghosts) {
     const int p = mesh.particle[g.node], a = mesh.particle[g.a], b = mesh.particle[g.b];
     state.position[p] = 0.5 * (state.position[a] + state.position[b]);
-  }
-  if (!state.jumped.empty()) handOverJumps(leaves, mesh, state.jumped);
-}
-
-/// Marks the nodes that received motion from a particle that had jumped.
-void MergeTransfer::handOverJumps(const LeafMesh& leaves, const ActiveMesh& mesh,
-                                  std::vector<char>& jumped) const {
-  for (const int p : active_) {
-    if (mesh.node[p] >= 0 || jumped[p] == 0) continue;
-    forCorners(leaves, mesh, p, [&](int node, double) { jumped[mesh.particle[node]] = 1; });
-  }
-  for (auto g = mesh.ghosts.rbegin(); g != mesh.ghosts.rend(); ++g) {
-    if (jumped[mesh.particle[g->node]] == 0) continue;
-    for (const int master : {g->a, g->b}) jumped[mesh.particle[master]] = 1;
-  }
-  for (const Ghost& g : mesh.ghosts) {
-    jumped[mesh.particle[g.node]] = jumped[mesh.particle[g.a]] | jumped[mesh.particle[g.b]];
   }
 }
 

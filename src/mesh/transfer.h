@@ -14,18 +14,16 @@ namespace haptic_cloth {
 struct ParticleState {
   std::vector<Vec3> position;  ///< [m]
   std::vector<Vec3> velocity;  ///< [m/s]
-  /// For BDF2, else empty: changes of position [m] and velocity [m/s] in the last step, and whether
-  /// the velocity jumped in it.
-  std::vector<Vec3> moved, gained;
-  std::vector<char> jumped;
+  /// What TimeIntegrator keeps for BDF2, else empty [m/s], [m/s], [m/s²].
+  std::vector<Vec3> gained, lag, pushed;
 
   void serialize(Archive& archive) {
     archive("position", position);
     archive("velocity", velocity);
-    if (jumped.empty()) return;
-    archive("moved", moved);
+    if (gained.empty()) return;
     archive("gained", gained);
-    archive.within("jumped", jumped, 0, 1);
+    archive("lag", lag);
+    archive("pushed", pushed);
   }
 };
 
@@ -62,7 +60,6 @@ class MergeTransfer {
  private:
   void give(int node, const Vec3& momentum);
   void apply(const LeafMesh& leaves, const ActiveMesh& mesh, std::vector<Vec3>& values);
-  void handOverJumps(const LeafMesh& leaves, const ActiveMesh& mesh, std::vector<char>& jumped) const;
 
   std::vector<int> active_;     ///< particles that were active before
   std::vector<double> masses_;  ///< and their masses before [kg]

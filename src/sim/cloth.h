@@ -4,7 +4,6 @@
 #include <optional>
 #include <vector>
 
-#include "contact/contact_set.h"
 #include "energy/history.h"
 #include "energy/internal_energy.h"
 #include "haptic_cloth/report.h"
@@ -46,8 +45,6 @@ class Cloth {
     pins_.begin(length, end);
   }
   void setAirDamping(double air_damping) { integrator_.setAirDamping(air_damping); }
-  /// Tells the integrator which nodes may be stopped in this step.
-  void expectJumps(const std::vector<char>& nodes) { integrator_.expectJumps(nodes); }
 
   bool pinsMove() const { return pins_.any(); }
   int pins() const { return pins_.count(); }  ///< entries of the scene's pins
@@ -74,11 +71,12 @@ class Cloth {
   double changeMesh(Adaptation& adaptation, long tick);
 
   /// Takes positions, velocities and weight from a solved step.
-  /// @param jumped flags of the nodes whose velocity may have jumped in it
-  void move(const ClothObjective& solved, const std::vector<char>& jumped);
+  /// @param contact forces of contact in it, by ClothObjective::contactForces()
+  /// @param whole false: only a part of its motion was made
+  void move(const ClothObjective& solved, const Field& contact, bool whole);
 
-  /// Stops cloth that obstacles eject: it is not thrown.
-  void stopEjected(const ContactSet& contacts) { contacts.stopEjected(velocities_); }
+  /// Stops the marked nodes where they are.
+  void stop(const std::vector<char>& nodes) { integrator_.stop(nodes, velocities_); }
 
   /// Lowers the kinetic energy to `allowed` [J]. What moves free cloth as a rigid body stays as long as the
   /// rest can pay, because forces within the cloth cannot change it. Pins move on as they are told: only

@@ -40,7 +40,8 @@ ClothWorld::ClothWorld(const Scene& scene)
       idle_(probes_.count()) {
   near_probes_.reserve(probes_.count());
   touches_.reserve(probes_.count());
-  for (auto* flags : {&driven_, &jumped_}) flags->reserve(cloth_.grid().particles());
+  for (auto* flags : {&driven_, &stopped_}) flags->reserve(cloth_.grid().particles());
+  contact_.reserve(cloth_.grid().particles());
 }
 
 StepReport ClothWorld::step(int length) {
@@ -170,23 +171,26 @@ void ClothWorld::accept(StepReport& report) {
   const Vec3 momentum_before = cloth_.pinnedMomentum();
   // Ejected cloth is stopped after each step, and a belt may not carry cloth at once, but neither rests.
   markDriven();
-  markJumped(report.minimizer);
+  markStopped();
+  contact_.clear(cloth_.mesh().nodes());
+  if (cloth_.integrator().secondOrder()) solved.contactForces(contact_);
   contacts_.rememberFriction(cloth_.mesh(), cloth_.internal().nodeNormals());
-  cloth_.move(solved, jumped_);
+  cloth_.move(solved, contact_, report.minimizer.motion_made == 1.0);
   if (cloth_.pinsMove()) cloth_.advancePins(solver_.pinsMade());
   const double h = solved.timeStep(), pinned = cloth_.pinnedKineticEnergy();
-  energy_.notePinWork(solved.pinWork() + pinned - pinned_before, 2.0 * h * scene_.air_damping * pinned);
+  energy_.notePinWork(solved.pinWork(contact_) + pinned - pinned_before,
+                      2.0 * h * scene_.air_damping * pinned);
   const Vec3 momentum = cloth_.pinnedMomentum();
   const Vec3 pinned_force = (momentum - momentum_before) / h + scene_.air_damping * momentum;
   sleep_.update(cloth_.mesh(), cloth_.velocities(), solved.awake().flags(), driven_);
-  cloth_.stopEjected(contacts_);
+  cloth_.stop(stopped_);
   report.velocity_scale = energy_.guard(kinetic_before, gravity_work, solved,
                                         report.minimizer.why == Termination::Converged, cloth_);
   cloth_.commit(team_);
   force_error_.noteCloth(cloth_, feelsCloth(), adaptation_.decidesAt(ticks_));
   probes_.accept(solved, contacts_, cloth_.mesh(), grasps_, force_error_);
   grasps_.noteTouched(probes_, contacts_, cloth_.mesh());
-  support_force_ = contacts_.obstacleForce() + solved.pinForce() + pinned_force;
+  support_force_ = contacts_.obstacleForce() + solved.pinForce(contact_) + pinned_force;
   report.max_penetration = contacts_.deepest();
 }
 
@@ -196,20 +200,13 @@ void ClothWorld::reportPairs(StepReport& report) {
   report.min_self_gap = contacts_.smallestSelfGap(cloth_.nodes());
 }
 
-/// Marks the nodes whose velocity may have jumped: ejected, touched, held or asleep; all if only a part of
-/// the motion was made.
-void ClothWorld::markJumped(const MinimizerReport& report) {
+/// Marks the nodes that end the step at rest: obstacles eject, not throw them, or they sleep.
+void ClothWorld::markStopped() {
   const ActiveMesh& mesh = cloth_.mesh();
-  if (report.motion_made < 1.0) {
-    jumped_.assign(mesh.nodes(), 1);
-    return;
-  }
-  jumped_ = driven_;
-  contacts_.markTouched(jumped_);
-  for (const HeldNode& held : solver_.objective().held()) jumped_[held.node] = 1;
+  stopped_.assign(mesh.nodes(), 0);
+  contacts_.markEjected(stopped_);
   const std::vector<char>& awake = solver_.objective().awake().flags();
-  for (int n = 0; n < mesh.nodes(); ++n) jumped_[n] |= awake[n] == 0;
-  mesh.markMasters(jumped_);
+  for (int n = 0; n < mesh.free; ++n) stopped_[n] |= awake[n] == 0;
 }
 
 /// Marks the nodes that obstacles eject, and those that moving obstacles touch.

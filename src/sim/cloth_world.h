@@ -82,7 +82,7 @@ class ClothWorld {
   void accept(StepReport& report);
   void reportPairs(StepReport& report);
   void markDriven();
-  void markJumped(const MinimizerReport& report);
+  void markStopped();
   void restore();
   StepReport skipStep(int length);
 
@@ -103,7 +103,8 @@ class ClothWorld {
   Vec3 support_force_ = Vec3::Zero();
   ProbeRegions near_probes_;                  ///< scratch of planMesh()
   std::vector<TurnEstimate::Touch> touches_;  ///< scratch of turnView()
-  std::vector<char> driven_, jumped_;         ///< scratch of accept(): one flag for each node
+  std::vector<char> driven_, stopped_;        ///< scratch of accept(): one flag for each node
+  Field contact_;                             ///< scratch of accept(): forces of contact on the nodes [N]
 };
 
 }  // namespace haptic_cloth

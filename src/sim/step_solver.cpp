@@ -68,7 +68,6 @@ MinimizerReport StepSolver::solve(const std::vector<HeldNode>& held) {
   bool apart = true;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     findContacts();
-    if (cloth_.integrator().secondOrder()) foreseeTouches();
     beginSolve(held);
     const MinimizerReport last = joint_ ? minimizeJoint() : minimizeCondensed();
     report = attempt == 0 ? last : sum(report, last);
@@ -129,26 +128,6 @@ void StepSolver::findContacts() {
     contacts_.collectPairs(cloth_.mesh(), cloth_.nodes(), cloth_.internal().nodeNormals(), reach_.pairs());
   };
   team_.runBeside(pairs, [&] { contacts_.collect(cloth_.mesh(), cloth_.nodes(), reach_.nodes(), touching); });
-}
-
-/// Tells the cloth which nodes inertia and gravity would carry into contact, if the probes moved with their
-/// devices.
-void StepSolver::foreseeTouches() {
-  const ActiveMesh& mesh = cloth_.mesh();
-  const TimeIntegrator& integrator = cloth_.integrator();
-  end_ = cloth_.nodes();
-  for (int n = 0; n < mesh.free; ++n)
-    end_.add(n, integrator.inertialMotion(n, cloth_.velocities()[n]) + integrator.fall() * scene_.gravity);
-  mesh.interpolateGhosts(end_);
-  for (int k = 0; k < probes_.count(); ++k) {
-    const ProbeStep& probe = probes_.steps()[k];
-    if (probe.present) contacts_.placeProbe(k, probe.proxy + integrator.stepLength() * probe.device_velocity);
-  }
-  contacts_.evaluate(0, contacts_.size(), end_);
-  touched_.assign(mesh.nodes(), 0);
-  contacts_.markTouched(touched_);
-  mesh.markMasters(touched_);
-  cloth_.expectJumps(touched_);
 }
 
 /// Evaluates Φ and its gradient with all nodes and proxies at x⁰. @return Φ
@@ -422,7 +401,7 @@ StepSolver::ModelMinimum StepSolver::minimumOfModel() {
   const double h = cloth_.integrator().stepLength();
   const int size = objective_.size(), free = cloth_.mesh().free;
   for (int n = 0; n < free; ++n) {
-    const Vec3 inertial = cloth_.integrator().inertialMotion(n, cloth_.velocities()[n]);
+    const Vec3 inertial = cloth_.integrator().coastingMotion(cloth_.velocities()[n]);
     for (int c = 0; c < 3; ++c) directions_[0][c * free + n] = inertial[c];
   }
   for (int c = 0; c < 3; ++c) {

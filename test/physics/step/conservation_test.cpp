@@ -71,6 +71,20 @@ TEST(Determinism, ResetRepeatsTheRun) {
   EXPECT_EQ(hashAfter(simulation, 200), first);
 }
 
+/// Velocity of the centre of mass from the positions at both ends of a step [m/s].
+Vec3 meanVelocity(const Scene& scene, const std::vector<Vec3>& before, const std::vector<Vec3>& after) {
+  const auto [columns, rows] = scene.cloth.particles;
+  Vec3 sum = Vec3::Zero();
+  double weights = 0.0;
+  for (int p = 0; p < columns * rows; ++p) {
+    const int i = p % columns, j = p / columns;
+    const double weight = (i == 0 || i == columns - 1 ? 0.5 : 1.0) * (j == 0 || j == rows - 1 ? 0.5 : 1.0);
+    sum += weight * (after[p] - before[p]);
+    weights += weight;
+  }
+  return sum / (weights * scene.solver.time_step);
+}
+
 class AfterABlow : public testing::TestWithParam<Integrator> {};
 
 TEST_P(AfterABlow, FreeClothKeepsItsMomentum) {
@@ -96,15 +110,7 @@ TEST_P(AfterABlow, FreeClothKeepsItsMomentum) {
     simulation.positions(before);
     EXPECT_EQ(simulation.step().minimizer.why, Termination::Converged);
     simulation.positions(after);
-    Vec3 sum = Vec3::Zero();
-    double weights = 0.0;
-    for (std::size_t p = 0; p < after.size(); ++p) {
-      const int i = static_cast<int>(p) % 33, j = static_cast<int>(p) / 33;
-      const double weight = (i == 0 || i == 32 ? 0.5 : 1.0) * (j == 0 || j == 32 ? 0.5 : 1.0);
-      sum += weight * (after[p] - before[p]);
-      weights += weight;
-    }
-    return Vec3(sum / (weights * scene.solver.time_step));
+    return meanVelocity(scene, before, after);
   };
   for (int k = 1; k <= 60; ++k) {
     const double height = k <= 50 ? -0.02 + 0.5e-3 * k : 0.005 - 0.02 * (k - 50);
@@ -120,6 +126,54 @@ TEST_P(AfterABlow, FreeClothKeepsItsMomentum) {
           GetParam() == Integrator::Bdf2 ? 2.0 : 1.0, (end - start).norm() / start.norm(), 0.0, 1.0});
   EXPECT_GT(start.norm(), 0.1);
   EXPECT_LT((end - start).norm(), tolerance(0.01 * 0.1 * 9.81 * scene.solver.time_step * kSteps));
+}
+
+TEST_P(AfterABlow, AStripKeepsWhatAProbeGaveIt) {
+  // A capsule pushes the middle of a weightless strip, whose halves fold onto each other behind it, and draws
+  // back.
+  Scene scene = sheetScene(loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/wool_tropical.yaml"), 29, 7,
+                           0.084, 0.018);
+  scene.gravity.setZero();
+  scene.air_damping = 0.0;
+  scene.solver.time_step = 1e-3;
+  scene.solver.integrator = GetParam();
+  scene.solver.sleep_speed = 0.0;
+  scene.solver.minimizer.tolerance = 1e-3;
+  scene.solver.minimizer.max_iterations = 5000;
+  ProbeOptions& probe = scene.probes[0];
+  probe.radius = 0.004;
+  probe.length = 0.025;
+  probe.friction = 0.2;
+  const Quat across(Eigen::AngleAxisd(M_PI_2, Vec3::UnitX()));  // the capsule lies along the weft
+  constexpr double kSpeed = 0.8, kReach = 0.1, kTime = 0.25;
+  Simulation simulation(scene);
+  std::vector<Vec3> before, after;
+  Vec3 given = Vec3::Zero(), velocity = Vec3::Zero();  // over the mass [m/s]
+  double left = 0.0;                                   // by the residuals of all steps [m/s]
+  int touching = 0;
+  while (simulation.time() < kTime) {
+    const double way = std::min(kSpeed * simulation.time(), kReach);
+    const bool present = simulation.time() * kSpeed < 1.2 * kReach;
+    if (present) {
+      simulation.setDevice(
+          0, {Vec3(0.0, 0.0, way - 0.009), Vec3(0.0, 0.0, way < kReach ? kSpeed : 0.0), across});
+    } else {
+      simulation.removeDevice(0);
+    }
+    simulation.positions(before);
+    const StepReport report = simulation.step();
+    ASSERT_EQ(report.minimizer.why, Termination::Converged);
+    simulation.positions(after);
+    velocity = meanVelocity(scene, before, after);
+    if (present) given -= scene.solver.time_step / simulation.mass() * simulation.probe(0).force;
+    left += report.minimizer.residual * 9.80665 * scene.solver.time_step;
+    touching += report.self_contacts > 0 ? 1 : 0;
+  }
+  record({"weightless strip pushed by a probe and folded", "change of momentum / momentum [-]", "finest",
+          GetParam() == Integrator::Bdf2 ? 2.0 : 1.0, (velocity - given).norm() / given.norm(), 0.0, 1.0});
+  EXPECT_GT(touching, 10);
+  EXPECT_GT(given.norm(), 0.3);
+  EXPECT_LT((velocity - given).norm(), tolerance(left));
 }
 
 INSTANTIATE_TEST_SUITE_P(Integrators, AfterABlow, testing::Values(Integrator::Euler, Integrator::Bdf2),

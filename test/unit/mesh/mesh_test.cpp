@@ -278,13 +278,13 @@ TEST(TransferTest, MomentumIsKeptThroughSplitsAndMerges) {
   ActiveMesh mesh(leaves, 0.2);
   MergeTransfer merge(kGrid);
   ParticleState state;
-  const Eigen::VectorXd values = fixedRandom(12 * kGrid.particles(), 11);
+  const Eigen::VectorXd values = fixedRandom(15 * kGrid.particles(), 11);
   for (int p = 0; p < kGrid.particles(); ++p) {
-    state.position.push_back(values.segment<3>(12 * p));
-    state.velocity.push_back(values.segment<3>(12 * p + 3));
-    state.moved.push_back(values.segment<3>(12 * p + 6));
-    state.gained.push_back(values.segment<3>(12 * p + 9));
-    state.jumped.push_back(0);
+    state.position.push_back(values.segment<3>(15 * p));
+    state.velocity.push_back(values.segment<3>(15 * p + 3));
+    state.gained.push_back(values.segment<3>(15 * p + 6));
+    state.lag.push_back(values.segment<3>(15 * p + 9));
+    state.pushed.push_back(values.segment<3>(15 * p + 12));
   }
   const auto momentum = [&](const std::vector<Vec3>& motion) {
     Vec3 sum = Vec3::Zero();
@@ -292,12 +292,12 @@ TEST(TransferTest, MomentumIsKeptThroughSplitsAndMerges) {
     return sum;
   };
   for (const Ghost& g : mesh.ghosts) {  // valid state: hanging nodes are the mean of their masters
-    for (auto* v : {&state.position, &state.velocity, &state.moved, &state.gained}) {
+    for (auto* v : {&state.position, &state.velocity, &state.gained, &state.lag, &state.pushed}) {
       (*v)[mesh.particle[g.node]] = 0.5 * ((*v)[mesh.particle[g.a]] + (*v)[mesh.particle[g.b]]);
     }
   }
-  // The changes that BDF2 keeps lead on like velocity, so their momentum is kept as well.
-  const std::vector<Vec3>* const motions[] = {&state.velocity, &state.moved, &state.gained};
+  // What BDF2 keeps of a step leads on like velocity, so its sum over the mass is kept as well.
+  const std::vector<Vec3>* const motions[] = {&state.velocity, &state.gained, &state.lag, &state.pushed};
   std::vector<Vec3> before;
   for (const auto* motion : motions) before.push_back(momentum(*motion));
   std::mt19937 random(3);
@@ -315,30 +315,6 @@ TEST(TransferTest, MomentumIsKeptThroughSplitsAndMerges) {
   }
   EXPECT_GT(splits, 50);
   EXPECT_GT(merges, 20);
-}
-
-TEST(TransferTest, AJumpGoesOnWithTheMotion) {
-  const Grid grid{3, 3, 1, 0.01, 0.01};
-  LeafMesh leaves(grid, {}, 0);
-  ActiveMesh mesh(leaves, 0.2);
-  ParticleState state;
-  for (auto* list : {&state.position, &state.velocity, &state.moved, &state.gained}) {
-    list->assign(grid.particles(), Vec3::Zero());
-  }
-  state.jumped.assign(grid.particles(), 0);
-  state.jumped[grid.particle(1, 0)] = 1;  // between two corners of the cell that is left
-  MergeTransfer merge(grid);
-  merge.capture(mesh);
-  leaves.merge({0, 0, 1});
-  mesh.rebuild(leaves);
-  merge.apply(leaves, mesh, state);
-  EXPECT_TRUE(state.jumped[grid.particle(0, 0)]);
-  EXPECT_TRUE(state.jumped[grid.particle(2, 0)]);
-  EXPECT_FALSE(state.jumped[grid.particle(0, 2)]);
-  transferAfterSplit(grid, {{0, 0, 1}}, std::vector<char>(grid.cells(), 0), state);
-  EXPECT_TRUE(state.jumped[grid.particle(1, 0)]);
-  EXPECT_TRUE(state.jumped[grid.particle(1, 1)]);
-  EXPECT_FALSE(state.jumped[grid.particle(1, 2)]);
 }
 
 }  // namespace
