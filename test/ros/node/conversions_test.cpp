@@ -106,7 +106,7 @@ TEST(Conversions, ClothState) {
   frame.time = 2.5;
   for (int i = 0; i < 9; ++i) frame.positions.push_back(Vec3(i, 2 * i, 3 * i));
   // Two cells of a 3 x 3 grid that share the side (1, 4).
-  frame.cells = {{{0, 1, 3, 4}, 0}, {{1, 2, 4, 5}, 0}};
+  frame.cells = {{{0, 1, 3, 4}, 0, false}, {{1, 2, 4, 5}, 0, false}};
   frame.tension = {1.0F, 2.0F};
   frame.bending = {3.0F, 4.0F};
   frame.last.self_contacts = 7;
@@ -161,7 +161,7 @@ TEST_F(MarkersTest, LinesAreSeenFromAboveOnTheBackToo) {
 TEST_F(MarkersTest, CountsStayTheSameForEveryMesh) {
   MarkerBuilder builder(scene_, "world", MarkerOptions());
   const auto first = builder.build(frame_, {Vec3::Zero()}, ros::Time(1.0));
-  frame_.cells = {{{0, 16, 16 * 17, 17 * 17 - 1}, 4}};  // one coarse cell
+  frame_.cells = {{{0, 16, 16 * 17, 17 * 17 - 1}, 4, false}};  // one coarse cell
   const auto second = builder.build(frame_, {Vec3(0, 0, 1)}, ros::Time(2.0));
   ASSERT_EQ(first.markers.size(), second.markers.size());
   for (std::size_t k = 0; k < 2; ++k) {
