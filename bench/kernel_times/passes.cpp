@@ -105,7 +105,7 @@ void addNodes(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
                     }});
   passes.push_back(
       {"gathering of contact", "value", -1.0, kVector * n.samples + sizeof(int) * n.nodes, [&cloth, nodes] {
-         cloth.contacts().addGradient(0, nodes, 1.0, cloth.gradient());
+         cloth.contacts().addGradient(0, nodes, cloth.gradient());
          return cloth.gradient().coordinate(0)[0];
        }});
   passes.push_back({"packing", "value", 0.0, 4.0 * n.unknowns * sizeof(double), [&cloth] {

@@ -152,7 +152,7 @@ class ExplicitCloth : public Peer {
     const ContactSet::Energy c = contacts_.evaluate(0, contacts_.size(), x_);
     gradient_.fill(0.0);
     internal_.addGradient(0, mesh_.nodes(), gradient_);
-    contacts_.addGradient(0, mesh_.nodes(), 1.0, gradient_);
+    contacts_.addGradient(0, mesh_.nodes(), gradient_);
     contact_ = c.contact;
     return e.stretch + e.bend + e.shear + c.contact;
   }

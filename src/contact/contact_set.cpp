@@ -131,13 +131,13 @@ void ContactSet::appendAwake(const std::vector<char>& awake, int first, Runs& ru
   if (self_) self_->appendAwake(awake, first + samples_.size(), runs);
 }
 
-void ContactSet::addDiagonal(double factor, Field& diagonal) const {
+void ContactSet::addDiagonal(Field& diagonal) const {
   for (int n = 0; n < diagonal.size(); ++n) {
     gather_.forSamples(n, [&](int sample, double weight) {
-      diagonal.add(n, factor * weight * weight * forces_.block(sample).head<3>());
+      diagonal.add(n, weight * weight * forces_.block(sample).head<3>());
     });
   }
-  if (self_) self_->addDiagonal(factor, diagonal);
+  if (self_) self_->addDiagonal(diagonal);
 }
 
 /// Calls visit(k) for the samples of a probe, or of the obstacles.
@@ -150,14 +150,14 @@ void ContactSet::forSamples(int probe, const Visit& visit) const {
   }
 }
 
-void ContactSet::addSprings(int probe, double factor, Blocks& blocks) const {
-  if (self_ && probe == kObstacles) self_->addSprings(factor, blocks);
+void ContactSet::addSprings(int probe, Blocks& blocks) const {
+  if (self_ && probe == kObstacles) self_->addSprings(blocks);
   forSamples(probe, [&](int k) {
     const Block own = forces_.block(k);
     if (own.isZero(0.0)) return;
     const ContactSample& sample = samples_[k];
     for (int c = 0; c < 4; ++c) {
-      if (sample.weights[c] > 0.0) blocks[sample.nodes[c]] += factor * sample.weights[c] * own;
+      if (sample.weights[c] > 0.0) blocks[sample.nodes[c]] += sample.weights[c] * own;
     }
   });
 }
@@ -232,6 +232,13 @@ void ContactSet::markEjected(std::vector<char>& nodes) const {
   for (const ContactSample& sample : samples_) {
     if (sample.gap_offset == 0.0) continue;
     for (const int node : sample.nodes) nodes[node] = 1;
+  }
+}
+
+void ContactSet::markListed(std::vector<char>& nodes) const {
+  if (self_) self_->markListed(nodes);
+  for (const ContactSample& sample : samples_) {
+    if (sample.area > 0.0) markNodes(sample, nodes);
   }
 }
 

@@ -139,8 +139,11 @@ class ContactSet {
   /// One node of the cell of sample k.
   int firstNode(int k) const { return samples_[k].nodes[0]; }
 
-  /// Sets the flags of the nodes of samples that began the step inside a solid to 1.
+  /// Sets the flags of the nodes of samples that began the step inside a solid to 1: they are ejected.
   void markEjected(std::vector<char>& nodes) const;
+
+  /// Sets the flags of the nodes of all samples and pairs to 1: only they can touch anything in the step.
+  void markListed(std::vector<char>& nodes) const;
 
   /// Sets the flags of the nodes that a moving obstacle touched at the last evaluation to 1.
   /// @return whether there are any
@@ -170,17 +173,16 @@ class ContactSet {
   double quadraticForm(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
                        bool whole_motion) const;
 
-  /// Add `factor` times the energy gradient [N] at nodes begin..end, and the diagonal of H⁺ [N/m] at all
-  /// nodes.
-  void addGradient(int begin, int end, double factor, Field& gradient) const {
-    gather_.add(begin, end, factor, forces_.gradient(), gradient);
-    if (self_) self_->addGradient(begin, end, factor, gradient);
+  /// Add the energy gradient [N] at nodes begin..end, and the diagonal of H⁺ [N/m] at all nodes.
+  void addGradient(int begin, int end, Field& gradient) const {
+    gather_.add(begin, end, forces_.gradient(), gradient);
+    if (self_) self_->addGradient(begin, end, gradient);
   }
-  void addDiagonal(double factor, Field& diagonal) const;
+  void addDiagonal(Field& diagonal) const;
 
-  /// Adds `factor` times the stiffness of all samples of a probe, or of the obstacles and pairs, to their
-  /// nodes in proportion to the weights [N/m].
-  void addSprings(int probe, double factor, Blocks& blocks) const;
+  /// Adds the stiffness of all samples of a probe, or of the obstacles and pairs, to their nodes in
+  /// proportion to the weights [N/m].
+  void addSprings(int probe, Blocks& blocks) const;
   static constexpr int kObstacles = -1;
 
   /// Stores how the gradient of each sample changes along d at `nodes`, the last evaluated point.
@@ -188,8 +190,8 @@ class ContactSet {
   void linearise(int begin, int end, const Field& nodes, const Field& d, const std::vector<Vec3>& d_proxies) {
     forces_.linearise(begin, end, nodes, d, d_proxies);
   }
-  void addChange(int begin, int end, double factor, Field& change) const {
-    gather_.add(begin, end, factor, forces_.change(), change);
+  void addChange(int begin, int end, Field& change) const {
+    gather_.add(begin, end, forces_.change(), change);
   }
   Vec3 proxyChange(int probe) const;
 

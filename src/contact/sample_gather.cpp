@@ -21,12 +21,11 @@ void SampleGather::rebuild(const SampleList& samples, int nodes) {
   listByNode(nodes, visit, rows_, entries_);
 }
 
-void SampleGather::add(int begin, int end, double factor, const Field& of_samples, Field& of_nodes) const {
+void SampleGather::add(int begin, int end, const Field& of_samples, Field& of_nodes) const {
   for (int n = begin; n < end; ++n) {
     if (rows_[n] == rows_[n + 1]) continue;
     Vec3 sum = of_nodes[n];
-    for (int e = rows_[n]; e < rows_[n + 1]; ++e)
-      sum += factor * entries_[e].weight * of_samples[entries_[e].sample];
+    for (int e = rows_[n]; e < rows_[n + 1]; ++e) sum += entries_[e].weight * of_samples[entries_[e].sample];
     of_nodes.set(n, sum);
   }
 }

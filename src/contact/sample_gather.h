@@ -15,8 +15,8 @@ class SampleGather {
   void reserve(int nodes, int samples);
   void rebuild(const SampleList& samples, int nodes);
 
-  /// Adds the values of their samples to nodes begin..end, times the weights and `factor`.
-  void add(int begin, int end, double factor, const Field& of_samples, Field& of_nodes) const;
+  /// Adds the values of their samples to nodes begin..end, times the weights.
+  void add(int begin, int end, const Field& of_samples, Field& of_nodes) const;
 
   /// Calls visit(sample, weight) for the samples of a node.
   template <class Visit>

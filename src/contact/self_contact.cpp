@@ -192,34 +192,32 @@ void SelfContact::sumForces(int nodes) {
   });
 }
 
-void SelfContact::addGradient(int begin, int end, double factor, Field& gradient) const {
+void SelfContact::addGradient(int begin, int end, Field& gradient) const {
   if (packs_.empty()) return;
   for (int n = begin; n < end; ++n) {
-    if (is_paired_[n]) gradient.add(n, factor * gradient_[n]);
+    if (is_paired_[n]) gradient.add(n, gradient_[n]);
   }
 }
 
-void SelfContact::addSprings(double factor, Blocks& blocks) const {
+void SelfContact::addSprings(Blocks& blocks) const {
   forPressing([&](const PairPack& pack, int l) {
-    const Block pressed = factor * pack.stiffness[l] * square(laneOf(pack.normal, l));
+    const Block pressed = pack.stiffness[l] * square(laneOf(pack.normal, l));
     for (int c = 0; c < 4; ++c) blocks[pack.nodes[c].index[l]] += std::abs(pack.weights[c][l]) * pressed;
   });
   forDrags([&](const DragPack& drag, int l) {
-    const Block dragged =
-        factor * frictionBlock(laneOf(drag.slip, l), laneOf(drag.normal, l), drag.limit[l], slip_);
+    const Block dragged = frictionBlock(laneOf(drag.slip, l), laneOf(drag.normal, l), drag.limit[l], slip_);
     for (int c = 0; c < 4; ++c) blocks[drag.nodes[c].index[l]] += std::abs(drag.weights[c][l]) * dragged;
   });
 }
 
-void SelfContact::addDiagonal(double factor, Field& diagonal) const {
+void SelfContact::addDiagonal(Field& diagonal) const {
   forPressing([&](const PairPack& pack, int l) {
-    const Vec3 squared = factor * pack.stiffness[l] * laneOf(pack.normal, l).cwiseAbs2();
+    const Vec3 squared = pack.stiffness[l] * laneOf(pack.normal, l).cwiseAbs2();
     for (int c = 0; c < 4; ++c)
       diagonal.add(pack.nodes[c].index[l], pack.weights[c][l] * pack.weights[c][l] * squared);
   });
   forDrags([&](const DragPack& drag, int l) {
-    const Block dragged =
-        factor * frictionBlock(laneOf(drag.slip, l), laneOf(drag.normal, l), drag.limit[l], slip_);
+    const Block dragged = frictionBlock(laneOf(drag.slip, l), laneOf(drag.normal, l), drag.limit[l], slip_);
     for (int c = 0; c < 4; ++c)
       diagonal.add(drag.nodes[c].index[l], drag.weights[c][l] * drag.weights[c][l] * dragged.head<3>());
   });
@@ -265,6 +263,14 @@ void SelfContact::appendAwake(const std::vector<char>& awake, int first, Runs& r
     if (isAwake(drag)) runs.add(first, first + kPack);
     first += kPack;
   }
+}
+
+void SelfContact::markListed(std::vector<char>& nodes) const {
+  forPairs([&](const PairPack& pack, int l) {
+    for (int c = 0; c < 4; ++c) {
+      if (pack.weights[c][l] != 0.0) nodes[pack.nodes[c].index[l]] = 1;
+    }
+  });
 }
 
 int SelfContact::touching() const {

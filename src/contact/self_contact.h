@@ -82,14 +82,14 @@ class SelfContact {
   /// Sums up the forces of all pairs at the last evaluation for addGradient().
   void sumForces(int nodes);
 
-  /// Adds `factor` times the energy gradient at nodes begin..end [N].  @pre sumForces()
-  void addGradient(int begin, int end, double factor, Field& gradient) const;
+  /// Adds the energy gradient at nodes begin..end [N].  @pre sumForces()
+  void addGradient(int begin, int end, Field& gradient) const;
 
-  /// Adds `factor` times the stiffness of all pairs to their nodes in proportion to the weights [N/m].
-  void addSprings(double factor, Blocks& blocks) const;
+  /// Adds the stiffness of all pairs to their nodes in proportion to the weights [N/m].
+  void addSprings(Blocks& blocks) const;
 
-  /// Adds `factor` times the diagonal of H⁺ at all nodes [N/m].
-  void addDiagonal(double factor, Field& diagonal) const;
+  /// Adds the diagonal of H⁺ at all nodes [N/m].
+  void addDiagonal(Field& diagonal) const;
 
   /// Largest factor of d up to `most`, from `nodes`, the last evaluated point, at which no pair uses up
   /// more than 0.9 of its distance, nor comes nearer than `least_ranges` times its range.
@@ -97,6 +97,9 @@ class SelfContact {
 
   /// Adds the stacks that act on an awake node to `runs`, counted from `first`.
   void appendAwake(const std::vector<char>& awake, int first, Runs& runs) const;
+
+  /// Sets the flags of the nodes of all pairs to 1.
+  void markListed(std::vector<char>& nodes) const;
 
   /// Calls visit(pack, lane) for all pairs.
   template <class Visit>

@@ -52,7 +52,7 @@ void transferAfterSplit(const Grid& grid, const std::vector<Cell>& cells, const 
     const auto c = cell.corners(grid);
     const int middle = (c[0] + c[3]) / 2;
     const auto sides = sidesOf(c);
-    for (auto* values : {&state.position, &state.velocity, &state.gained, &state.lag, &state.pushed}) {
+    for (auto* values : {&state.position, &state.velocity, &state.moved, &state.gained}) {
       auto& x = *values;
       if (x.empty()) continue;
       for (const auto& [a, b] : sides) x[(a + b) / 2] = 0.5 * (x[a] + x[b]);
@@ -79,9 +79,9 @@ void forCorners(const LeafMesh& leaves, const ActiveMesh& mesh, int particle, co
   }
 }
 
-/// Velocities and what BDF2 keeps of the last step: what moves on with the mass.
-std::array<std::vector<Vec3>*, 4> motionsOf(ParticleState& state) {
-  return {&state.velocity, &state.gained, &state.lag, &state.pushed};
+/// Velocities and the changes of the last step: what moves on with the mass.
+std::array<std::vector<Vec3>*, 3> motionsOf(ParticleState& state) {
+  return {&state.velocity, &state.moved, &state.gained};
 }
 
 }  // namespace

@@ -14,16 +14,15 @@ namespace haptic_cloth {
 struct ParticleState {
   std::vector<Vec3> position;  ///< [m]
   std::vector<Vec3> velocity;  ///< [m/s]
-  /// What TimeIntegrator keeps for BDF2, else empty [m/s], [m/s], [m/s²].
-  std::vector<Vec3> gained, lag, pushed;
+  /// For BDF2, else empty: changes of position [m] and velocity [m/s] in the last step.
+  std::vector<Vec3> moved, gained;
 
   void serialize(Archive& archive) {
     archive("position", position);
     archive("velocity", velocity);
-    if (gained.empty()) return;
+    if (moved.empty()) return;
+    archive("moved", moved);
     archive("gained", gained);
-    archive("lag", lag);
-    archive("pushed", pushed);
   }
 };
 

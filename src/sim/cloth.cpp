@@ -53,9 +53,13 @@ Cloth::Cloth(const Scene& scene)
 void Cloth::gatherNodes() {
   nodes_.resize(mesh_.nodes());
   velocities_.resize(mesh_.nodes());
-  for (int n = 0; n < mesh_.nodes(); ++n) nodes_.set(n, state_.position[mesh_.particle[n]]);
-  integrator_.gather(mesh_, state_, velocities_);
-  for (Field* field : {&nodes_, &velocities_}) mesh_.interpolateGhosts(*field);
+  for (int n = 0; n < mesh_.nodes(); ++n) {
+    nodes_.set(n, state_.position[mesh_.particle[n]]);
+    velocities_.set(n, state_.velocity[mesh_.particle[n]]);
+  }
+  mesh_.interpolateGhosts(nodes_);
+  mesh_.interpolateGhosts(velocities_);
+  integrator_.gather(mesh_, state_);
 }
 
 /// Updates everything that depends on the mesh, after a change.
@@ -87,17 +91,16 @@ double Cloth::changeMesh(Adaptation& adaptation, long tick) {
   return motionEnergy().total() - before + internal_.madeByChange(nodes_);
 }
 
-void Cloth::move(const ClothObjective& solved, const Field& contact, bool whole) {
+void Cloth::move(const ClothObjective& solved, bool whole) {
   const Field& after = solved.nodes();
   if (whole) {
-    integrator_.finish(mesh_, nodes_, after, contact, velocities_);
+    integrator_.finish(mesh_, nodes_, after, velocities_);
   } else {
     integrator_.finishPart(nodes_, after, velocities_);
   }
   weight_.resize(mesh_.nodes());
   for (int n = 0; n < mesh_.active(); ++n) {
-    const Vec3 force = (solved.contactFactor() - 1.0) * contact[n] - solved.motionGradient(n, after[n]);
-    weight_[n] = force.dot(internal_.normal(n)) / mesh_.mass[n];
+    weight_[n] = -solved.motionGradient(n, after[n]).dot(internal_.normal(n)) / mesh_.mass[n];
   }
   for (const Ghost& g : mesh_.ghosts) weight_[g.node] = 0.5 * (weight_[g.a] + weight_[g.b]);
   nodes_ = after;
@@ -114,16 +117,20 @@ double Cloth::limitKineticEnergy(double allowed) {
 }
 
 void Cloth::commit(Team& team) {
-  for (int n = 0; n < mesh_.nodes(); ++n) state_.position[mesh_.particle[n]] = nodes_[n];
-  integrator_.scatter(mesh_, velocities_, state_);
+  for (int n = 0; n < mesh_.nodes(); ++n) {
+    state_.position[mesh_.particle[n]] = nodes_[n];
+    state_.velocity[mesh_.particle[n]] = velocities_[n];
+  }
+  integrator_.scatter(mesh_, state_);
   if (!history_) return;
   team.forRange(internal_.size(), [this](int begin, int end) { internal_.commit(begin, end, nodes_); });
 }
 
 void Cloth::stop() {
   integrator_.stop(velocities_);
-  integrator_.scatter(mesh_, velocities_, state_);
+  integrator_.scatter(mesh_, state_);
   weight_.assign(mesh_.nodes(), 0.0);
+  for (int n = 0; n < mesh_.nodes(); ++n) state_.velocity[mesh_.particle[n]] = Vec3::Zero();
 }
 
 double Cloth::mass() const {

@@ -45,6 +45,8 @@ class Cloth {
     pins_.begin(length, end);
   }
   void setAirDamping(double air_damping) { integrator_.setAirDamping(air_damping); }
+  /// Tells the integrator which nodes may touch something in this step.
+  void expectJumps(const std::vector<char>& nodes) { integrator_.expectJumps(nodes); }
 
   bool pinsMove() const { return pins_.any(); }
   int pins() const { return pins_.count(); }  ///< entries of the scene's pins
@@ -71,9 +73,8 @@ class Cloth {
   double changeMesh(Adaptation& adaptation, long tick);
 
   /// Takes positions, velocities and weight from a solved step.
-  /// @param contact forces of contact in it, by ClothObjective::contactForces()
   /// @param whole false: only a part of its motion was made
-  void move(const ClothObjective& solved, const Field& contact, bool whole);
+  void move(const ClothObjective& solved, bool whole);
 
   /// Stops the marked nodes where they are.
   void stop(const std::vector<char>& nodes) { integrator_.stop(nodes, velocities_); }

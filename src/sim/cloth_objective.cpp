@@ -35,9 +35,8 @@ ClothObjective::ClothObjective(const Scene& scene, const ActiveMesh& mesh, const
   for (Proxies* list : {&proxies_, &proxy_motions_, &hold_forces_, &hold_torques_})
     list->assign(probes_.size(), Vec3::Zero());
   held_.reserve(mesh.grid.particles());
-  held_gradient_.reserve(mesh.grid.particles());
   if (preconditioner_ == Preconditioner::Jacobi) blocks_.reserve(mesh.grid.particles());
-  for (auto* list : {&start_, &inertial_, &nodes_, &motion_, &gradient_, &diagonal_, &contact_}) {
+  for (auto* list : {&start_, &inertial_, &nodes_, &motion_, &gradient_, &diagonal_}) {
     list->reserve(mesh.grid.particles());
   }
   for (auto* list : {&mass_, &moving_mass_}) list->reserve(padded(mesh.grid.particles()));
@@ -62,7 +61,6 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
   present_ = 0;
   forPresent([this](int k) { probes_[k].unknown = present_++; });
   start_ = positions;
-  held_gradient_.assign(held_.size(), Vec3::Zero());
   for (auto* list : {&gradient_, &diagonal_}) list->resize(mesh_.nodes());
   motion_.clear(mesh_.nodes());  // zero for pinned nodes
   inertial_.resize(mesh_.nodes());
@@ -76,14 +74,12 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
   mass_.assign(padded(mesh_.nodes()), 0.0);
   moving_mass_ = mass_;
   std::copy(mesh_.mass.begin(), mesh_.mass.end(), mass_.begin());
-  std::copy_n(mesh_.mass.begin(), mesh_.free, moving_mass_.begin());
+  for (int n = 0; n < mesh_.free; ++n) moving_mass_[n] = mesh_.mass[n] * (inertia(n) / inertia());
 
   double total_mass = 0.0;
   for (int n = 0; n < mesh_.free; ++n) total_mass += mesh_.mass[n];
   // The proxy has no mass. Over a step its coupling resists like this mass.
-  const auto proxy_mass = [this](int k) {
-    return contactFactor() * timeStep() * timeStep() * couplingStiffness(k);
-  };
+  const auto proxy_mass = [this](int k) { return timeStep() * timeStep() * couplingStiffness(k); };
   if (mesh_.free == 0) forPresent([&](int k) { total_mass += proxy_mass(k); });
   const double g = referenceAcceleration(gravity_);
   reference_ = total_mass * g * g;
@@ -195,43 +191,30 @@ double ClothObjective::evaluate(const Vector& x, Vector& gradient) {
   const double coupling = evaluateProbes(gradient);
   packFree(gradient_, gradient);
   awake_.clearSleepers(gradient);
-  const double contact = energies_[kContact] + energies_[kFriction] + coupling;
-  return energies_.head<kContact>().sum() + motion[0] + contactFactor() * contact;
+  return energies_.head<5>().sum() + motion[0] + coupling;
 }
 
 /// Writes the proxies' part of the gradient, including forces on held nodes.
 /// @return energy and loss of the couplings [J]
 double ClothObjective::evaluateProbes(Vector& gradient) {
   for (Proxies* list : {&hold_forces_, &hold_torques_}) std::fill(list->begin(), list->end(), Vec3::Zero());
-  for (std::size_t k = 0; k < held_.size(); ++k) {
-    const HeldNode& held = held_[k];
-    held_gradient_[k] = gradient_[held.node] / contactFactor();
-    hold_forces_[held.probe] -= held_gradient_[k];
-    hold_torques_[held.probe] -= held.offset.cross(held_gradient_[k]);
+  for (const HeldNode& held : held_) {
+    hold_forces_[held.probe] -= gradient_[held.node];
+    hold_torques_[held.probe] -= held.offset.cross(gradient_[held.node]);
     gradient_.set(held.node, Vec3::Zero());
   }
   double value = 0.0;
   forPresent([&](int k) {
-    gradient.segment<3>(proxyAt(probes_[k])) = contactFactor() * proxyGradient(k);
+    gradient.segment<3>(proxyAt(probes_[k])) = proxyGradient(k);
     value += couplingEnergy(k) + 0.5 * couplings_[k].damping * timeStep() * slip(k).squaredNorm();
   });
   return value;
 }
 
-void ClothObjective::forcesAtRest(Field& forces) {
+void ClothObjective::forcesAtRest(Field& forces) const {
   forces = gradient_;
   for (int n = 0; n < mesh_.free; ++n)
     forces.add(n, moving_mass_[n] * inertia() * (inertial_[n] - start_[n]));
-  if (contactFactor() == 1.0) return;
-  contactForces(contact_);
-  for (int n = 0; n < mesh_.free; ++n) forces.add(n, (contactFactor() - 1.0) * contact_[n]);
-}
-
-void ClothObjective::contactForces(Field& forces) const {
-  forces.clear(mesh_.nodes());
-  contacts_.addGradient(0, mesh_.nodes(), -1.0, forces);
-  mesh_.handOverGhosts(forces);
-  for (std::size_t k = 0; k < held_.size(); ++k) forces.add(held_[k].node, held_gradient_[k]);
 }
 
 void ClothObjective::carryHeld(const Proxies& proxies, bool offsets, Field& nodes) const {
@@ -276,7 +259,7 @@ Sums ClothObjective::evaluateElements(int begin, int end) {
 double ClothObjective::gatherNodes(int begin, int end) {
   const double energy = kernels().evaluateMotion(motion(), begin, end, nodes_.arrays(), gradient_.arrays());
   internal_.addGradient(begin, end, gradient_);
-  contacts_.addGradient(begin, end, contactFactor(), gradient_);
+  contacts_.addGradient(begin, end, gradient_);
   return energy;
 }
 
@@ -326,16 +309,14 @@ ClothObjective::QuadraticForm ClothObjective::formAlongMotion(bool whole_motion,
         return sums;
       },
       Team::kEntry);
-  double contact = elements[1];
-  forPresent([&](int k) { contact += couplingStiffness(k) * proxy_motions_[k].squaredNorm(); });
-  return {elements[0], contactFactor() * contact + moving[0]};
+  double others = elements[1] + moving[0];
+  forPresent([&](int k) { others += couplingStiffness(k) * proxy_motions_[k].squaredNorm(); });
+  return {elements[0], others};
 }
 
 void ClothObjective::fitMultilevel() {
   proxy_unknowns_.clear();
-  forPresent([this](int k) {
-    proxy_unknowns_.push_back({k, proxyAt(probes_[k]), contactFactor() * couplingStiffness(k)});
-  });
+  forPresent([this](int k) { proxy_unknowns_.push_back({k, proxyAt(probes_[k]), couplingStiffness(k)}); });
   multilevel_->fit(internal_, contacts_, integrator_, awake_.flags(), held_, proxy_unknowns_);
 }
 
@@ -346,21 +327,20 @@ void ClothObjective::fitPreconditioner() {
     blocks_.clear(mesh_.nodes());
     internal_.addBlocks(0, 1, blocks_);
     for (int n = 0; n < mesh_.nodes(); ++n) diagonal_.add(n, blocks_[n].head<3>());
-    contacts_.addDiagonal(contactFactor(), diagonal_);
+    contacts_.addDiagonal(diagonal_);
     mesh_.handOverGhosts(diagonal_, 0.25);
   }
   forPresent([this](int k) {
     Vec3 diagonal = Vec3::Constant(couplingStiffness(k));
     if (preconditioner_ == Preconditioner::Jacobi) diagonal += contacts_.proxyDiagonal(k);
-    diagonal *= contactFactor();
     for (const HeldNode& held : held_) {
       if (held.probe == k)
-        diagonal += (diagonal_[held.node].array() + mesh_.mass[held.node] * inertia()).matrix();
+        diagonal += (diagonal_[held.node].array() + mesh_.mass[held.node] * inertia(held.node)).matrix();
     }
     inverse_diagonal_.segment<3>(proxyAt(probes_[k])) = diagonal.cwiseInverse();
   });
   for (int n = 0; n < mesh_.free; ++n) {
-    diagonal_.set(n, (diagonal_[n].array() + mesh_.mass[n] * inertia()).inverse());
+    diagonal_.set(n, (diagonal_[n].array() + mesh_.mass[n] * inertia(n)).inverse());
   }
   for (int n = 0; n < mesh_.free; ++n) {
     if (!awake_.contains(n)) diagonal_.set(n, Vec3::Zero());
@@ -437,19 +417,14 @@ Vec3 ClothObjective::netForce() const {
 }
 
 Vec3 ClothObjective::freeMotion(const Vec3& net_force) const {
-  double mass = 0.0;
-  for (int n = 0; n < mesh_.free; ++n) mass += mesh_.mass[n];
-  return product(inverse(contactFactor() * contacts_.stiffness() + isotropic(inertia() * mass)), net_force);
+  double inertia_of_all = 0.0;
+  for (int n = 0; n < mesh_.free; ++n) inertia_of_all += mesh_.mass[n] * inertia(n);
+  return product(inverse(contacts_.stiffness() + isotropic(inertia_of_all)), net_force);
 }
 
-/// Force by which a pin holds a node [N]. The gradient there counts contact λ times.
-Vec3 ClothObjective::forceOfPin(int node, const Field& contact) const {
-  return gradient_[node] + (contactFactor() - 1.0) * contact[node];
-}
-
-Vec3 ClothObjective::pinForce(const Field& contact) const {
+Vec3 ClothObjective::pinForce() const {
   Vec3 force = Vec3::Zero();
-  for (int n = mesh_.free; n < mesh_.active(); ++n) force += forceOfPin(n, contact);
+  for (int n = mesh_.free; n < mesh_.active(); ++n) force += gradient_[n];
   return force;
 }
 
@@ -459,9 +434,9 @@ double ClothObjective::workUndone() const {
   return work;
 }
 
-double ClothObjective::pinWork(const Field& contact) const {
+double ClothObjective::pinWork() const {
   double work = 0.0;
-  for (int n = mesh_.free; n < mesh_.active(); ++n) work += forceOfPin(n, contact).dot(nodes_[n] - start_[n]);
+  for (int n = mesh_.free; n < mesh_.active(); ++n) work += gradient_[n].dot(nodes_[n] - start_[n]);
   return work;
 }
 

@@ -27,13 +27,13 @@ double referenceAcceleration(const Vec3& gravity);
 
 /// Incremental potential of one step over the free nodes X and the proxies y:
 ///
-///     Φ(X, y) = Σ ½ m i |x - x̄|² - m g · (x - x⁰)                           motion, air, gravity
-///             + Σ A ψ_s(ε) + Σ A ψ_b(κ) + Σ A (ψ_h(γ) + B_t κ_xy²)          internal energy
-///             + λ (contact and friction)
-///             + λ (Σ ½ k |y - device|² + ½ (b/h) |y - y⁰ - h v_device|²)    probes
+///     Φ(X, y) = Σ ½ m i |x - x̄|² - m g · (x - x⁰)                      motion, air, gravity
+///             + Σ A ψ_s(ε) + Σ A ψ_b(κ) + Σ A (ψ_h(γ) + B_t κ_xy²)     internal energy
+///             + contact and friction
+///             + Σ ½ k |y - device|² + ½ (b/h) |y - y⁰ - h v_device|²   probes
 ///
-/// x̄ is where inertia alone carries a node, i its inertia [1/s²] and λ the factor of contact [-], all by
-/// TimeIntegrator; λ = 1 with backward Euler. The gradient of Φ is the negative of Newton's residual [N].
+/// x̄ is where inertia alone carries a node and i its inertia [1/s²], both by TimeIntegrator. The
+/// gradient of Φ is the negative of Newton's residual [N].
 class ClothObjective : public Objective {
  public:
   ClothObjective(const Scene& scene, const ActiveMesh& mesh, const TimeIntegrator& integrator,
@@ -61,8 +61,8 @@ class ClothObjective : public Objective {
   /// nodes
   void measureSleepers() { awake_.measureSleepers(gradient_, residual_weight_); }
 
-  /// Negative forces on the nodes at the last evaluated point, without inertia [N].
-  void forcesAtRest(Field& forces);
+  /// Negative forces on the nodes at the last evaluated point, as if the nodes had no velocity [N].
+  void forcesAtRest(Field& forces) const;
 
   /// Gradient of all nodes at the last evaluated point [N].
   const Field& gradient() const { return gradient_; }
@@ -132,14 +132,14 @@ class ClothObjective : public Objective {
   const std::vector<HeldNode>& held() const { return held_; }
 
   /// Gradient of the energy of motion, air and gravity at a node at x [N]. Its derivative is
-  /// inertia() times the node's mass; see TimeIntegrator [1/s²].
+  /// inertia(node) times the node's mass; see TimeIntegrator [1/s²].
   Vec3 motionGradient(int node, const Vec3& x) const {
     Vec3 gradient = -mesh_.mass[node] * gravity_;
     if (node < mesh_.free) gradient += moving_mass_[node] * inertia() * (x - inertial_[node]);
     return gradient;
   }
   double inertia() const { return integrator_.inertia(); }
-  double contactFactor() const { return integrator_.contactFactor(); }  ///< λ [-]
+  double inertia(int node) const { return integrator_.inertia(node); }
 
   /// Gradient of the coupling's energy by a proxy [N], and its stiffness [N/m].
   Vec3 couplingGradient(int probe, const Vec3& proxy) const;
@@ -190,12 +190,9 @@ class ClothObjective : public Objective {
   /// dampers [J].
   double storedAndLost() const;
   double motionCost() const;  ///< E^n = Σ h²/(2m) |residual|² over the free nodes [J]
-  /// Forces of contact on the nodes at the last evaluated point, those of probes on held nodes included [N].
-  void contactForces(Field& forces) const;
-  /// Force of the pins on the cloth [N].  @param contact as by contactForces()
-  Vec3 pinForce(const Field& contact) const;
+  Vec3 pinForce() const;      ///< force of the pins on the cloth [N]
   /// Work of that force as the pins move from x⁰ to where they are [J].
-  double pinWork(const Field& contact) const;
+  double pinWork() const;
   /// Work of Newton's residual on the free nodes from x⁰ to where they are [J].
   double workUndone() const;
 
@@ -208,7 +205,6 @@ class ClothObjective : public Objective {
   void forPresent(const Visit& visit) const;
   Vec3 slip(int probe) const;
   double lossPotential() const;
-  Vec3 forceOfPin(int node, const Field& contact) const;
   bool limitsSteps() const { return present_ > 0 || contacts_.meetsItself(); }
   void placeProbes();
   void fitMultilevel();
@@ -235,12 +231,12 @@ class ClothObjective : public Objective {
   std::vector<HeldNode> held_;
   int present_ = 0;  ///< number of present probes
   AwakeSet awake_;
-  Field start_, inertial_;                  ///< x⁰ and inertial positions of the nodes [m]
-  std::vector<double> mass_, moving_mass_;  ///< of all nodes; of free nodes, zero for others; padded [kg]
+  Field start_, inertial_;  ///< x⁰ and inertial positions of the nodes [m]
+  /// Mass of all nodes; for free nodes mass times inertia(node)/inertia(), zero for others [kg].
+  /// Both padded.
+  std::vector<double> mass_, moving_mass_;
   Field nodes_, motion_, gradient_, diagonal_;
-  Field contact_;                    ///< scratch of forcesAtRest()
-  std::vector<Vec3> held_gradient_;  ///< gradient at each of held_, which gradient_ leaves out [N]
-  BlockField blocks_;                ///< blocks for the Jacobi preconditioner
+  BlockField blocks_;  ///< blocks for the Jacobi preconditioner
   Proxies proxies_, proxy_motions_, hold_forces_, hold_torques_;
   Sums energies_ = Sums::Zero();
   Vector inverse_diagonal_, residual_weight_;

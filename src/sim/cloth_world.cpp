@@ -41,7 +41,6 @@ ClothWorld::ClothWorld(const Scene& scene)
   near_probes_.reserve(probes_.count());
   touches_.reserve(probes_.count());
   for (auto* flags : {&driven_, &stopped_}) flags->reserve(cloth_.grid().particles());
-  contact_.reserve(cloth_.grid().particles());
 }
 
 StepReport ClothWorld::step(int length) {
@@ -172,14 +171,11 @@ void ClothWorld::accept(StepReport& report) {
   // Ejected cloth is stopped after each step, and a belt may not carry cloth at once, but neither rests.
   markDriven();
   markStopped();
-  contact_.clear(cloth_.mesh().nodes());
-  if (cloth_.integrator().secondOrder()) solved.contactForces(contact_);
   contacts_.rememberFriction(cloth_.mesh(), cloth_.internal().nodeNormals());
-  cloth_.move(solved, contact_, report.minimizer.motion_made == 1.0);
+  cloth_.move(solved, report.minimizer.motion_made == 1.0);
   if (cloth_.pinsMove()) cloth_.advancePins(solver_.pinsMade());
   const double h = solved.timeStep(), pinned = cloth_.pinnedKineticEnergy();
-  energy_.notePinWork(solved.pinWork(contact_) + pinned - pinned_before,
-                      2.0 * h * scene_.air_damping * pinned);
+  energy_.notePinWork(solved.pinWork() + pinned - pinned_before, 2.0 * h * scene_.air_damping * pinned);
   const Vec3 momentum = cloth_.pinnedMomentum();
   const Vec3 pinned_force = (momentum - momentum_before) / h + scene_.air_damping * momentum;
   sleep_.update(cloth_.mesh(), cloth_.velocities(), solved.awake().flags(), driven_);
@@ -190,7 +186,7 @@ void ClothWorld::accept(StepReport& report) {
   force_error_.noteCloth(cloth_, feelsCloth(), adaptation_.decidesAt(ticks_));
   probes_.accept(solved, contacts_, cloth_.mesh(), grasps_, force_error_);
   grasps_.noteTouched(probes_, contacts_, cloth_.mesh());
-  support_force_ = contacts_.obstacleForce() + solved.pinForce(contact_) + pinned_force;
+  support_force_ = contacts_.obstacleForce() + solved.pinForce() + pinned_force;
   report.max_penetration = contacts_.deepest();
 }
 
@@ -202,11 +198,10 @@ void ClothWorld::reportPairs(StepReport& report) {
 
 /// Marks the nodes that end the step at rest: obstacles eject, not throw them, or they sleep.
 void ClothWorld::markStopped() {
-  const ActiveMesh& mesh = cloth_.mesh();
-  stopped_.assign(mesh.nodes(), 0);
+  stopped_.assign(cloth_.mesh().nodes(), 0);
   contacts_.markEjected(stopped_);
   const std::vector<char>& awake = solver_.objective().awake().flags();
-  for (int n = 0; n < mesh.free; ++n) stopped_[n] |= awake[n] == 0;
+  for (int n = 0; n < cloth_.mesh().free; ++n) stopped_[n] |= awake[n] == 0;
 }
 
 /// Marks the nodes that obstacles eject, and those that moving obstacles touch.

@@ -104,7 +104,6 @@ class ClothWorld {
   ProbeRegions near_probes_;                  ///< scratch of planMesh()
   std::vector<TurnEstimate::Touch> touches_;  ///< scratch of turnView()
   std::vector<char> driven_, stopped_;        ///< scratch of accept(): one flag for each node
-  Field contact_;                             ///< scratch of accept(): forces of contact on the nodes [N]
 };
 
 }  // namespace haptic_cloth

@@ -33,9 +33,9 @@ void JointObjective::begin(const Vector& start, const Vector& positions, Vector&
   for (auto* list : {&residual_, &gradient_, &diagonal_, &stiffness_}) list->clear(mesh_.nodes());
   weight_.assign(mesh_.nodes(), 0.0);
   for (int n = 0; n < mesh_.free; ++n) weight_[n] = h * h / mesh_.mass[n];
-  forPresent([this](int k, int) { proxy_weight_[k] = step_.contactFactor() * step_.couplingStiffness(k); });
+  forPresent([this](int k, int) { proxy_weight_[k] = step_.couplingStiffness(k); });
   for (const HeldNode& held : step_.held()) {
-    proxy_weight_[held.probe] += mesh_.mass[held.node] * step_.inertia();
+    proxy_weight_[held.probe] += mesh_.mass[held.node] * step_.inertia(held.node);
     weight_[held.node] = 0.0;
   }
   forPresent([this](int k, int) { proxy_weight_[k] = 1.0 / proxy_weight_[k]; });
@@ -81,7 +81,7 @@ double JointObjective::residualForces() {
   team_.forRange(mesh_.nodes(), [&](int begin, int end) {
     for (int n = begin; n < end; ++n) residual_.set(n, step_.motionGradient(n, nodes_[n]));
     elements_.gather(begin, end, residual_);
-    contacts_.addGradient(begin, end, step_.contactFactor(), residual_);
+    contacts_.addGradient(begin, end, residual_);
   });
   mesh_.handOverGhosts(residual_);
   takeHeld(residual_);
@@ -95,8 +95,7 @@ double JointObjective::residualForces() {
   })[0];
   // A proxy has no mass; it answers over a step like the mass h² times its coupling stiffness.
   forPresent([&](int k, int) {
-    const Vec3 touch = step_.couplingGradient(k, proxies_[k]) + contacts_.proxyGradient(k),
-               force = step_.contactFactor() * touch + hold_[k];
+    const Vec3 force = step_.couplingGradient(k, proxies_[k]) + contacts_.proxyGradient(k) + hold_[k];
     proxy_residuals_[k] = proxy_weight_[k] * force;
     cost += 0.5 * force.dot(proxy_residuals_[k]);
   });
@@ -118,20 +117,17 @@ void JointObjective::takeHeld(Field& forces) {
 /// slots.
 void JointObjective::gatherGradient(Vector& gradient) {
   team_.forRange(mesh_.nodes(), [&](int begin, int end) {
-    for (int n = begin; n < end; ++n) gradient_.set(n, mesh_.mass[n] * step_.inertia() * residual_[n]);
+    for (int n = begin; n < end; ++n) gradient_.set(n, mesh_.mass[n] * step_.inertia(n) * residual_[n]);
     elements_.gather(begin, end, gradient_);
-    contacts_.addChange(begin, end, step_.contactFactor(), gradient_);
+    contacts_.addChange(begin, end, gradient_);
   });
   mesh_.handOverGhosts(gradient_);
   takeHeld(gradient_);
   step_.packFree(gradient_, gradient);
-  forPresent(
-      [&](int k, int at) { gradient.segment<3>(at) = changeOfTouch(k, proxy_residuals_[k]) + hold_[k]; });
-}
-
-/// Change of what coupling and contact add to a proxy's gradient [N]. @param motion of the proxy [m]
-Vec3 JointObjective::changeOfTouch(int probe, const Vec3& motion) const {
-  return step_.contactFactor() * (step_.couplingStiffness(probe) * motion + contacts_.proxyChange(probe));
+  forPresent([&](int k, int at) {
+    gradient.segment<3>(at) =
+        step_.couplingStiffness(k) * proxy_residuals_[k] + contacts_.proxyChange(k) + hold_[k];
+  });
 }
 
 Objective::Along JointObjective::along(const Vector& d, double slope) {
@@ -152,9 +148,9 @@ double JointObjective::changeOfForces(const double* d_forces) {
     contacts_.linearise(begin, end, nodes_, motion_, proxy_motions_);
   });
   team_.forRange(mesh_.nodes(), [&](int begin, int end) {
-    for (int n = begin; n < end; ++n) gradient_.set(n, mesh_.mass[n] * step_.inertia() * motion_[n]);
+    for (int n = begin; n < end; ++n) gradient_.set(n, mesh_.mass[n] * step_.inertia(n) * motion_[n]);
     elements_.gather(begin, end, gradient_);
-    contacts_.addChange(begin, end, step_.contactFactor(), gradient_);
+    contacts_.addChange(begin, end, gradient_);
   });
   mesh_.handOverGhosts(gradient_);
   takeHeld(gradient_);
@@ -164,7 +160,7 @@ double JointObjective::changeOfForces(const double* d_forces) {
     return sums;
   })[0];
   forPresent([&](int k, int) {
-    const Vec3 change = changeOfTouch(k, proxy_motions_[k]) + hold_[k];
+    const Vec3 change = step_.couplingStiffness(k) * proxy_motions_[k] + contacts_.proxyChange(k) + hold_[k];
     quadratic_form += proxy_weight_[k] * change.squaredNorm();
   });
   return quadratic_form;
@@ -177,7 +173,7 @@ void JointObjective::fitPreconditioner() {
   elements_.diagonal(weight_, diagonal_, stiffness_, by_force.data());
   by_force = by_force.cwiseInverse();
   if (step_.preconditioner() != Preconditioner::None) {
-    contacts_.addDiagonal(step_.contactFactor(), stiffness_);
+    contacts_.addDiagonal(stiffness_);
   } else {  // forces keep their entries: they have a unit of their own
     diagonal_.fill(0.0);
     stiffness_.fill(0.0);
@@ -185,12 +181,11 @@ void JointObjective::fitPreconditioner() {
   mesh_.handOverGhosts(diagonal_, 0.25);
   mesh_.handOverGhosts(stiffness_, 0.25);
   for (int n = 0; n < mesh_.free; ++n) {
-    stiffness_.set(n, stiffness_[n].array() + mesh_.mass[n] * step_.inertia());
+    stiffness_.set(n, stiffness_[n].array() + mesh_.mass[n] * step_.inertia(n));
     diagonal_.set(n, diagonal_[n] + weight_[n] * stiffness_[n].cwiseAbs2());
   }
   forPresent([this](int k, int at) {
-    const Vec3 touch = contacts_.proxyDiagonal(k).array() + step_.couplingStiffness(k);
-    Vec3 laws = Vec3::Zero(), force = step_.contactFactor() * touch;
+    Vec3 laws = Vec3::Zero(), force = contacts_.proxyDiagonal(k).array() + step_.couplingStiffness(k);
     for (const HeldNode& held : step_.held()) {
       if (held.probe != k) continue;
       laws += diagonal_[held.node];

@@ -45,7 +45,6 @@ class JointObjective : public Objective {
   void takeHeld(Field& forces);
   void gatherGradient(Vector& gradient);
   double changeOfForces(const double* d_forces);
-  Vec3 changeOfTouch(int probe, const Vec3& motion) const;
 
   ClothObjective& step_;
   const ActiveMesh& mesh_;

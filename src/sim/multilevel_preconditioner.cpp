@@ -45,8 +45,8 @@ void MultilevelPreconditioner::fit(const InternalEnergy& internal, const Contact
                                    const std::vector<ProxyUnknown>& proxies) {
   for (Blocks* list : {&between_, &points_}) list->assign(hats_.points(), Block::Zero());
   addElements(internal);
-  addContacts(contacts, integrator.contactFactor(), proxies);
-  for (int n = 0; n < mesh_.nodes(); ++n) points_[n] += isotropic(integrator.inertia() * mesh_.mass[n]);
+  addContacts(contacts, proxies);
+  for (int n = 0; n < mesh_.nodes(); ++n) points_[n] += isotropic(integrator.inertia(n) * mesh_.mass[n]);
   invertNodes(awake, held);
   for (Proxy& proxy : proxies_) bind(proxy);
   invertHats();
@@ -75,9 +75,9 @@ void MultilevelPreconditioner::addElements(const InternalEnergy& internal) {
   team_.forRange(mesh_.active(), copy, kOwn);
 }
 
-void MultilevelPreconditioner::addContacts(const ContactSet& contacts, double factor,
+void MultilevelPreconditioner::addContacts(const ContactSet& contacts,
                                            const std::vector<ProxyUnknown>& proxies) {
-  contacts.addSprings(ContactSet::kObstacles, factor, points_);
+  contacts.addSprings(ContactSet::kObstacles, points_);
   handOver(mesh_, points_);
   springs_.clear();
   proxies_.clear();
@@ -85,7 +85,7 @@ void MultilevelPreconditioner::addContacts(const ContactSet& contacts, double fa
     Proxy proxy{unknown.probe, unknown.at, static_cast<int>(springs_.size()), 0,
                 isotropic(unknown.stiffness)};
     touch_.assign(mesh_.nodes(), Block::Zero());
-    contacts.addSprings(unknown.probe, factor, touch_);
+    contacts.addSprings(unknown.probe, touch_);
     handOver(mesh_, touch_);
     for (int n = 0; n < mesh_.free; ++n) {
       if (touch_[n].isZero(0.0)) continue;

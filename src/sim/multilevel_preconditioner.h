@@ -43,7 +43,7 @@ class MultilevelPreconditioner {
   void resize();
 
   /// Builds the blocks from the last evaluation.
-  /// @param integrator gives the inertia of the nodes and the factor of contact
+  /// @param integrator gives the inertia of the nodes
   /// @param awake one flag for each node; only free nodes that are awake and not held are solved
   /// for
   void fit(const InternalEnergy& internal, const ContactSet& contacts, const TimeIntegrator& integrator,
@@ -72,7 +72,7 @@ class MultilevelPreconditioner {
   };
 
   void addElements(const InternalEnergy& internal);
-  void addContacts(const ContactSet& contacts, double factor, const std::vector<ProxyUnknown>& proxies);
+  void addContacts(const ContactSet& contacts, const std::vector<ProxyUnknown>& proxies);
   void bind(Proxy& proxy) const;
   void invertNodes(const std::vector<char>& awake, const std::vector<HeldNode>& held);
   void invertHats();

@@ -68,6 +68,7 @@ MinimizerReport StepSolver::solve(const std::vector<HeldNode>& held) {
   bool apart = true;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     findContacts();
+    if (cloth_.integrator().secondOrder()) foreseeTouches(held);
     beginSolve(held);
     const MinimizerReport last = joint_ ? minimizeJoint() : minimizeCondensed();
     report = attempt == 0 ? last : sum(report, last);
@@ -128,6 +129,15 @@ void StepSolver::findContacts() {
     contacts_.collectPairs(cloth_.mesh(), cloth_.nodes(), cloth_.internal().nodeNormals(), reach_.pairs());
   };
   team_.runBeside(pairs, [&] { contacts_.collect(cloth_.mesh(), cloth_.nodes(), reach_.nodes(), touching); });
+}
+
+/// Tells the cloth which nodes may touch something in the step, or are held.
+void StepSolver::foreseeTouches(const std::vector<HeldNode>& held) {
+  touched_.assign(cloth_.mesh().nodes(), 0);
+  contacts_.markListed(touched_);
+  for (const HeldNode& node : held) touched_[node.node] = 1;
+  cloth_.mesh().markMasters(touched_);
+  cloth_.expectJumps(touched_);
 }
 
 /// Evaluates Φ and its gradient with all nodes and proxies at x⁰. @return Φ
@@ -401,7 +411,7 @@ StepSolver::ModelMinimum StepSolver::minimumOfModel() {
   const double h = cloth_.integrator().stepLength();
   const int size = objective_.size(), free = cloth_.mesh().free;
   for (int n = 0; n < free; ++n) {
-    const Vec3 inertial = cloth_.integrator().coastingMotion(cloth_.velocities()[n]);
+    const Vec3 inertial = cloth_.integrator().inertialMotion(n, cloth_.velocities()[n]);
     for (int c = 0; c < 3; ++c) directions_[0][c * free + n] = inertial[c];
   }
   for (int c = 0; c < 3; ++c) {

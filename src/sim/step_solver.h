@@ -72,6 +72,7 @@ class StepSolver {
  private:
   void findContacts();
   double evaluateStart();
+  void foreseeTouches(const std::vector<HeldNode>& held);
   void beginSolve(const std::vector<HeldNode>& held);
   void movePins();
   bool stopPins();
@@ -113,7 +114,7 @@ class StepSolver {
   Field forces_;               ///< negative forces on the nodes at rest, for sleep_ [N]
   Field pinned_;               ///< scratch: positions with the pins where they end [m]
   Field end_;                  ///< scratch: ends of motions, or motions [m]
-  std::vector<char> touched_;  ///< scratch of markCarried(): a flag for each node
+  std::vector<char> touched_;  ///< scratch of foreseeTouches() and markCarried(): a flag for each node
   std::vector<double> pins_made_;
   std::vector<char> pins_go_;  ///< pins that nothing has stopped in this step
   Vector x_, start_, motion_, gradient_, joint_x_;

@@ -7,96 +7,73 @@
 namespace haptic_cloth {
 namespace {
 
-BackwardDifference formula(double share, double carry, double span, double length, double air_damping) {
-  const double reach = span / (1.0 + air_damping * span);
-  return {share, carry, span, reach, 1.0 / (reach * span), length * (reach + carry) / (reach * span)};
-}
-
-/// The part of contact that may last, over mass, after `pushed` in this step [m/s²]: it may grow from nothing
-/// to what carries a weight, and then by a fifth in each step. A blow is more.
-Vec3 lasting(const Vec3& before, const Vec3& pushed) {
-  constexpr double kWeight = 9.80665, kGrowth = 1.2;
-  const double most = std::max(kWeight, kGrowth * before.norm()), size = pushed.norm();
-  return size > most ? Vec3(most / size * pushed) : pushed;
+BackwardDifference formula(double share, double span, double air_damping) {
+  return {share, span, span / (1.0 + air_damping * span), (1.0 + air_damping * span) / (span * span)};
 }
 
 }  // namespace
 
 BackwardDifference BackwardDifference::euler(double length, double air_damping) {
-  return formula(0.0, 0.0, length, length, air_damping);
+  return formula(0.0, length, air_damping);
 }
 
 BackwardDifference BackwardDifference::bdf2(double length, double ratio, double air_damping) {
   const double whole = 1.0 + 2.0 * ratio;
-  return formula(ratio * ratio / whole, length * ratio / whole, length * (1.0 + ratio) / whole, length,
-                 air_damping);
+  return formula(ratio * ratio / whole, length * (1.0 + ratio) / whole, air_damping);
 }
 
 TimeIntegrator::TimeIntegrator(Integrator kind, double time_step, double air_damping, const Grid& grid)
     : first_order_only_(kind == Integrator::Euler),
       length_(time_step),
       air_damping_(air_damping),
-      formula_(BackwardDifference::euler(time_step, air_damping)) {
+      owed_(0.5),
+      first_(BackwardDifference::euler(time_step, air_damping)),
+      second_(BackwardDifference::bdf2(time_step, 1.0, air_damping)) {
   if (first_order_only_) return;
-  for (Field* field : {&gained_, &lag_, &pushed_}) field->reserve(grid.particles());
+  for (Field* field : {&moved_, &gained_}) field->reserve(grid.particles());
+  jumps_.reserve(grid.particles());
 }
 
 void TimeIntegrator::begin(double length) {
-  formula_ = knows_last_ ? BackwardDifference::bdf2(length, length / length_, air_damping_)
-                         : BackwardDifference::euler(length, air_damping_);
-  longer_ = knows_last_ ? length - length_ : 0.0;
+  const double ratio = length / length_;
+  first_ = BackwardDifference::euler(length, air_damping_);
+  second_ = BackwardDifference::bdf2(length, ratio, air_damping_);
+  owed_ = ratio * ratio / (1.0 + ratio);
   length_ = length;
+  std::fill(jumps_.begin(), jumps_.end(), 0);
 }
 
 void TimeIntegrator::prepare(ParticleState& state) const {
   if (first_order_only_) return;
-  for (auto* list : {&state.gained, &state.lag, &state.pushed})
-    list->assign(state.position.size(), Vec3::Zero());
+  for (auto* list : {&state.moved, &state.gained}) list->assign(state.position.size(), Vec3::Zero());
 }
 
-void TimeIntegrator::gather(const ActiveMesh& mesh, const ParticleState& state, Field& velocities) {
-  for (int n = 0; n < mesh.nodes(); ++n) velocities.set(n, state.velocity[mesh.particle[n]]);
+void TimeIntegrator::gather(const ActiveMesh& mesh, const ParticleState& state) {
   if (first_order_only_) return;
-  for (Field* field : {&gained_, &lag_, &pushed_}) field->resize(mesh.nodes());
+  for (Field* field : {&moved_, &gained_}) field->resize(mesh.nodes());
+  jumps_.assign(mesh.nodes(), 0);
   for (int n = 0; n < mesh.nodes(); ++n) {
-    const int p = mesh.particle[n];
-    gained_.set(n, state.gained[p]);
-    lag_.set(n, state.lag[p]);
-    pushed_.set(n, state.pushed[p]);
-    velocities.add(n, ahead(n));
+    moved_.set(n, state.moved[mesh.particle[n]]);
+    gained_.set(n, state.gained[mesh.particle[n]]);
   }
 }
 
-void TimeIntegrator::scatter(const ActiveMesh& mesh, const Field& velocities, ParticleState& state) const {
-  for (int n = 0; n < mesh.nodes(); ++n) state.velocity[mesh.particle[n]] = velocities[n];
+void TimeIntegrator::scatter(const ActiveMesh& mesh, ParticleState& state) const {
   if (first_order_only_) return;
   for (int n = 0; n < mesh.nodes(); ++n) {
-    const int p = mesh.particle[n];
-    state.gained[p] = gained_[n];
-    state.lag[p] = lag_[n];
-    state.pushed[p] = pushed_[n];
-    state.velocity[p] -= ahead(n);
-  }
-  for (const Ghost& g : mesh.ghosts) {
-    const int a = mesh.particle[g.a], b = mesh.particle[g.b];
-    state.velocity[mesh.particle[g.node]] = 0.5 * (state.velocity[a] + state.velocity[b]);
+    state.moved[mesh.particle[n]] = moved_[n];
+    state.gained[mesh.particle[n]] = gained_[n];
   }
 }
 
-void TimeIntegrator::finish(const ActiveMesh& mesh, const Field& start, const Field& end,
-                            const Field& contact, Field& velocities) {
+void TimeIntegrator::expectJumps(const std::vector<char>& nodes) {
+  for (std::size_t n = 0; n < jumps_.size(); ++n) jumps_[n] |= nodes[n];
+}
+
+void TimeIntegrator::finish(const ActiveMesh& mesh, const Field& start, const Field& end, Field& velocities) {
   if (first_order_only_) return setMeanVelocities(start, end, velocities);
-  for (int n = 0; n < mesh.active(); ++n) {
-    const Vec3 moved = end[n] - start[n];
-    const Vec3 pushed = n < mesh.free ? Vec3(contact[n] / mesh.mass[n]) : Vec3(Vec3::Zero());
-    const Vec3 before = velocityBefore(n, velocities[n]) + length_ * pushed;
-    const Vec3 velocity = (moved - formula_.carry * (before + lag_[n])) / formula_.span;
-    gained_.set(n, velocity - before);
-    lag_.set(n, moved / length_ - velocity);
-    pushed_.set(n, lasting(pushed_[n], pushed));
-    velocities.set(n, velocity + ahead(n));
-  }
-  for (Field* field : {&velocities, &gained_, &lag_, &pushed_}) mesh.interpolateGhosts(*field);
+  for (int n = 0; n < mesh.active(); ++n) setVelocity(n, end[n] - start[n], velocities);
+  for (Field* field : {&velocities, &moved_, &gained_}) mesh.interpolateGhosts(*field);
   knows_last_ = true;
 }
 
@@ -113,13 +90,21 @@ void TimeIntegrator::setMeanVelocities(const Field& start, const Field& end, Fie
   }
 }
 
+void TimeIntegrator::setVelocity(int n, const Vec3& moved, Field& velocities) {
+  const bool jumps = jumps_[n] != 0;
+  const BackwardDifference& f = formula(n);
+  const Vec3 velocity = (moved - f.share * moved_[n]) / f.span;
+  gained_.set(n, jumps ? Vec3(Vec3::Zero()) : Vec3(velocity - velocities[n]));
+  moved_.set(n, moved);
+  velocities.set(n, velocity);
+}
+
 void TimeIntegrator::stop(const std::vector<char>& nodes, Field& velocities) {
   for (int n = 0; n < velocities.size(); ++n) {
     if (nodes[n] == 0) continue;
     velocities.set(n, Vec3::Zero());
     if (first_order_only_) continue;
-    gained_.set(n, -length_ * pushed_[n]);
-    lag_.set(n, 0.5 * length_ * pushed_[n]);
+    for (Field* field : {&moved_, &gained_}) field->set(n, Vec3::Zero());
   }
 }
 
@@ -128,9 +113,10 @@ void TimeIntegrator::stop(Field& velocities) {
   forget();
 }
 
+/// Velocities lead on as they are, without a step before.
 void TimeIntegrator::forget() {
   knows_last_ = false;
-  for (Field* field : {&gained_, &lag_, &pushed_}) field->fill(0.0);
+  for (Field* field : {&moved_, &gained_}) field->fill(0.0);
 }
 
 void TimeIntegrator::slow(const ActiveMesh& mesh, const Field& positions, double factor, double rigid,
@@ -145,15 +131,7 @@ void TimeIntegrator::slow(const ActiveMesh& mesh, const Field& positions, double
   };
   slowField(velocities);
   if (first_order_only_) return;
-  const auto shift = [&](double time) {
-    for (int n = 0; n < mesh.nodes(); ++n) {
-      gained_.add(n, time * pushed_[n]);
-      lag_.add(n, -0.5 * time * pushed_[n]);
-    }
-  };
-  shift(length_);  // to what is left where forces balance
-  for (Field* field : {&gained_, &lag_}) slowField(*field);
-  shift(-length_);
+  for (Field* field : {&moved_, &gained_}) slowField(*field);
 }
 
 void TimeIntegrator::serialize(Archive& archive) {

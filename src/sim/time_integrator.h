@@ -12,36 +12,33 @@
 
 namespace haptic_cloth {
 
-/// Formula of one step from x⁰, v⁰ under the forces F of fabric and gravity and C of contact. Contact can
-/// stop a node at once, so its forces are impulses; all others follow a backward difference formula. With a⁰
-/// what they added to v in the step before, and e⁰ the mean velocity in it minus v⁰:
+/// Backward difference formula of one step from x⁰, v⁰, with Δx and Δv the changes of x and v in the
+/// step before:
 ///
-///     a = β a⁰ + σ (F/m − c v),   v = v⁰ + a + h C/m,   e = α (e⁰ − a),   x = x⁰ + h (v + e)
+///     x̂ = x⁰ + β Δx,   v̂ = v⁰ + β Δv,   x = x̂ + σ v,   v = v̂ + σ (F/m − c v)
 ///
-/// First order (backward Euler): α = β = 0, σ = h. Second order (BDF2), with r = h over the length of the
-/// step before: α = r/(1 + 2r), β = r²/(1 + 2r), σ = h (1 + r)/(1 + 2r); for equal steps 1/3, 1/3 and 2h/3.
-/// With equal steps a force of either kind changes Σ m (v + a/2) by h times itself. Where C balances F for
-/// long, a is -h C/m, v half of that, and e the opposite of v.
+/// First order (backward Euler): β = 0, σ = h. Second order (BDF2), with r = h over the length of the
+/// step before: β = r²/(1 + 2r), σ = h (1 + r)/(1 + 2r); for equal steps 1/3 and 2h/3.
 struct BackwardDifference {
   double share;    ///< β [-]
-  double carry;    ///< α h [s]
   double span;     ///< σ [s]
   double reach;    ///< σ/(1 + c σ) [s]
   double inertia;  ///< (1 + c σ)/σ² [1/s²]
-  double impulse;  ///< λ: displacement by an impulse over that by an equal force of the fabric [-]
 
   static BackwardDifference euler(double length, double air_damping);
   /// @param length of the step [s]  @param ratio r [-]
   static BackwardDifference bdf2(double length, double ratio, double air_damping);
 
-  /// Motion under no force [m].  @param gained a⁰ [m/s]  @param lag e⁰ [m/s]
-  Vec3 inertialMotion(const Vec3& velocity, const Vec3& gained, const Vec3& lag) const {
-    return reach * (velocity + share * gained) + carry * (velocity + lag);
+  Vec3 inertialMotion(const Vec3& velocity, const Vec3& moved, const Vec3& gained) const {
+    return share * moved + reach * (velocity + share * gained);
   }
 };
 
-/// Integrator of all nodes, which all follow one formula. With BDF2 the first step after nothing was kept is
-/// one of backward Euler. The velocity of a node that something touched in a step is the mean in it, v + e.
+/// Integrator of all nodes. With BDF2 nodes that may touch something take a step of backward Euler, because
+/// the formula takes a jump of velocity for smooth motion: it would throw the node back. A force changes Σ m
+/// (v + Δv/2) by h times itself with equal steps of BDF2, and Σ m v with backward Euler. So a node goes over
+/// with the velocity v + Δv/2, and back with Δv = 0; then opposite forces keep momentum whatever the nodes
+/// follow. The first step from a state of which nothing is kept is one of backward Euler for all nodes.
 class TimeIntegrator {
  public:
   /// @param time_step usual length of a step [s]
@@ -58,41 +55,36 @@ class TimeIntegrator {
   /// Gives the particles what they keep of a step, as for a cloth that has made none.
   void prepare(ParticleState& state) const;
 
-  /// Tells whether steps follow the formula of second order.
+  /// Tells whether any node follows the formula of second order.
   bool secondOrder() const { return !first_order_only_; }
 
-  /// Reads what the nodes keep from the step before, and their velocities. Call after each change of the
-  /// mesh.
-  void gather(const ActiveMesh& mesh, const ParticleState& state, Field& velocities);
-  void scatter(const ActiveMesh& mesh, const Field& velocities, ParticleState& state) const;
+  /// Lets the marked nodes take this step by backward Euler, as well as those marked before in the step.
+  void expectJumps(const std::vector<char>& nodes);
+
+  /// Reads what the nodes keep from the step before. Call after each change of the mesh.
+  void gather(const ActiveMesh& mesh, const ParticleState& state);
+  void scatter(const ActiveMesh& mesh, ParticleState& state) const;
 
   /// Motion of a node if no force acts on it in this step [m].
   Vec3 inertialMotion(int node, const Vec3& velocity) const {
-    if (first_order_only_) return formula_.reach * velocity;
-    return formula_.inertialMotion(velocityBefore(node, velocity), gained_[node], lag_[node]);
+    if (first_order_only_) return first_.reach * velocity;
+    if (jumps_[node] != 0) return first_.reach * (velocity + owed_ * gained_[node]);
+    return usual().inertialMotion(velocity, moved_[node], gained_[node]);
   }
-  /// Motion of a node that goes on at its velocity, but for the air [m].
-  Vec3 coastingMotion(const Vec3& velocity) const {
-    return (first_order_only_ ? formula_.reach : length_) * velocity;
-  }
-  /// Force by which nodes resist a displacement from there, over mass and displacement [1/s²].
-  double inertia() const { return formula_.inertia; }
+  /// Force by which a node resists a displacement from there, over mass and displacement [1/s²].
+  double inertia(int node) const { return formula(node).inertia; }
+  double inertia() const { return usual().inertia; }  ///< of nodes that do not jump [1/s²]
 
   /// Displacement that a constant acceleration adds in a step, over that acceleration [s²].
-  double fall() const { return formula_.reach * formula_.span; }
-
-  /// Factor λ of contact in the potential of a step, which makes its forces impulses [-].
-  double contactFactor() const { return formula_.impulse; }
+  double fall() const { return usual().reach * usual().span; }
 
   /// Ends a step: sets the velocities from the positions at its start and end.
-  /// @param contact forces of contact on the nodes [N]; read with BDF2 only
-  void finish(const ActiveMesh& mesh, const Field& start, const Field& end, const Field& contact,
-              Field& velocities);
+  void finish(const ActiveMesh& mesh, const Field& start, const Field& end, Field& velocities);
 
   /// Ends a step of which only a part was made: the nodes have their mean velocities.
   void finishPart(const Field& start, const Field& end, Field& velocities);
 
-  /// Stops the marked nodes, as if their forces were in balance.
+  /// Stops the marked nodes.
   void stop(const std::vector<char>& nodes, Field& velocities);
 
   /// Forgets the step before: all nodes rest.
@@ -107,21 +99,20 @@ class TimeIntegrator {
 
  private:
   void setMeanVelocities(const Field& start, const Field& end, Field& velocities) const;
+  void setVelocity(int node, const Vec3& moved, Field& velocities);
   void forget();
-  /// Velocity of a node minus v [m/s].
-  Vec3 ahead(int node) const { return pushed_[node].isZero(0.0) ? Vec3(Vec3::Zero()) : lag_[node]; }
-  /// v⁰. Where forces balance it depends on the length of the step.
-  Vec3 velocityBefore(int node, const Vec3& velocity) const {
-    return velocity - ahead(node) - 0.5 * longer_ * pushed_[node];
+  const BackwardDifference& usual() const { return knows_last_ ? second_ : first_; }
+  const BackwardDifference& formula(int node) const {
+    return first_order_only_ || jumps_[node] != 0 ? first_ : usual();
   }
 
   bool first_order_only_;
   double length_, air_damping_;  ///< [s], [1/s]
-  bool knows_last_ = false;      ///< the nodes keep something of the step before
-  double longer_ = 0.0;          ///< length of the step minus that of the step before [s]
-  BackwardDifference formula_;   ///< of the current or last step
-  Field gained_, lag_;           ///< a⁰ and e⁰ [m/s]
-  Field pushed_;                 ///< C/m in the step, but no more than may last [m/s²]
+  bool knows_last_ = false;      ///< the nodes keep something of the step before; never without BDF2
+  double owed_;                  ///< part of Δv that BDF2 would still add to v [-]
+  BackwardDifference first_, second_;
+  Field moved_, gained_;     ///< Δx and Δv of the nodes [m], [m/s]
+  std::vector<char> jumps_;  ///< flags of the nodes that take the current step by backward Euler
 };
 
 }  // namespace haptic_cloth

@@ -156,12 +156,13 @@ TEST_P(Lands, AndTheFloorTakesItsMomentum) {
     momentum -= scene.solver.time_step * simulation.supportForce().z();
   }
   // Cloth that rests at both ends has given away what gravity gave it. Each step may leave kTolerance of the
-  // weight. With BDF2 half a step's weight is still on its way: opposite forces keep Σ m (v + a/2), a = g h
-  // in flight and -g h where contact carries, and v begins with 0 and ends with half of that; see
-  // TimeIntegrator.
-  const double on_its_way = GetParam().integrator == Integrator::Bdf2 ? 0.5 * scene.solver.time_step : 0.0;
-  const double given = simulation.mass() * scene.gravity.z() * (simulation.time() - on_its_way);
-  EXPECT_NEAR(momentum / given, 1.0, tolerance(kTolerance));
+  // weight. Cloth that falls by BDF2 has g h/2 more on its way than it fell for, since its first step is one
+  // of backward Euler; the energy guard takes most of that.
+  const double given = simulation.mass() * scene.gravity.z() * simulation.time();
+  const bool second = GetParam().integrator == Integrator::Bdf2;
+  const double on_its_way = second ? 0.5 * scene.solver.time_step / simulation.time() : 0.0;
+  EXPECT_GT(momentum / given, 1.0 - tolerance(kTolerance));
+  EXPECT_LT(momentum / given, 1.0 + tolerance(kTolerance + on_its_way));
 }
 
 TEST_P(Lands, AndABeltCarriesItAlong) {

@@ -70,7 +70,7 @@ struct Folded {
     contact.noteMotion(x);
     contact.evaluate(0, contact.size(), x);
     contact.sumForces(mesh.nodes());
-    contact.addGradient(0, mesh.nodes(), 1.0, sum);
+    contact.addGradient(0, mesh.nodes(), sum);
     return sum;
   }
   double energy(const Field& at) {

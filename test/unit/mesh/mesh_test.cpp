@@ -278,13 +278,12 @@ TEST(TransferTest, MomentumIsKeptThroughSplitsAndMerges) {
   ActiveMesh mesh(leaves, 0.2);
   MergeTransfer merge(kGrid);
   ParticleState state;
-  const Eigen::VectorXd values = fixedRandom(15 * kGrid.particles(), 11);
+  const Eigen::VectorXd values = fixedRandom(12 * kGrid.particles(), 11);
   for (int p = 0; p < kGrid.particles(); ++p) {
-    state.position.push_back(values.segment<3>(15 * p));
-    state.velocity.push_back(values.segment<3>(15 * p + 3));
-    state.gained.push_back(values.segment<3>(15 * p + 6));
-    state.lag.push_back(values.segment<3>(15 * p + 9));
-    state.pushed.push_back(values.segment<3>(15 * p + 12));
+    state.position.push_back(values.segment<3>(12 * p));
+    state.velocity.push_back(values.segment<3>(12 * p + 3));
+    state.moved.push_back(values.segment<3>(12 * p + 6));
+    state.gained.push_back(values.segment<3>(12 * p + 9));
   }
   const auto momentum = [&](const std::vector<Vec3>& motion) {
     Vec3 sum = Vec3::Zero();
@@ -292,12 +291,12 @@ TEST(TransferTest, MomentumIsKeptThroughSplitsAndMerges) {
     return sum;
   };
   for (const Ghost& g : mesh.ghosts) {  // valid state: hanging nodes are the mean of their masters
-    for (auto* v : {&state.position, &state.velocity, &state.gained, &state.lag, &state.pushed}) {
+    for (auto* v : {&state.position, &state.velocity, &state.moved, &state.gained}) {
       (*v)[mesh.particle[g.node]] = 0.5 * ((*v)[mesh.particle[g.a]] + (*v)[mesh.particle[g.b]]);
     }
   }
-  // What BDF2 keeps of a step leads on like velocity, so its sum over the mass is kept as well.
-  const std::vector<Vec3>* const motions[] = {&state.velocity, &state.gained, &state.lag, &state.pushed};
+  // The changes that BDF2 keeps lead on like velocity, so their momentum is kept as well.
+  const std::vector<Vec3>* const motions[] = {&state.velocity, &state.moved, &state.gained};
   std::vector<Vec3> before;
   for (const auto* motion : motions) before.push_back(momentum(*motion));
   std::mt19937 random(3);

@@ -87,8 +87,8 @@ TEST_F(JointTest, FollowsTheLawsWhereForcesDo) {
   EXPECT_GT(motion, 0.0);
   EXPECT_EQ(joint_.costs().stretch + joint_.costs().bend + joint_.costs().shear, 0.0);
   // The condensed E^n has no term for the proxy.
-  const double proxy = gradient.segment<3>(positions_ - 3).squaredNorm() /
-                       (2.0 * objective_.contactFactor() * objective_.couplingStiffness(0));
+  const double proxy =
+      gradient.segment<3>(positions_ - 3).squaredNorm() / (2.0 * objective_.couplingStiffness(0));
   EXPECT_NEAR(joint, motion + proxy, tolerance(1e-12 * joint));
   EXPECT_NEAR(joint_.residual(gradient), residual, tolerance(1e-12 * residual));
 }
@@ -112,8 +112,9 @@ TEST_F(JointTest, AGraspKeepsGradientLawsAndQuadraticForm) {
   // the proxy.
   Vector condensed = Vector::Zero(objective_.capacity());
   objective_.evaluate(start_, condensed);
-  double stiffness = objective_.contactFactor() * objective_.couplingStiffness(0);
-  for (const HeldNode& node : objective_.held()) stiffness += mesh_.mass[node.node] * objective_.inertia();
+  double stiffness = objective_.couplingStiffness(0);
+  for (const HeldNode& node : objective_.held())
+    stiffness += mesh_.mass[node.node] * objective_.inertia(node.node);
   const double proxy = condensed.segment<3>(positions_ - 3).squaredNorm() / (2.0 * stiffness);
   const double joint = value(unknowns_);
   EXPECT_GT(proxy, 0.0);

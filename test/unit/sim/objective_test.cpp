@@ -66,7 +66,7 @@ TEST_F(ObjectiveTest, ProbeAndClothFeelOppositeForces) {
   objective_.evaluate(start_, gradient);
   Field by_contact;
   by_contact.clear(mesh_.nodes());
-  contacts_.addGradient(0, mesh_.nodes(), 1.0, by_contact);
+  contacts_.addGradient(0, mesh_.nodes(), by_contact);
   Vec3 on_cloth = Vec3::Zero();
   for (int n = 0; n < mesh_.nodes(); ++n) on_cloth -= by_contact[n];
   const Vec3 on_probe = -contacts_.proxyGradient(0);
