@@ -1,5 +1,6 @@
 #include "contact/sample_finder.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -19,6 +20,7 @@ constexpr double kMostSlanting = 12.0;  // parts of a finest cell across slantin
 constexpr double kSlanting = 3.0;       // length of parts across slanting edges over that across others
 // Ends of the sides of a cell along warp and weft.
 constexpr std::array<std::array<std::pair<int, int>, 2>, 2> kSides{{{{{0, 1}, {2, 3}}}, {{{0, 2}, {1, 3}}}}};
+constexpr double kUneven = 0.1;  // difference of gaps that changes the pressure over a cell [ranges]
 constexpr double kStart = 3e-8;  // time that the start of a sample takes, about [s]
 
 /// Largest distance of the samples of a probe: a third of half its width, and of the radius on which a ball
@@ -151,9 +153,32 @@ void SampleFinder::addCells(const Solid& solid, const ActiveMesh& mesh, const Fi
       continue;
     }
     const int parts = partsOf(patch);
-    const double corner_area = 0.25 * patch.area / (parts * parts);
-    for (const int corner : patch.nodes) node_area_[corner] += corner_area;
+    const bool dented = parts == 1 && isDented(patch);
+    const double corner_share = dented ? 1.0 / 36.0 : 0.25 / (parts * parts);
+    for (const int corner : patch.nodes) node_area_[corner] += corner_share * patch.area;
     if (parts > 1) addCorners(patch, parts, nodes, near);
+    if (dented) addMiddlesOfDent(patch, nodes, near);
+  }
+}
+
+/// Tells whether the pressure varies over a finest cell, outside the obstacle: what ejects cloth varies, too.
+bool SampleFinder::isDented(const Patch& patch) const {
+  if (rises(patch) <= kUneven * law_.range()) return false;
+  return std::all_of(patch.nodes.begin(), patch.nodes.end(),
+                     [this](int n) { return at_nodes_.gaps[n] > 0.0; });
+}
+
+/// Adds the middles of a cell and of its sides with the weights of Simpson's rule, which its corners have,
+/// too. Where a probe dents the cloth, corners alone would carry up to four times the pressure, which grows
+/// fast with depth.
+void SampleFinder::addMiddlesOfDent(const Patch& patch, const Field& nodes, double margin) {
+  for (int j = 0; j <= 2; ++j) {
+    const Row row(patch, 0.5 * j, nodes);
+    for (int i = 0; i <= 2; ++i) {
+      if (i != 1 && j != 1) continue;
+      const double share = (i == 1 ? 4.0 : 1.0) * (j == 1 ? 4.0 : 1.0) / 36.0;
+      addPoint(surfacePoint(patch, 0.5 * i, 0.5 * j, share * patch.area), row.at(0.5 * i), margin);
+    }
   }
 }
 
@@ -348,21 +373,28 @@ std::array<double, 2> SampleFinder::strip(const Patch& patch, int direction, boo
   return {from, to};
 }
 
+/// Largest difference of the gaps at a cell's corners [m]. It is over all pairs; with one corner as
+/// reference, mirrored cells would differ.
+double SampleFinder::rises(const Patch& patch) const {
+  double rises = 0.0;
+  for (int c = 1; c < 4; ++c) {
+    for (int d = 0; d < c; ++d)
+      rises = std::max(rises, std::abs(at_nodes_.gaps[patch.nodes[c]] - at_nodes_.gaps[patch.nodes[d]]));
+  }
+  return rises;
+}
+
 /// Number of parts of a cell's side to be sampled. It is 1 if the obstacle presses evenly: one
 /// normal at the corners, and gaps whose difference hardly changes the pressure. Otherwise it is
 /// the number of finest cells, but no part is smaller than a share of the range. It is larger if a
 /// round solid would cut deeper into these parts than that share.
 int SampleFinder::partsOf(const Patch& patch) const {
-  constexpr double kSameNormal = 1e-3, kShareOfRange = 0.1;
-  // Largest differences over all pairs; with one corner as reference, mirrored cells would differ.
-  double gaps = 0.0, turn = 0.0;
+  constexpr double kSameNormal = 1e-3;
+  double turn = 0.0;
   for (int c = 1; c < 4; ++c) {
-    for (int d = 0; d < c; ++d) {
-      gaps = std::max(gaps, std::abs(at_nodes_.gaps[patch.nodes[c]] - at_nodes_.gaps[patch.nodes[d]]));
-      turn = std::max(turn, normalTurn(patch, c, d));
-    }
+    for (int d = 0; d < c; ++d) turn = std::max(turn, normalTurn(patch, c, d));
   }
-  const bool uneven = gaps > kShareOfRange * law_.range() || turn > kSameNormal;
+  const bool uneven = rises(patch) > kUneven * law_.range() || turn > kSameNormal;
   const int span = patch.cell.span();
   const double smallest = kCut * law_.range(), side = span * std::max(grid_.dx, grid_.dy);
   const int finest = uneven ? std::min<int>(span, std::ceil(side / smallest)) : 1;

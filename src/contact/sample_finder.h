@@ -30,8 +30,8 @@ class SampleFinder {
   SampleFinder(const Grid& grid, const SolidSet& solids, const ContactLaw& law, const FrictionMemory& memory,
                Team& team);
 
-  /// Number of samples to reserve memory for. If a finest cell has at most one sample of a solid,
-  /// cells two finest cells wide under an uneven solid need most: five samples and one node in four
+  /// Number of samples to reserve memory for. If a finest cell has at most one sample of a solid, but for
+  /// dents, cells two finest cells wide under an uneven solid need most: five samples and one node in four
   /// finest cells. Otherwise the number comes from experience with scenes; a step that needs more
   /// allocates.
   int capacity() const;
@@ -68,6 +68,7 @@ class SampleFinder {
   void addProbePoints(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
                       const Reach& touching);
   void addCorners(const Patch& patch, int parts, const Field& nodes, double margin);
+  void addMiddlesOfDent(const Patch& patch, const Field& nodes, double margin);
   void addLines(const Patch& patch, const Solid& solid, const Field& nodes, double margin);
   void addMiddles(int direction, int parts, double from, double to);
   void addEnds(int direction, int parts);
@@ -77,6 +78,8 @@ class SampleFinder {
   int partsAlong(const Solid& solid, int direction) const;
   bool divideAtEdge(const Solid& solid, const Patch& patch, const Field& nodes);
   std::array<double, 2> strip(const Patch& patch, int direction, bool within, const Field& nodes) const;
+  double rises(const Patch& patch) const;
+  bool isDented(const Patch& patch) const;
   int partsOf(const Patch& patch) const;
   double spacing(int direction) const { return direction == kWarp ? grid_.dx : grid_.dy; }
   /// Largest distance of a finest cell's chord from an arc that turns by `turn` [rad]: length ·

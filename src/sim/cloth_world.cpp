@@ -231,6 +231,7 @@ StepReport ClothWorld::skipStep(int length) {
   report.active_particles = cloth_.mesh().active();
   report.self_contacts = idle_.selfContacts();
   report.min_self_gap = idle_.minSelfGap();
+  report.max_penetration = idle_.maxPenetration();
   return report;
 }
 

@@ -29,6 +29,7 @@ void IdleTracker::note(const StepReport& report, const Probes& probes, double sl
   if (!report.failed) residual_ = report.minimizer.residual;  // that of a failed step may not be finite
   self_contacts_ = report.self_contacts;
   min_self_gap_ = report.min_self_gap;
+  max_penetration_ = report.max_penetration;
 }
 
 void IdleTracker::forget() {

@@ -26,9 +26,10 @@ class IdleTracker {
   /// Makes the next steps be solved, after a change that the inputs do not show.
   void forget();
 
-  double residual() const { return residual_; }        ///< of the last solved step
-  int selfContacts() const { return self_contacts_; }  ///< see StepReport; of the last solved step
-  double minSelfGap() const { return min_self_gap_; }  ///< see StepReport; of the last solved step [m]
+  double residual() const { return residual_; }               ///< of the last solved step
+  int selfContacts() const { return self_contacts_; }         ///< see StepReport; of the last solved step
+  double minSelfGap() const { return min_self_gap_; }         ///< see StepReport; of the last solved step [m]
+  double maxPenetration() const { return max_penetration_; }  ///< see StepReport; of the last solved step [m]
 
   void serialize(Archive& archive);
 
@@ -42,6 +43,7 @@ class IdleTracker {
   double residual_ = 0.0;
   int self_contacts_ = 0;
   double min_self_gap_ = StepReport().min_self_gap;
+  double max_penetration_ = 0.0;
 };
 
 }  // namespace haptic_cloth

@@ -92,6 +92,21 @@ Scene sheetInBall(double radius) {
   return scene;
 }
 
+TEST(Entry, ClothHeldInsideASolidIsReportedWhileStepsAreSkipped) {
+  constexpr double kDepth = 3e-3;  // [m]
+  Scene scene = sheetScene(makeFabric(LinearFabric()), 5, 5, 0.02, 0.02);
+  pin(scene, 0, 4, 0, 4);
+  scene.cloth.pose.position.z() = -kDepth;
+  Obstacle floor;
+  floor.shape = Shape::Plane;
+  scene.obstacles = {floor};
+  Simulation simulation(scene);
+  for (int k = 0; k < 200; ++k) {  // the last hundred, at the least, are skipped
+    const StepReport report = simulation.step();
+    EXPECT_NEAR(report.max_penetration, kDepth, tolerance(1e-12)) << k;
+  }
+}
+
 class SheetInBall : public testing::TestWithParam<double> {};
 
 TEST_P(SheetInBall, IsLetOutAndComesToRestInBalance) {

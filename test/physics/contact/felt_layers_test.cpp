@@ -101,6 +101,62 @@ TEST(ProbeOnLayers, FeelsNoMeshThroughTwoLayers) {
   EXPECT_LT(one, tolerance(kLimit));
 }
 
+/// Force of a sphere that presses by the thickness of slack cloth on the cloth on a floor [N].
+/// @param spacing of the particles [m]  @param aside of the sphere from a particle [spacings]
+double forceOnCoarseCloth(double radius, double spacing, const Vec3& aside) {
+  constexpr double kWidth = 24e-3;  // [m]
+  const int side = static_cast<int>(std::lround(kWidth / spacing)) / 2 * 2 + 1;
+  const Layers layer{{side}, side, spacing, Vec3::Zero()};
+  LinearFabric linear;
+  linear.stiffness = 200.0;
+  linear.compression = 1e-3;
+  linear.rigidity = 1e-7;
+  linear.shear_modulus = 5.0;
+  Scene scene = layersScene(layer, makeFabric(linear));
+  setStrategy(scene, Strategy::Finest, 0);
+  scene.obstacles = {Obstacle()};
+  scene.probes[0].radius = radius;
+  scene.probes[0].friction = 0.0;
+  scene.probes[0].coupling_stiffness = 2e4;
+  scene.gravity.setZero();
+  quasiStatic(scene, 30.0, 2e-3, 0.02);
+  scene.solver.minimizer.max_iterations = 2000;
+  Simulation simulation(scene);
+  const double thickness = scene.cloth.fabric.thickness;
+  const auto place = [&](int i, int j) { return placeInLayers(layer, {thickness}, i, j); };
+  placeCloth(simulation, place);
+  Vec3 above = place(side / 2, side / 2) + spacing * aside;
+  for (const double pressed : {-2.0, 0.5, 1.0}) {  // both gaps close by a thickness
+    above.z() = radius + (2.0 - pressed) * thickness;
+    for (int k = 0; k < 30; ++k) {
+      simulation.setDevice(above, Vec3::Zero());
+      EXPECT_FALSE(simulation.step().failed);
+    }
+  }
+  return simulation.probe(0).force.z();
+}
+
+TEST(ProbeOnLayers, PressesAlikeOnCoarseCloth) {
+  // Flat cells of width a over a sphere's dent are up to a²/8R off it. The force may be off by as large a
+  // share as that is of the depth of the dent, a thickness. The corners of the cells alone would carry 0.7
+  // to 1.0 too much with a = 4 mm and R = 8 mm, and 0.25 with 2 mm.
+  constexpr double kThickness = 5e-4;
+  for (const double radius : {8e-3, 15e-3}) {
+    const double fine = forceOnCoarseCloth(radius, 1e-3, Vec3::Zero());
+    for (const double spacing : {4e-3, 2e-3}) {
+      const double bound = spacing * spacing / (8.0 * radius * kThickness);
+      for (const Vec3& aside : {Vec3(0.0, 0.0, 0.0), Vec3(0.5, 0.0, 0.0), Vec3(0.5, 0.5, 0.0)}) {
+        const double force = forceOnCoarseCloth(radius, spacing, aside);
+        record({"probe pressed on coarse cloth on a floor, R = " + std::to_string(1e3 * radius).substr(0, 4) +
+                    " mm",
+                "force / force on fine cloth", "finest", 1e3 * spacing, force / fine, 1.0, 1.0});
+        EXPECT_NEAR(force / fine, 1.0, tolerance(bound))
+            << radius << " " << spacing << " " << aside.transpose();
+      }
+    }
+  }
+}
+
 /// A frictionless probe, whose device stays at one height, slides from the single
 /// layer of a strip on a floor onto the part that is folded over. Its height there and here is where the
 /// coupling balances the force by the laws in series. The force rises by stiffness · rise; it must be known
