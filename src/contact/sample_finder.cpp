@@ -153,30 +153,32 @@ void SampleFinder::addCells(const Solid& solid, const ActiveMesh& mesh, const Fi
       continue;
     }
     const int parts = partsOf(patch);
-    const bool dented = parts == 1 && isDented(patch);
-    const double corner_share = dented ? 1.0 / 36.0 : 0.25 / (parts * parts);
+    const double dented = parts == 1 ? shareOfDent(patch) : 0.0;
+    const double corner_share = (1.0 - dented) * 0.25 / (parts * parts) + dented / 36.0;
     for (const int corner : patch.nodes) node_area_[corner] += corner_share * patch.area;
     if (parts > 1) addCorners(patch, parts, nodes, near);
-    if (dented) addMiddlesOfDent(patch, nodes, near);
+    if (dented > 0.0) addMiddlesOfDent(patch, dented, nodes, near);
   }
 }
 
-/// Tells whether the pressure varies over a finest cell, outside the obstacle: what ejects cloth varies, too.
-bool SampleFinder::isDented(const Patch& patch) const {
-  if (rises(patch) <= kUneven * law_.range()) return false;
-  return std::all_of(patch.nodes.begin(), patch.nodes.end(),
-                     [this](int n) { return at_nodes_.gaps[n] > 0.0; });
+/// Share of Simpson's rule in the weights of a finest cell: none where the pressure is even, all where it is
+/// not. In between it grows, since a switch from one step to the next would shake cloth at rest. What ejects
+/// cloth needs the nodes.
+double SampleFinder::shareOfDent(const Patch& patch) const {
+  const auto inside = [this](int n) { return at_nodes_.gaps[n] <= 0.0; };
+  if (std::any_of(patch.nodes.begin(), patch.nodes.end(), inside)) return 0.0;
+  return std::clamp(rises(patch) / (kUneven * law_.range()) - 1.0, 0.0, 1.0);
 }
 
 /// Adds the middles of a cell and of its sides with the weights of Simpson's rule, which its corners have,
 /// too. Where a probe dents the cloth, corners alone would carry up to four times the pressure, which grows
 /// fast with depth.
-void SampleFinder::addMiddlesOfDent(const Patch& patch, const Field& nodes, double margin) {
+void SampleFinder::addMiddlesOfDent(const Patch& patch, double dented, const Field& nodes, double margin) {
   for (int j = 0; j <= 2; ++j) {
     const Row row(patch, 0.5 * j, nodes);
     for (int i = 0; i <= 2; ++i) {
       if (i != 1 && j != 1) continue;
-      const double share = (i == 1 ? 4.0 : 1.0) * (j == 1 ? 4.0 : 1.0) / 36.0;
+      const double share = dented * (i == 1 ? 4.0 : 1.0) * (j == 1 ? 4.0 : 1.0) / 36.0;
       addPoint(surfacePoint(patch, 0.5 * i, 0.5 * j, share * patch.area), row.at(0.5 * i), margin);
     }
   }
