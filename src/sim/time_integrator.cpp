@@ -28,7 +28,7 @@ TimeIntegrator::TimeIntegrator(Integrator kind, double time_step, double air_dam
       air_damping_(air_damping),
       owed_(0.5),
       first_(BackwardDifference::euler(time_step, air_damping)),
-      second_(BackwardDifference::bdf2(time_step, 1.0, air_damping)) {
+      usual_(first_) {
   if (first_order_only_) return;
   for (Field* field : {&moved_, &gained_}) field->reserve(grid.particles());
   jumps_.reserve(grid.particles());
@@ -37,7 +37,7 @@ TimeIntegrator::TimeIntegrator(Integrator kind, double time_step, double air_dam
 void TimeIntegrator::begin(double length) {
   const double ratio = length / length_;
   first_ = BackwardDifference::euler(length, air_damping_);
-  second_ = BackwardDifference::bdf2(length, ratio, air_damping_);
+  usual_ = knows_last_ ? BackwardDifference::bdf2(length, ratio, air_damping_) : first_;
   owed_ = ratio * ratio / (1.0 + ratio);
   length_ = length;
   std::fill(jumps_.begin(), jumps_.end(), 0);

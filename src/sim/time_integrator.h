@@ -69,14 +69,14 @@ class TimeIntegrator {
   Vec3 inertialMotion(int node, const Vec3& velocity) const {
     if (first_order_only_) return first_.reach * velocity;
     if (jumps_[node] != 0) return first_.reach * (velocity + owed_ * gained_[node]);
-    return usual().inertialMotion(velocity, moved_[node], gained_[node]);
+    return usual_.inertialMotion(velocity, moved_[node], gained_[node]);
   }
   /// Force by which a node resists a displacement from there, over mass and displacement [1/s²].
   double inertia(int node) const { return formula(node).inertia; }
-  double inertia() const { return usual().inertia; }  ///< of nodes that do not jump [1/s²]
+  double inertia() const { return usual_.inertia; }  ///< of nodes that do not jump [1/s²]
 
   /// Displacement that a constant acceleration adds in a step, over that acceleration [s²].
-  double fall() const { return usual().reach * usual().span; }
+  double fall() const { return usual_.reach * usual_.span; }
 
   /// Ends a step: sets the velocities from the positions at its start and end.
   void finish(const ActiveMesh& mesh, const Field& start, const Field& end, Field& velocities);
@@ -101,18 +101,17 @@ class TimeIntegrator {
   void setMeanVelocities(const Field& start, const Field& end, Field& velocities) const;
   void setVelocity(int node, const Vec3& moved, Field& velocities);
   void forget();
-  const BackwardDifference& usual() const { return knows_last_ ? second_ : first_; }
   const BackwardDifference& formula(int node) const {
-    return first_order_only_ || jumps_[node] != 0 ? first_ : usual();
+    return first_order_only_ || jumps_[node] != 0 ? first_ : usual_;
   }
 
   bool first_order_only_;
-  double length_, air_damping_;  ///< [s], [1/s]
-  bool knows_last_ = false;      ///< the nodes keep something of the step before; never without BDF2
-  double owed_;                  ///< part of Δv that BDF2 would still add to v [-]
-  BackwardDifference first_, second_;
-  Field moved_, gained_;     ///< Δx and Δv of the nodes [m], [m/s]
-  std::vector<char> jumps_;  ///< flags of the nodes that take the current step by backward Euler
+  double length_, air_damping_;       ///< [s], [1/s]
+  bool knows_last_ = false;           ///< the nodes keep something of the step before; never without BDF2
+  double owed_;                       ///< part of Δv that BDF2 would still add to v [-]
+  BackwardDifference first_, usual_;  ///< of nodes that jump in the step, and of all others
+  Field moved_, gained_;              ///< Δx and Δv of the nodes [m], [m/s]
+  std::vector<char> jumps_;           ///< flags of the nodes that take the current step by backward Euler
 };
 
 }  // namespace haptic_cloth
