@@ -152,8 +152,9 @@ void SampleFinder::addCells(const Solid& solid, const ActiveMesh& mesh, const Fi
       addLines(patch, solid, nodes, near);
       continue;
     }
-    const int parts = partsOf(patch);
-    const double dented = parts == 1 ? shareOfDent(patch) : 0.0;
+    const double difference = gapDifference(patch);
+    const int parts = partsOf(patch, difference);
+    const double dented = parts == 1 ? shareOfDent(patch, difference) : 0.0;
     const double corner_share = (1.0 - dented) * 0.25 / (parts * parts) + dented / 36.0;
     for (const int corner : patch.nodes) node_area_[corner] += corner_share * patch.area;
     if (parts > 1) addCorners(patch, parts, nodes, near);
@@ -164,22 +165,21 @@ void SampleFinder::addCells(const Solid& solid, const ActiveMesh& mesh, const Fi
 /// Share of Simpson's rule in the weights of a finest cell: none where the pressure is even, all where it is
 /// not. In between it grows, since a switch from one step to the next would shake cloth at rest. What ejects
 /// cloth needs the nodes.
-double SampleFinder::shareOfDent(const Patch& patch) const {
+double SampleFinder::shareOfDent(const Patch& patch, double gap_difference) const {
   const auto inside = [this](int n) { return at_nodes_.gaps[n] <= 0.0; };
   if (std::any_of(patch.nodes.begin(), patch.nodes.end(), inside)) return 0.0;
-  return std::clamp(rises(patch) / (kUneven * law_.range()) - 1.0, 0.0, 1.0);
+  return std::clamp(gap_difference / (kUneven * law_.range()) - 1.0, 0.0, 1.0);
 }
 
-/// Adds the middles of a cell and of its sides with the weights of Simpson's rule, which its corners have,
-/// too. Where a probe dents the cloth, corners alone would carry up to four times the pressure, which grows
-/// fast with depth.
-void SampleFinder::addMiddlesOfDent(const Patch& patch, double dented, const Field& nodes, double margin) {
+/// Adds the middles of a cell and of its sides with a share of their weights by Simpson's rule. Where a probe
+/// dents the cloth, corners alone would carry up to four times the pressure, which grows fast with depth.
+void SampleFinder::addMiddlesOfDent(const Patch& patch, double share, const Field& nodes, double margin) {
   for (int j = 0; j <= 2; ++j) {
     const Row row(patch, 0.5 * j, nodes);
     for (int i = 0; i <= 2; ++i) {
       if (i != 1 && j != 1) continue;
-      const double share = dented * (i == 1 ? 4.0 : 1.0) * (j == 1 ? 4.0 : 1.0) / 36.0;
-      addPoint(surfacePoint(patch, 0.5 * i, 0.5 * j, share * patch.area), row.at(0.5 * i), margin);
+      const double weight = share * (i == 1 ? 4.0 : 1.0) * (j == 1 ? 4.0 : 1.0) / 36.0;
+      addPoint(surfacePoint(patch, 0.5 * i, 0.5 * j, weight * patch.area), row.at(0.5 * i), margin);
     }
   }
 }
@@ -377,26 +377,27 @@ std::array<double, 2> SampleFinder::strip(const Patch& patch, int direction, boo
 
 /// Largest difference of the gaps at a cell's corners [m]. It is over all pairs; with one corner as
 /// reference, mirrored cells would differ.
-double SampleFinder::rises(const Patch& patch) const {
-  double rises = 0.0;
+double SampleFinder::gapDifference(const Patch& patch) const {
+  double difference = 0.0;
   for (int c = 1; c < 4; ++c) {
     for (int d = 0; d < c; ++d)
-      rises = std::max(rises, std::abs(at_nodes_.gaps[patch.nodes[c]] - at_nodes_.gaps[patch.nodes[d]]));
+      difference =
+          std::max(difference, std::abs(at_nodes_.gaps[patch.nodes[c]] - at_nodes_.gaps[patch.nodes[d]]));
   }
-  return rises;
+  return difference;
 }
 
 /// Number of parts of a cell's side to be sampled. It is 1 if the obstacle presses evenly: one
 /// normal at the corners, and gaps whose difference hardly changes the pressure. Otherwise it is
 /// the number of finest cells, but no part is smaller than a share of the range. It is larger if a
 /// round solid would cut deeper into these parts than that share.
-int SampleFinder::partsOf(const Patch& patch) const {
+int SampleFinder::partsOf(const Patch& patch, double gap_difference) const {
   constexpr double kSameNormal = 1e-3;
   double turn = 0.0;
   for (int c = 1; c < 4; ++c) {
     for (int d = 0; d < c; ++d) turn = std::max(turn, normalTurn(patch, c, d));
   }
-  const bool uneven = rises(patch) > kUneven * law_.range() || turn > kSameNormal;
+  const bool uneven = gap_difference > kUneven * law_.range() || turn > kSameNormal;
   const int span = patch.cell.span();
   const double smallest = kCut * law_.range(), side = span * std::max(grid_.dx, grid_.dy);
   const int finest = uneven ? std::min<int>(span, std::ceil(side / smallest)) : 1;

@@ -147,7 +147,7 @@ TEST(ProbeOnLayers, PressesAlikeOnCoarseCloth) {
       const double bound = spacing * spacing / (8.0 * radius * kThickness);
       for (const Vec3& aside : {Vec3(0.0, 0.0, 0.0), Vec3(0.5, 0.0, 0.0), Vec3(0.5, 0.5, 0.0)}) {
         const double force = forceOnCoarseCloth(radius, spacing, aside);
-        record({"probe pressed on coarse cloth on a floor, R = " + std::to_string(1e3 * radius).substr(0, 4) +
+        record({"probe pressed on coarse cloth on a floor, R = " + std::to_string(std::lround(1e3 * radius)) +
                     " mm",
                 "force / force on fine cloth", "finest", 1e3 * spacing, force / fine, 1.0, 1.0});
         EXPECT_NEAR(force / fine, 1.0, tolerance(bound))
