@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "contact/dent.h"
 #include "contact/friction_law.h"
 #include "shape/solid_lanes.h"
 #include "simd/kernels.h"
@@ -20,7 +21,6 @@ constexpr double kMostSlanting = 12.0;  // parts of a finest cell across slantin
 constexpr double kSlanting = 3.0;       // length of parts across slanting edges over that across others
 // Ends of the sides of a cell along warp and weft.
 constexpr std::array<std::array<std::pair<int, int>, 2>, 2> kSides{{{{{0, 1}, {2, 3}}}, {{{0, 2}, {1, 3}}}}};
-constexpr double kUneven = 0.1;  // difference of gaps that changes the pressure over a cell [ranges]
 constexpr double kStart = 3e-8;  // time that the start of a sample takes, about [s]
 
 /// Largest distance of the samples of a probe: a third of half its width, and of the radius on which a ball
@@ -162,17 +162,14 @@ void SampleFinder::addCells(const Solid& solid, const ActiveMesh& mesh, const Fi
   }
 }
 
-/// Share of Simpson's rule in the weights of a finest cell: none where the pressure is even, all where it is
-/// not. In between it grows, since a switch from one step to the next would shake cloth at rest. What ejects
-/// cloth needs the nodes.
+/// shareOfSimpson() of a finest cell. What ejects cloth needs the nodes.
 double SampleFinder::shareOfDent(const Patch& patch, double gap_difference) const {
   const auto inside = [this](int n) { return at_nodes_.gaps[n] <= 0.0; };
   if (std::any_of(patch.nodes.begin(), patch.nodes.end(), inside)) return 0.0;
-  return std::clamp(gap_difference / (kUneven * law_.range()) - 1.0, 0.0, 1.0);
+  return shareOfSimpson(gap_difference / law_.range());
 }
 
-/// Adds the middles of a cell and of its sides with a share of their weights by Simpson's rule. Where a probe
-/// dents the cloth, corners alone would carry up to four times the pressure, which grows fast with depth.
+/// Adds the middles of a cell and of its sides with a share of their weights by Simpson's rule.
 void SampleFinder::addMiddlesOfDent(const Patch& patch, double share, const Field& nodes, double margin) {
   for (int j = 0; j <= 2; ++j) {
     const Row row(patch, 0.5 * j, nodes);
