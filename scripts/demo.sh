@@ -2,16 +2,26 @@
 # Shows a hand on a cloth: installs, builds, starts rviz if there is a screen, reports each second.
 # Usage: scripts/demo.sh [--seconds N] [launch arguments]
 #   scene:=fold  a fingertip folds a corner over and presses the fold; also two_fingers, or a file
-#   --seconds N  comes first; ends after N seconds with a verdict; exit status 0 only if force, markers
-#                and state were published at their rates and were finite
+#   --seconds N  ends after N seconds with a verdict; exit status 0 only if force, markers and state were
+#                published at their rates and were finite
 set -euo pipefail
 case "${1:-}" in -h | --help) sed -n 2,6p "$0"; exit 0 ;; esac
 here="$(cd "$(dirname "$0")" && pwd)"
 
 seconds=0
-if [ "${1:-}" = --seconds ]; then
-  seconds="${2:?--seconds needs a number}"
-  shift 2
+arguments=()
+while [ $# -gt 0 ]; do
+  case "$1" in
+    --seconds) seconds="${2:-}"; shift ;;
+    --seconds=*) seconds="${1#*=}" ;;
+    *:=*) arguments+=("$1") ;;
+    *) echo "demo.sh: unknown argument $1; see demo.sh --help" >&2; exit 2 ;;
+  esac
+  shift || true
+done
+if ! [[ "$seconds" =~ ^[0-9]+([.][0-9]+)?$ ]]; then
+  echo "demo.sh: --seconds must be a number, got '$seconds'" >&2
+  exit 2
 fi
 
 # In the source tree, installs and builds first. An installed copy uses the caller's environment.
@@ -28,7 +38,7 @@ rviz=false
 if [ -n "${DISPLAY:-}" ]; then rviz=true; fi
 
 log="$(mktemp)"
-roslaunch haptic_cloth demo.launch "rviz:=$rviz" "$@" >"$log" 2>&1 &
+roslaunch haptic_cloth demo.launch "rviz:=$rviz" ${arguments[@]+"${arguments[@]}"} >"$log" 2>&1 &
 launch=$!
 monitor=
 finish() {

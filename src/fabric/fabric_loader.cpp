@@ -224,12 +224,18 @@ HalfLoop readShearLaw(const YamlMap& map) {
 
 /// Reads KES-FB3 data: thickness where the pressure begins and at 50 gf/cm², linearity, and for a
 /// check the work and the resilience.
-Compression readCompression(const YamlValue& group) {
+/// @param fabric_thickness [m]
+Compression readCompression(const YamlValue& group, double fabric_thickness) {
   const YamlMap map(group, {"T0", "Tm", "LC", "WC", "RC"});
   constexpr double kMillimetre = 1e-3;
+  constexpr double kAlike =
+      10.0;  // most by which T0 differs from the fabric's thickness; other units do more
   const double thickness = positiveUpTo(map.require("T0"), kThickest / kMillimetre,
                                         "must be at most 50: it is in mm"),
-               pressed = positive(map.require("Tm"));
+               pressed = positive(map.require("Tm")), ratio = kMillimetre * thickness / fabric_thickness;
+  if (!(ratio < kAlike && ratio > 1.0 / kAlike))
+    map.require("T0").fail("must be within a factor of 10 of thickness = " +
+                           plain(fabric_thickness / kMillimetre) + " mm: it is in mm");
   if (!(pressed < thickness)) map.require("Tm").fail("must be below T0");
   const double linearity = positive(map.require("LC"));
   if (!(linearity < 1.0)) map.require("LC").fail("must be > 0 and < 1");
@@ -330,7 +336,8 @@ Fabric readFabric(const YamlMap& map, const std::string& default_name) {
     const Group shear = readGroup(*group, kShearKeys, false, readShearLaw);
     fabric.shear = oddLoop(shear.apart ? meanLaw(shear.warp, shear.weft) : shear.warp);
   }
-  if (const auto group = map.find("compression")) fabric.compression = readCompression(*group);
+  if (const auto group = map.find("compression"))
+    fabric.compression = readCompression(*group, fabric.thickness);
   return fabric;
 }
 

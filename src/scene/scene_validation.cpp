@@ -129,6 +129,8 @@ void checkProbe(const Check& check, const std::string& prefix, ProbeOptions& pro
   check.that(probe.radius >= smallestProbeRadius(cloth), prefix + ".radius", probe.radius,
              "must be at least a fiftieth of the finest spacing");
   checkPath(check, prefix + ".path", probe.path);
+  check.that(probe.grasp.empty() || !probe.path.empty(), prefix + ".grasp",
+             std::to_string(probe.grasp.size()) + " rows", "needs a path: its times are those of the path");
   for (std::size_t i = 0; i < probe.grasp.size(); ++i) {
     const auto [from, to] = probe.grasp[i];
     check.that(std::isfinite(from) && from < to, indexed(prefix + ".grasp", i), from,

@@ -77,6 +77,7 @@ int run(int argc, char** argv) {
   while (ros::ok() && (options.seconds == 0.0 || haptic_cloth::steadyNow() < start + options.seconds)) {
     spinUntil(last + 1.0);
     const double now = haptic_cloth::steadyNow();
+    if (!ros::ok()) break;
     say(second.line(now - last));
     second.clear();
     last = now;

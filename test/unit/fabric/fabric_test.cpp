@@ -126,6 +126,9 @@ TEST_F(FabricFile, WrongCompressionDataAreNamed) {
       {base + "compression: {Tm: 0.65, LC: 0.33}\n", "cloth.yaml:5: compression.T0: is required"},
       {base + "compression: {T0: 900, Tm: 650, LC: 0.33}\n",
        "cloth.yaml:5: compression.T0 = 900: must be at most 50: it is in mm"},
+      {base + "compression: {T0: 0.0009, Tm: 0.00065, LC: 0.33}\n",
+       "cloth.yaml:5: compression.T0 = 0.0009: must be within a factor of 10 of thickness = 0.5 mm: it is in "
+       "mm"},
       {base + "compression: {T0: 0.65, Tm: 0.9, LC: 0.33}\n",
        "cloth.yaml:5: compression.Tm = 0.9: must be below T0"},
       {base + "compression: {T0: 0.9, Tm: 0.65, LC: 1}\n",

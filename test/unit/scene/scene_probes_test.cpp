@@ -85,7 +85,9 @@ TEST(SceneProbes, WhatCannotBeIsNamed) {
   EXPECT_EQ(message("probe: {length: 0.1}"), "scene: probe.length = 0.1: is for shape: capsule");
   EXPECT_EQ(message("probe: {shape: capsule, length: -0.1}"), "scene: probe.length = -0.1: must be >= 0");
   EXPECT_EQ(message("probes: {a: {radius: -1}}"), "scene: probes.a.radius = -1: must be > 0");
-  EXPECT_EQ(message("probe: {grasp: [[1, 1]]}"),
+  EXPECT_EQ(message("probe: {grasp: [[1, 2]]}"),
+            "scene: probe.grasp = 1 rows: needs a path: its times are those of the path");
+  EXPECT_EQ(message("probe: {path: [[0, 0, 0, 0]], grasp: [[1, 1]]}"),
             "scene: probe.grasp[0] = 1: must be [from, to] with from < to");
 }
 
