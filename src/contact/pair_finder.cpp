@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <utility>
 
-#include "contact/dent.h"
 #include "contact/pair_geometry.h"
 #include "mesh/list_by_node.h"
 
@@ -110,17 +108,14 @@ PairPack emptyPack(int stack, bool lines) {
 
 }  // namespace
 
-PairFinder::PairFinder(const Grid& grid, const CompressionLaw& law)
-    : grid_(grid), law_(law), thickness_(law.range()), surface_(grid), tree_(grid) {
+PairFinder::PairFinder(const Grid& grid, double thickness)
+    : grid_(grid), thickness_(thickness), surface_(grid), tree_(grid) {
   margins_.reserve(grid.particles());
   rows_.reserve(grid.particles() + 2);
   deviation_.reserve(grid.particles());
   for (Field* field : {&motion_, &clear_at_, &smooth_at_}) field->reserve(grid.particles());
   for (auto* list : {&nodes_, &lines_, &sorted_}) list->reserve(grid.particles());
   groups_.reserve(grid.particles());
-  for (auto* values : {&gaps_, &areas_}) {
-    for (auto& side : *values) side.reserve(grid.particles());
-  }
 }
 
 void PairFinder::rebuild(const ActiveMesh& mesh) {
@@ -136,8 +131,6 @@ void PairFinder::find(const ActiveMesh& mesh, const Field& nodes, const ConstArr
   if (isClear(mesh, nodes, reach) || becomesClear(mesh, nodes, reach)) return;
   search(mesh, nodes, reach, kGroupReach * thickness_);
   sortByNode(mesh.nodes());
-  findGroups();
-  findAreas(mesh);
   listGroups(packs);
   listLines(packs);
   for (PairPack& pack : packs) {
@@ -356,45 +349,9 @@ void PairFinder::findGroups() {
   });
 }
 
-/// Finds the area for which a node stands on each of its sides, from the distances at the start of the step.
-void PairFinder::findAreas(const ActiveMesh& mesh) {
-  for (const int side : {0, 1}) {
-    gaps_[side].assign(mesh.nodes(), kGroupReach);
-    areas_[side].assign(mesh.nodes(), 0.0);
-  }
-  for (const Group& group : groups_) {
-    const Candidate& c = sorted_[group.first];
-    gaps_[c.side][c.nodes[0]] = std::min(c.distance / c.range, kGroupReach);
-  }
-  for (const Patch& patch : mesh.patches) {
-    for (const int side : {0, 1}) {
-      const auto gap = [&](int corner) { return gaps_[side][patch.nodes[corner]]; };
-      const double corner_area = 0.25 * patch.area * pressedShare({gap(0), gap(1), gap(2), gap(3)});
-      for (const int corner : patch.nodes) areas_[side][corner] += 0.5 * corner_area;
-    }
-  }
-}
-
-/// Share of a cell for which its corners stand. With it they carry the force that Simpson's rule finds, if
-/// the cell is pressed unevenly.
-/// @param gaps distances of its corners over their ranges: those along warp, then those of the opposite side
-double PairFinder::pressedShare(const std::array<double, 4>& gaps) const {
-  const auto [least, largest] = std::minmax_element(gaps.begin(), gaps.end());
-  const double share = shareOfSimpson(*largest - *least);
-  if (share == 0.0) return 1.0;
-  const auto pressure = [this](double gap) { return law_(thickness_ * gap).pressure; };
-  double at_corners = 0.0, at_sides = 0.0;
-  for (const double gap : gaps) at_corners += pressure(gap);
-  if (!(at_corners > 0.0)) return 1.0;
-  for (const auto& [a, b] : {std::pair(0, 1), std::pair(2, 3), std::pair(0, 2), std::pair(1, 3)})
-    at_sides += pressure(0.5 * (gaps[a] + gaps[b]));
-  const double at_centre = pressure(0.25 * (gaps[0] + gaps[1] + gaps[2] + gaps[3]));
-  const double force = (at_corners + 4.0 * at_sides + 16.0 * at_centre) / 36.0;
-  return 1.0 + share * (force / (0.25 * at_corners) - 1.0);
-}
-
 /// Lists each group in one lane of a stack.
 void PairFinder::listGroups(std::vector<PairPack>& packs) {
+  findGroups();
   for (std::size_t begin = 0; begin < groups_.size(); begin += kPack) {
     const std::size_t end = std::min(begin + kPack, groups_.size());
     int stack = 0;
@@ -404,7 +361,7 @@ void PairFinder::listGroups(std::vector<PairPack>& packs) {
       for (std::size_t g = begin; g < end; ++g) {
         if (k >= groups_[g].size) continue;
         const Candidate& c = sorted_[groups_[g].first + k];
-        put(packs.back(), static_cast<int>(g - begin), c.nodes, c.range, areas_[c.side][c.nodes[0]]);
+        put(packs.back(), static_cast<int>(g - begin), c.nodes, c.range, 0.5 * surface_.area(c.nodes[0]));
       }
     }
   }

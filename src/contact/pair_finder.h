@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "contact/cloth_tree.h"
-#include "contact/compression_law.h"
 #include "contact/pair_packs.h"
 #include "mesh/active_mesh.h"
 #include "mesh/field.h"
@@ -21,9 +20,9 @@ inline std::array<int, 4> nodesOf(const PairPack& pack, int lane) {
 
 /// Finds pairs of a node and a triangle, and of two lines, that may touch within a step. Two surfaces
 /// of triangles that do not cross can only begin to cross where such a pair meets. Nodes and triangles
-/// carry the pressure between layers: each node presses with half of its area, or less in a dent, on the
-/// triangles near it on either of its sides, and the other layer's nodes do the same. Lines press only
-/// where nodes cannot: at folds and borders that cross each other.
+/// carry the pressure between layers: each node presses with half of its area on the triangles near it
+/// on either of its sides, and the other layer's nodes do the same. Lines press only where nodes
+/// cannot: at folds and borders that cross each other.
 class PairFinder {
  public:
   /// Expected motion of the nodes in a step.
@@ -32,7 +31,8 @@ class PairFinder {
     const std::vector<double>& deviation;  ///< largest distance from it at the end [m]
   };
 
-  PairFinder(const Grid& grid, const CompressionLaw& law);
+  /// @param thickness distance at which layers begin to press [m]
+  PairFinder(const Grid& grid, double thickness);
 
   /// Must follow a change of the mesh.
   void rebuild(const ActiveMesh& mesh);
@@ -87,14 +87,11 @@ class PairFinder {
   double rangeOf(const ActiveMesh& mesh, const std::array<int, 4>& nodes, bool lines) const;
   void sortByNode(int nodes);
   void findGroups();
-  void findAreas(const ActiveMesh& mesh);
-  double pressedShare(const std::array<double, 4>& gaps) const;
   void listGroups(std::vector<PairPack>& packs);
   void listLines(std::vector<PairPack>& packs) const;
 
   Grid grid_;
-  CompressionLaw law_;
-  double thickness_;  ///< distance at which layers begin to press [m]
+  double thickness_;
   TriangleSurface surface_;
   ClothTree tree_;
   std::vector<double> margins_;               ///< of the boxes at the nodes [m]
@@ -102,8 +99,6 @@ class PairFinder {
   ConstArrays normals_{};                     ///< during find()
   std::vector<Candidate> nodes_, lines_, sorted_;
   std::vector<Group> groups_;
-  /// Distances of the nodes over their ranges, and the areas that they stand for [m²]; for each side.
-  std::array<std::vector<double>, 2> gaps_, areas_;
   double most_ = 0.0;   ///< bound of the motion of the patches in addPatches() relative to each other [m]
   bool clear_ = false;  ///< no pair is near while all nodes stay near clear_at_
   Field clear_at_;      ///< [m]

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "contact/dent.h"
 #include "contact/friction_law.h"
 #include "shape/solid_lanes.h"
 #include "simd/kernels.h"
@@ -110,7 +109,7 @@ void SampleFinder::find(const ActiveMesh& mesh, const Field& nodes, const std::v
     if (solids_[solid].distance(ball.centre).value > ball.radius + law_.range()) continue;
     measure(solid, law_.range(), mesh, nodes, reach);
     findEdges(solids_[solid], mesh, nodes);
-    addCells(solids_[solid], mesh, nodes);
+    addCells(solids_[solid], mesh, nodes, touching);
     addGroup(solid, samples);
     addNodes(mesh, nodes, reach);
     addGroup(solid, samples);
@@ -142,7 +141,8 @@ SampleFinder::Ball SampleFinder::ballAround(const Field& nodes, const std::vecto
 
 /// Adds points of the cells on which an obstacle does not press evenly. The other cells leave their
 /// area to their nodes.
-void SampleFinder::addCells(const Solid& solid, const ActiveMesh& mesh, const Field& nodes) {
+void SampleFinder::addCells(const Solid& solid, const ActiveMesh& mesh, const Field& nodes,
+                            const std::vector<Reach>& probes) {
   node_area_.assign(mesh.nodes(), 0.0);
   for (int k = 0; k < static_cast<int>(mesh.patches.size()); ++k) {
     const double near = patch_margins_[k];
@@ -152,30 +152,40 @@ void SampleFinder::addCells(const Solid& solid, const ActiveMesh& mesh, const Fi
       addLines(patch, solid, nodes, near);
       continue;
     }
-    const double difference = gapDifference(patch);
-    const int parts = partsOf(patch, difference);
-    const double dented = parts == 1 ? shareOfDent(patch, difference) : 0.0;
-    const double corner_share = (1.0 - dented) * 0.25 / (parts * parts) + dented / 36.0;
-    for (const int corner : patch.nodes) node_area_[corner] += corner_share * patch.area;
+    const int parts = partsOf(patch);
+    const bool dented = parts == 1 && mayBeDented(patch, nodes, probes);
+    const double corner_area = patch.area / (dented ? 36 : 4 * parts * parts);
+    for (const int corner : patch.nodes) node_area_[corner] += corner_area;
     if (parts > 1) addCorners(patch, parts, nodes, near);
-    if (dented > 0.0) addMiddlesOfDent(patch, dented, nodes, near);
+    if (dented) addMiddlesOfCell(patch, nodes, near);
   }
 }
 
-/// shareOfSimpson() of a finest cell. What ejects cloth needs the nodes.
-double SampleFinder::shareOfDent(const Patch& patch, double gap_difference) const {
+/// Tells whether a probe may dent a finest cell. It must not depend on the pressure: if the weights changed
+/// with it, a hand could gain energy on a closed path. They may change away from the dent, where the pressure
+/// is even. What ejects cloth needs the nodes.
+bool SampleFinder::mayBeDented(const Patch& patch, const Field& nodes,
+                               const std::vector<Reach>& probes) const {
   const auto inside = [this](int n) { return at_nodes_.gaps[n] <= 0.0; };
-  if (std::any_of(patch.nodes.begin(), patch.nodes.end(), inside)) return 0.0;
-  return shareOfSimpson(gap_difference / law_.range());
+  if (patch.cell.span() > 1 || std::any_of(patch.nodes.begin(), patch.nodes.end(), inside)) return false;
+  const double near = law_.range() + std::max(grid_.dx, grid_.dy);
+  return std::any_of(probes.begin(), probes.end(), [&](const Reach& touching) {
+    const Solid& probe = solids_[solids_.indexOf(touching.probe)];
+    return std::any_of(patch.nodes.begin(), patch.nodes.end(), [&](int n) {
+      const double apart = (nodes[n] - probe.position()).norm();
+      return apart < probe.extent() + near && probe.distance(nodes[n]).value < near;
+    });
+  });
 }
 
-/// Adds the middles of a cell and of its sides with a share of their weights by Simpson's rule.
-void SampleFinder::addMiddlesOfDent(const Patch& patch, double share, const Field& nodes, double margin) {
+/// Adds the middles of a cell and of its sides, with their weights by Simpson's rule. Corners alone would
+/// carry up to four times the pressure in a dent, which grows fast with depth.
+void SampleFinder::addMiddlesOfCell(const Patch& patch, const Field& nodes, double margin) {
   for (int j = 0; j <= 2; ++j) {
     const Row row(patch, 0.5 * j, nodes);
     for (int i = 0; i <= 2; ++i) {
       if (i != 1 && j != 1) continue;
-      const double weight = share * (i == 1 ? 4.0 : 1.0) * (j == 1 ? 4.0 : 1.0) / 36.0;
+      const double weight = (i == 1 ? 4.0 : 1.0) * (j == 1 ? 4.0 : 1.0) / 36.0;
       addPoint(surfacePoint(patch, 0.5 * i, 0.5 * j, weight * patch.area), row.at(0.5 * i), margin);
     }
   }
@@ -372,29 +382,21 @@ std::array<double, 2> SampleFinder::strip(const Patch& patch, int direction, boo
   return {from, to};
 }
 
-/// Largest difference of the gaps at a cell's corners [m]. It is over all pairs; with one corner as
-/// reference, mirrored cells would differ.
-double SampleFinder::gapDifference(const Patch& patch) const {
-  double difference = 0.0;
-  for (int c = 1; c < 4; ++c) {
-    for (int d = 0; d < c; ++d)
-      difference =
-          std::max(difference, std::abs(at_nodes_.gaps[patch.nodes[c]] - at_nodes_.gaps[patch.nodes[d]]));
-  }
-  return difference;
-}
-
 /// Number of parts of a cell's side to be sampled. It is 1 if the obstacle presses evenly: one
 /// normal at the corners, and gaps whose difference hardly changes the pressure. Otherwise it is
 /// the number of finest cells, but no part is smaller than a share of the range. It is larger if a
 /// round solid would cut deeper into these parts than that share.
-int SampleFinder::partsOf(const Patch& patch, double gap_difference) const {
-  constexpr double kSameNormal = 1e-3;
-  double turn = 0.0;
+int SampleFinder::partsOf(const Patch& patch) const {
+  constexpr double kSameNormal = 1e-3, kShareOfRange = 0.1;
+  // Largest differences over all pairs; with one corner as reference, mirrored cells would differ.
+  double gaps = 0.0, turn = 0.0;
   for (int c = 1; c < 4; ++c) {
-    for (int d = 0; d < c; ++d) turn = std::max(turn, normalTurn(patch, c, d));
+    for (int d = 0; d < c; ++d) {
+      gaps = std::max(gaps, std::abs(at_nodes_.gaps[patch.nodes[c]] - at_nodes_.gaps[patch.nodes[d]]));
+      turn = std::max(turn, normalTurn(patch, c, d));
+    }
   }
-  const bool uneven = gap_difference > kUneven * law_.range() || turn > kSameNormal;
+  const bool uneven = gaps > kShareOfRange * law_.range() || turn > kSameNormal;
   const int span = patch.cell.span();
   const double smallest = kCut * law_.range(), side = span * std::max(grid_.dx, grid_.dy);
   const int finest = uneven ? std::min<int>(span, std::ceil(side / smallest)) : 1;

@@ -63,12 +63,13 @@ class SampleFinder {
   void noteEdge(const Solid& solid, const Field& nodes, int node, int towards, double turn,
                 std::vector<double>& turns) const;
   double edgeTurn(const Solid& solid, const Patch& patch, int direction) const;
-  void addCells(const Solid& solid, const ActiveMesh& mesh, const Field& nodes);
+  void addCells(const Solid& solid, const ActiveMesh& mesh, const Field& nodes,
+                const std::vector<Reach>& probes);
   void addNodes(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach);
   void addProbePoints(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
                       const Reach& touching);
   void addCorners(const Patch& patch, int parts, const Field& nodes, double margin);
-  void addMiddlesOfDent(const Patch& patch, double share, const Field& nodes, double margin);
+  void addMiddlesOfCell(const Patch& patch, const Field& nodes, double margin);
   void addLines(const Patch& patch, const Solid& solid, const Field& nodes, double margin);
   void addMiddles(int direction, int parts, double from, double to);
   void addEnds(int direction, int parts);
@@ -78,9 +79,8 @@ class SampleFinder {
   int partsAlong(const Solid& solid, int direction) const;
   bool divideAtEdge(const Solid& solid, const Patch& patch, const Field& nodes);
   std::array<double, 2> strip(const Patch& patch, int direction, bool within, const Field& nodes) const;
-  double gapDifference(const Patch& patch) const;
-  double shareOfDent(const Patch& patch, double gap_difference) const;
-  int partsOf(const Patch& patch, double gap_difference) const;
+  bool mayBeDented(const Patch& patch, const Field& nodes, const std::vector<Reach>& probes) const;
+  int partsOf(const Patch& patch) const;
   double spacing(int direction) const { return direction == kWarp ? grid_.dx : grid_.dy; }
   /// Largest distance of a finest cell's chord from an arc that turns by `turn` [rad]: length ·
   /// turn / 8 [m].

@@ -16,7 +16,7 @@ SelfContact::SelfContact(const Grid& grid, const Options& options, double slip)
       friction_(options.friction),
       slip_(slip),
       memory_(grid),
-      finder_(grid, options.law) {
+      finder_(grid, options.law.range()) {
   packs_.reserve(grid.particles() / 2);
   bounds_.reserve(grid.particles() / 2);
   drags_.reserve(grid.particles() / kPack + 1);

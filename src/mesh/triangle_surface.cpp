@@ -8,6 +8,7 @@ TriangleSurface::TriangleSurface(const Grid& grid) {
   const std::size_t n = grid.particles(), cells = grid.cells();
   triangles_.reserve(2 * cells);
   nodes_.reserve(n);
+  areas_.reserve(n);
   for (auto* rows : {&node_rows_, &line_rows_}) rows->reserve(cells + 1);
   lines_.reserve(3 * n);
   taken_.reserve(2 * n + n / 2);
@@ -16,6 +17,7 @@ TriangleSurface::TriangleSurface(const Grid& grid) {
 
 void TriangleSurface::rebuild(const ActiveMesh& mesh) {
   triangles_.clear();
+  areas_.assign(mesh.nodes(), 0.0);
   for (const Patch& patch : mesh.patches) {
     const auto& n = patch.nodes;
     if (patch.cell.diagonalRises()) {
@@ -25,6 +27,7 @@ void TriangleSurface::rebuild(const ActiveMesh& mesh) {
       triangles_.push_back({n[0], n[1], n[2]});
       triangles_.push_back({n[1], n[3], n[2]});
     }
+    for (const int node : n) areas_[node] += 0.25 * patch.area;
   }
   listNodes(mesh);
   listLines(mesh);

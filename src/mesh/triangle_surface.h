@@ -33,6 +33,8 @@ class TriangleSurface {
   int node(int k) const { return nodes_[k]; }
   const Line& line(int k) const { return lines_[k]; }
 
+  double area(int node) const { return areas_[node]; }  ///< quarter of the patches around a node [m²]
+
  private:
   void listNodes(const ActiveMesh& mesh);
   void listLines(const ActiveMesh& mesh);
@@ -40,6 +42,7 @@ class TriangleSurface {
   std::vector<Triangle> triangles_;
   std::vector<int> nodes_, node_rows_, line_rows_;
   std::vector<Line> lines_;
+  std::vector<double> areas_;
   std::vector<char> taken_;   ///< scratch: of nodes, and of the mesh's edges
   std::vector<char> halved_;  ///< scratch: edges with a hanging node in the middle
 };
