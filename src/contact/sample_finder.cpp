@@ -148,12 +148,13 @@ void SampleFinder::addCells(const Solid& solid, const ActiveMesh& mesh, const Fi
     const double near = patch_margins_[k];
     if (near < 0.0) continue;
     const Patch& patch = mesh.patches[k];
-    if (divideAtEdge(solid, patch, nodes)) {
+    const bool may_be_dented = mayBeDented(patch, nodes, probes);
+    if (divideAtEdge(solid, patch, nodes, may_be_dented)) {
       addLines(patch, solid, nodes, near);
       continue;
     }
     const int parts = partsOf(patch);
-    const bool dented = parts == 1 && mayBeDented(patch, nodes, probes);
+    const bool dented = parts == 1 && may_be_dented;
     const double corner_area = patch.area / (dented ? 36 : 4 * parts * parts);
     for (const int corner : patch.nodes) node_area_[corner] += corner_area;
     if (parts > 1) addCorners(patch, parts, nodes, near);
@@ -288,7 +289,8 @@ double SampleFinder::normalTurn(const Patch& patch, int c, int d) const {
 /// range, wherever its nodes lie. There the parts are a share of the range long across the edge; elsewhere
 /// they are as long as finest cells.
 /// @return whether the cell is near an edge
-bool SampleFinder::divideAtEdge(const Solid& solid, const Patch& patch, const Field& nodes) {
+bool SampleFinder::divideAtEdge(const Solid& solid, const Patch& patch, const Field& nodes,
+                                bool may_be_dented) {
   std::array<double, 2> within, turn;  // over an edge in the cell, and near it
   for (const int direction : {kWarp, kWeft}) {
     turn[direction] = within[direction] = edgeTurn(solid, patch, direction);
@@ -304,7 +306,7 @@ bool SampleFinder::divideAtEdge(const Solid& solid, const Patch& patch, const Fi
     lines_[direction].clear();
     if (!slants && turn[direction] < turn[1 - direction]) {
       const int parts = span * partsAlong(solid, direction);
-      if (isTilted(patch, direction)) {
+      if (may_be_dented || isTilted(patch, direction)) {
         addEnds(direction, 2 * parts);
       } else {
         addMiddles(direction, parts, 0.0, 1.0);

@@ -77,7 +77,7 @@ class SampleFinder {
   bool mayTouchCorner(const Solid& solid, const Patch& patch, const Field& nodes) const;
   bool isTilted(const Patch& patch, int direction) const;
   int partsAlong(const Solid& solid, int direction) const;
-  bool divideAtEdge(const Solid& solid, const Patch& patch, const Field& nodes);
+  bool divideAtEdge(const Solid& solid, const Patch& patch, const Field& nodes, bool may_be_dented);
   std::array<double, 2> strip(const Patch& patch, int direction, bool within, const Field& nodes) const;
   bool mayBeDented(const Patch& patch, const Field& nodes, const std::vector<Reach>& probes) const;
   int partsOf(const Patch& patch) const;
