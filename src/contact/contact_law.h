@@ -38,13 +38,13 @@ class ContactLaw {
             kPressure * (pressure + past * slope), kPressure / range_ * slope};
   }
 
-  /// Offset of the gap for a sample that begins the step inside a solid. In an obstacle it was put
-  /// there; it counts as pressed, and less so the deeper it is. With the largest pressure a cloth
-  /// that begins in the middle of a ball would be blown up like a balloon and thrown out. A probe
-  /// came from outside, so its samples are inside only under load and must not yield step by step.
-  double gapOffset(double gap, bool probe) const {
+  /// Offset of the gap for a sample that begins the step inside a solid. One that was pressed in must not
+  /// yield step by step. One that was put there counts as pressed, and less so the deeper it is. With the
+  /// largest pressure a cloth that begins in the middle of a ball would be blown up like a balloon and thrown
+  /// out.
+  double gapOffset(double gap, bool pressed_in) const {
     constexpr double kGentle = 0.2;  // smallest u that counts: p0/20, 500 Pa
-    if (probe) return std::max(0.0, -range_ - gap);
+    if (pressed_in) return std::max(0.0, -range_ - gap);
     if (!(gap < 0.0)) return 0.0;
     const double firm = range_ - firmGap();
     const double pressed = std::max(std::min(1.0, range_ / -gap) * firm, kGentle * range_);

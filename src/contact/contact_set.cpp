@@ -215,7 +215,7 @@ double ContactSet::ejectionWork() const {
   forSamples(kObstacles, [&](int k) {
     const ContactSample& sample = samples_[k];
     const double gap = forces_.gap(k);
-    if (sample.gap_offset == 0.0 && !(gap < 0.0)) return;
+    if (sample.pressed_in || (sample.gap_offset == 0.0 && !(gap < 0.0))) return;
     work +=
         sample.area * (law_(gap + law_.gapOffset(gap, false)).energy - law_(gap + sample.gap_offset).energy);
   });

@@ -14,6 +14,7 @@ namespace {
 constexpr int kChunk = 512;             // growth of the arrays of points [points]
 constexpr double kCut = 0.5;            // length of short parts, and how deep a round solid may cut [ranges]
 constexpr double kMostParts = 4.0;      // of a finest cell on a round solid, at most
+constexpr double kBeside = 2.0;         // distance from an edge where cloth may press on it [ranges]
 constexpr double kSharp = 0.3;          // turn of a normal that tells of a sharp edge [rad]
 constexpr double kMostTurn = 2.0;       // difference of two unit normals, at most
 constexpr double kMostSlanting = 12.0;  // parts of a finest cell across slanting edges, at most
@@ -68,6 +69,7 @@ SampleFinder::SampleFinder(const Grid& grid, const SolidSet& solids, const Conta
                            const FrictionMemory& memory, Team& team)
     : grid_(grid), solids_(solids), law_(law), memory_(memory), team_(team) {
   const int samples = capacity();
+  probes_.reserve(solids.size());
   started_.reserve(samples);
   near_.reserve(samples);
   for (auto* list : {&node_area_, &still_, &edge_turns_[kWarp], &edge_turns_[kWeft]})
@@ -104,12 +106,14 @@ int SampleFinder::capacity() const {
 void SampleFinder::find(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
                         const std::vector<Reach>& touching, SampleList& samples) {
   samples.clear();
+  probes_.clear();
+  for (const Reach& probe : touching) probes_.push_back(solids_.indexOf(probe.probe));
   const Ball ball = ballAround(nodes, reach);
   for (int solid = 0; solid < solids_.obstacles(); ++solid) {
     if (solids_[solid].distance(ball.centre).value > ball.radius + law_.range()) continue;
     measure(solid, law_.range(), mesh, nodes, reach);
     findEdges(solids_[solid], mesh, nodes);
-    addCells(solids_[solid], mesh, nodes, touching);
+    addCells(solids_[solid], mesh, nodes);
     addGroup(solid, samples);
     addNodes(mesh, nodes, reach);
     addGroup(solid, samples);
@@ -141,15 +145,19 @@ SampleFinder::Ball SampleFinder::ballAround(const Field& nodes, const std::vecto
 
 /// Adds points of the cells on which an obstacle does not press evenly. The other cells leave their
 /// area to their nodes.
-void SampleFinder::addCells(const Solid& solid, const ActiveMesh& mesh, const Field& nodes,
-                            const std::vector<Reach>& probes) {
+void SampleFinder::addCells(const Solid& solid, const ActiveMesh& mesh, const Field& nodes) {
   node_area_.assign(mesh.nodes(), 0.0);
   for (int k = 0; k < static_cast<int>(mesh.patches.size()); ++k) {
     const double near = patch_margins_[k];
     if (near < 0.0) continue;
     const Patch& patch = mesh.patches[k];
-    const bool may_be_dented = mayBeDented(patch, nodes, probes);
-    if (divideAtEdge(solid, patch, nodes, may_be_dented)) {
+    const bool may_be_dented = mayBeDented(patch, nodes);
+    if (may_be_dented && mayTouchEdge(solid, patch, nodes)) {
+      divideEvenly();
+      addLines(patch, solid, nodes, near);
+      continue;
+    }
+    if (divideAtEdge(solid, patch, nodes)) {
       addLines(patch, solid, nodes, near);
       continue;
     }
@@ -165,18 +173,28 @@ void SampleFinder::addCells(const Solid& solid, const ActiveMesh& mesh, const Fi
 /// Tells whether a probe may dent a finest cell. It must not depend on the pressure: if the weights changed
 /// with it, a hand could gain energy on a closed path. They may change away from the dent, where the pressure
 /// is even. What ejects cloth needs the nodes.
-bool SampleFinder::mayBeDented(const Patch& patch, const Field& nodes,
-                               const std::vector<Reach>& probes) const {
-  const auto inside = [this](int n) { return at_nodes_.gaps[n] <= 0.0; };
-  if (patch.cell.span() > 1 || std::any_of(patch.nodes.begin(), patch.nodes.end(), inside)) return false;
+bool SampleFinder::mayBeDented(const Patch& patch, const Field& nodes) const {
+  if (patch.cell.span() > 1) return false;
+  const auto any = [&](const auto& holds) {
+    return std::any_of(patch.nodes.begin(), patch.nodes.end(), holds);
+  };
+  return any([&](int n) { return isNearProbe(nodes[n]); }) &&
+         !any([&](int n) { return at_nodes_.gaps[n] < 0.0 && !isPressedIn(nodes[n], at_nodes_.gaps[n]); });
+}
+
+/// Tells whether a probe is so near that it may press cloth here into an obstacle.
+bool SampleFinder::isNearProbe(const Vec3& place) const {
   const double near = law_.range() + std::max(grid_.dx, grid_.dy);
-  return std::any_of(probes.begin(), probes.end(), [&](const Reach& touching) {
-    const Solid& probe = solids_[solids_.indexOf(touching.probe)];
-    return std::any_of(patch.nodes.begin(), patch.nodes.end(), [&](int n) {
-      const double apart = (nodes[n] - probe.position()).norm();
-      return apart < probe.extent() + near && probe.distance(nodes[n]).value < near;
-    });
+  return std::any_of(probes_.begin(), probes_.end(), [&](int index) {
+    const Solid& probe = solids_[index];
+    return (place - probe.position()).norm() < probe.extent() + near && probe.distance(place).value < near;
   });
+}
+
+/// Tells whether a load keeps cloth at a gap below zero, not what ejects cloth.
+bool SampleFinder::isPressedIn(const Vec3& place, double gap) const {
+  constexpr double kDeepest = 0.5;  // under 13 MPa [ranges]
+  return gap > -kDeepest * law_.range() && isNearProbe(place);
 }
 
 /// Adds the middles of a cell and of its sides, with their weights by Simpson's rule. Corners alone would
@@ -289,8 +307,7 @@ double SampleFinder::normalTurn(const Patch& patch, int c, int d) const {
 /// range, wherever its nodes lie. There the parts are a share of the range long across the edge; elsewhere
 /// they are as long as finest cells.
 /// @return whether the cell is near an edge
-bool SampleFinder::divideAtEdge(const Solid& solid, const Patch& patch, const Field& nodes,
-                                bool may_be_dented) {
+bool SampleFinder::divideAtEdge(const Solid& solid, const Patch& patch, const Field& nodes) {
   std::array<double, 2> within, turn;  // over an edge in the cell, and near it
   for (const int direction : {kWarp, kWeft}) {
     turn[direction] = within[direction] = edgeTurn(solid, patch, direction);
@@ -306,7 +323,7 @@ bool SampleFinder::divideAtEdge(const Solid& solid, const Patch& patch, const Fi
     lines_[direction].clear();
     if (!slants && turn[direction] < turn[1 - direction]) {
       const int parts = span * partsAlong(solid, direction);
-      if (may_be_dented || isTilted(patch, direction)) {
+      if (isTilted(patch, direction)) {
         addEnds(direction, 2 * parts);
       } else {
         addMiddles(direction, parts, 0.0, 1.0);
@@ -326,15 +343,37 @@ bool SampleFinder::divideAtEdge(const Solid& solid, const Patch& patch, const Fi
   return true;
 }
 
+/// Divides a finest cell that a probe may dent over an edge into parts as long as the range. They must not
+/// follow the pressure, see mayBeDented(); those of divideAtEdge() do.
+void SampleFinder::divideEvenly() {
+  for (const int direction : {kWarp, kWeft}) {
+    lines_[direction].clear();
+    const double parts = std::min(std::ceil(spacing(direction) / law_.range()), kMostSlanting);
+    addMiddles(direction, static_cast<int>(parts), 0.0, 1.0);
+  }
+}
+
+/// Tells whether an edge of a solid may press on a cell.
+bool SampleFinder::mayTouchEdge(const Solid& solid, const Patch& patch, const Field& nodes) const {
+  const Ball ball = ballAround(patch, nodes);
+  return solid.edgeDistance(ball.centre) < ball.radius + kBeside * law_.range();
+}
+
 /// Tells whether a corner of a solid may press on a cell. The normals at the cell's own corners need not
 /// tell: one of the faces that meet there may be nearest to none of them.
 bool SampleFinder::mayTouchCorner(const Solid& solid, const Patch& patch, const Field& nodes) const {
   if (!solid.hasCorners()) return false;
-  Vec3 centre = Vec3::Zero();
-  for (const int corner : patch.nodes) centre += 0.25 * nodes[corner];
-  double radius = 0.0;
-  for (const int corner : patch.nodes) radius = std::max(radius, (nodes[corner] - centre).norm());
-  return solid.cornerDistance(centre) < radius + law_.range();
+  const Ball ball = ballAround(patch, nodes);
+  return solid.cornerDistance(ball.centre) < ball.radius + law_.range();
+}
+
+/// A ball around the corners of a cell.
+SampleFinder::Ball SampleFinder::ballAround(const Patch& patch, const Field& nodes) {
+  Ball ball{Vec3::Zero(), 0.0};
+  for (const int corner : patch.nodes) ball.centre += 0.25 * nodes[corner];
+  for (const int corner : patch.nodes)
+    ball.radius = std::max(ball.radius, (nodes[corner] - ball.centre).norm());
+  return ball;
 }
 
 /// Number of parts of a finest cell along an edge that is as round as the faces, so that it cuts no deeper
@@ -359,7 +398,6 @@ bool SampleFinder::isTilted(const Patch& patch, int direction) const {
 /// @param within the edge is in the cell, not only near it
 std::array<double, 2> SampleFinder::strip(const Patch& patch, int direction, bool within,
                                           const Field& nodes) const {
-  constexpr double kBeside = 2.0;  // [ranges]
   std::array<bool, 2> leaves;
   for (const int end : {0, 1}) {
     const auto& [c, d] = kSides[1 - direction][end];
@@ -508,9 +546,11 @@ ContactSample SampleFinder::startSample(int point, int index, bool still) const 
   const Vec3 place = places_[point];
   const Distance then = still ? now_[point] : then_[point];
   ContactSample sample{points_[point], index};
-  sample.gap_offset = law_.gapOffset(then.value, solids_.isProbe(index));
+  // A probe came from outside, so what is inside it is under load.
+  sample.pressed_in = solids_.isProbe(index) || (then.value < 0.0 && isPressedIn(place, then.value));
+  sample.gap_offset = law_.gapOffset(then.value, sample.pressed_in);
   // Ejected cloth has no friction, which would hold it inside.
-  const double friction = !solids_.isProbe(index) && sample.gap_offset > 0.0 ? 0.0 : solid.friction();
+  const double friction = !sample.pressed_in && sample.gap_offset > 0.0 ? 0.0 : solid.friction();
   sample.friction_force = friction * sample.area * law_(then.value + sample.gap_offset).pressure;
   Vec3 carried = place;
   sample.start_normal = then.normal;

@@ -58,13 +58,13 @@ class SampleFinder {
     double radius;
   };
   static Ball ballAround(const Field& nodes, const std::vector<double>& reach);
+  static Ball ballAround(const Patch& patch, const Field& nodes);
 
   void findEdges(const Solid& solid, const ActiveMesh& mesh, const Field& nodes);
   void noteEdge(const Solid& solid, const Field& nodes, int node, int towards, double turn,
                 std::vector<double>& turns) const;
   double edgeTurn(const Solid& solid, const Patch& patch, int direction) const;
-  void addCells(const Solid& solid, const ActiveMesh& mesh, const Field& nodes,
-                const std::vector<Reach>& probes);
+  void addCells(const Solid& solid, const ActiveMesh& mesh, const Field& nodes);
   void addNodes(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach);
   void addProbePoints(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
                       const Reach& touching);
@@ -77,9 +77,13 @@ class SampleFinder {
   bool mayTouchCorner(const Solid& solid, const Patch& patch, const Field& nodes) const;
   bool isTilted(const Patch& patch, int direction) const;
   int partsAlong(const Solid& solid, int direction) const;
-  bool divideAtEdge(const Solid& solid, const Patch& patch, const Field& nodes, bool may_be_dented);
+  bool divideAtEdge(const Solid& solid, const Patch& patch, const Field& nodes);
+  void divideEvenly();
+  bool mayTouchEdge(const Solid& solid, const Patch& patch, const Field& nodes) const;
   std::array<double, 2> strip(const Patch& patch, int direction, bool within, const Field& nodes) const;
-  bool mayBeDented(const Patch& patch, const Field& nodes, const std::vector<Reach>& probes) const;
+  bool mayBeDented(const Patch& patch, const Field& nodes) const;
+  bool isNearProbe(const Vec3& place) const;
+  bool isPressedIn(const Vec3& place, double gap) const;
   int partsOf(const Patch& patch) const;
   double spacing(int direction) const { return direction == kWarp ? grid_.dx : grid_.dy; }
   /// Largest distance of a finest cell's chord from an arc that turns by `turn` [rad]: length ·
@@ -99,6 +103,7 @@ class SampleFinder {
   ContactLaw law_;
   const FrictionMemory& memory_;
   Team& team_;
+  std::vector<int> probes_;  ///< that may touch in the step
   // About the cloth and one solid, written by measure():
   Distances at_nodes_;
   std::vector<double> patch_margins_;              ///< gap below which points of a patch count, or -1 [m]

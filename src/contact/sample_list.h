@@ -31,7 +31,8 @@ struct SurfacePoint {
 
 /// Point of the surface that may touch one solid in this step.
 struct ContactSample : SurfacePoint {
-  int solid = 0;  ///< index in SolidSet
+  int solid = 0;            ///< index in SolidSet
+  bool pressed_in = false;  ///< if it is inside the solid, a load pressed it there
   /// Offset added to the gap if the sample began the step inside a solid [m].
   double gap_offset = 0.0;
   /// Gap at the start of the step beyond the range of contact [m].

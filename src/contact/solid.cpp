@@ -27,6 +27,10 @@ Distance Solid::distance(const Vec3& point) const {
   return {value[0], Vec3(normal[0][0], normal[1][0], normal[2][0])};
 }
 
+double Solid::edgeDistance(const Vec3& point) const {
+  return haptic_cloth::edgeDistance(lanes(), rotation_.transpose() * (point - position_));
+}
+
 double Solid::cornerDistance(const Vec3& point) const {
   return ((rotation_.transpose() * (point - position_)).cwiseAbs() - half_size_).norm();
 }

@@ -43,6 +43,9 @@ class Solid {
   /// Curvature of the faces between its sharp edges [1/m]; infinite if it has none.
   double faceCurvature() const { return face_curvature_; }
 
+  /// Distance of a point from the nearest sharp edge [m]; infinite if it has none.
+  double edgeDistance(const Vec3& point) const;
+
   bool hasCorners() const { return has_corners_; }
 
   /// Distance of a point from the nearest corner, where three faces meet [m].  @pre hasCorners()

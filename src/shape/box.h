@@ -1,6 +1,11 @@
 /// Box with its sides along the axes.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
 #include "shape/shape.h"
 
 namespace haptic_cloth {
@@ -13,6 +18,16 @@ struct Box {
   static double halfWidth(const Obstacle& box) { return 0.5 * box.size.minCoeff(); }
   static double extent(const Obstacle& box) { return 0.5 * box.size.norm(); }
   static double faceCurvature(const Obstacle&) { return 0.0; }
+  static double edgeDistance(const SolidLanes& box, const Vec3& point) {
+    std::array<double, 3> off{};  // from the planes of the faces
+    for (int c = 0; c < 3; ++c) off[c] = std::abs(point[c]) - box.half_size[c];
+    double nearest = std::numeric_limits<double>::infinity();
+    for (int c = 0; c < 3; ++c) {
+      const double beyond_end = std::max(off[c], 0.0);
+      nearest = std::min(nearest, std::hypot(off[(c + 1) % 3], off[(c + 2) % 3], beyond_end));
+    }
+    return nearest;
+  }
   static std::vector<DrawnPart> drawing(const Obstacle& box) {
     return {{DrawnPart::kCube, Vec3::Zero(), box.size}};
   }

@@ -15,6 +15,9 @@ struct Capsule {
   static double halfWidth(const Obstacle& capsule) { return capsule.radius; }
   static double extent(const Obstacle& capsule) { return capsule.radius + 0.5 * capsule.length; }
   static double faceCurvature(const Obstacle&) { return std::numeric_limits<double>::infinity(); }
+  static double edgeDistance(const SolidLanes&, const Vec3&) {
+    return std::numeric_limits<double>::infinity();
+  }
   static std::vector<DrawnPart> drawing(const Obstacle& capsule) {
     const double diameter = 2.0 * capsule.radius;
     const Vec3 ball = Vec3::Constant(diameter), end = 0.5 * capsule.length * Vec3::UnitZ();

@@ -20,6 +20,9 @@ struct Cylinder {
     return std::hypot(cylinder.radius, 0.5 * cylinder.length);
   }
   static double faceCurvature(const Obstacle& cylinder) { return 1.0 / cylinder.radius; }
+  static double edgeDistance(const SolidLanes& cylinder, const Vec3& point) {
+    return std::hypot(point.head<2>().norm() - cylinder.radius, std::abs(point.z()) - cylinder.half_length);
+  }
   static std::vector<DrawnPart> drawing(const Obstacle& cylinder) {
     const double diameter = 2.0 * cylinder.radius;
     return {{DrawnPart::kCylinder, Vec3::Zero(), Vec3(diameter, diameter, cylinder.length)}};

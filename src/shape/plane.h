@@ -15,6 +15,9 @@ struct Plane {
   static double halfWidth(const Obstacle&) { return std::numeric_limits<double>::infinity(); }
   static double extent(const Obstacle&) { return 0.0; }
   static double faceCurvature(const Obstacle&) { return std::numeric_limits<double>::infinity(); }
+  static double edgeDistance(const SolidLanes&, const Vec3&) {
+    return std::numeric_limits<double>::infinity();
+  }
   static std::vector<DrawnPart> drawing(const Obstacle&) {
     constexpr double kSide = 2.0, kDepth = 0.002;  // of the drawn part [m]
     return {{DrawnPart::kCube, -0.5 * kDepth * Vec3::UnitZ(), Vec3(kSide, kSide, kDepth)}};

@@ -42,6 +42,10 @@ double faceCurvature(const Obstacle& solid) {
   return visitShape(solid.shape, [&](auto kind) { return kind.faceCurvature(solid); });
 }
 
+double edgeDistance(const SolidLanes& solid, const Vec3& point) {
+  return visitShape(solid.shape, [&](auto kind) { return kind.edgeDistance(solid, point); });
+}
+
 bool hasCorners(Shape shape) {
   return visitShape(shape, [](auto kind) { return kind.kHasCorners; });
 }

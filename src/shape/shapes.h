@@ -25,6 +25,9 @@ double extent(const Obstacle& solid);
 /// Curvature of the faces between the sharp edges [1/m]; infinite without such edges.
 double faceCurvature(const Obstacle& solid);
 
+/// Distance of a point of the solid's frame from the nearest sharp edge [m]; infinite without such edges.
+double edgeDistance(const SolidLanes& solid, const Vec3& point);
+
 /// Tells whether it has corners, those of its half size along the axes.
 bool hasCorners(Shape shape);
 

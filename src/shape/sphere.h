@@ -15,6 +15,9 @@ struct Sphere {
   static double halfWidth(const Obstacle& sphere) { return sphere.radius; }
   static double extent(const Obstacle& sphere) { return sphere.radius; }
   static double faceCurvature(const Obstacle&) { return std::numeric_limits<double>::infinity(); }
+  static double edgeDistance(const SolidLanes&, const Vec3&) {
+    return std::numeric_limits<double>::infinity();
+  }
   static std::vector<DrawnPart> drawing(const Obstacle& sphere) {
     return {{DrawnPart::kSphere, Vec3::Zero(), Vec3::Constant(2.0 * sphere.radius)}};
   }

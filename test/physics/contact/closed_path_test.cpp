@@ -30,7 +30,8 @@ struct Path {
 struct Felt {
   double pressing = 0.0;  ///< larger work of the ways down [J]
   double work = 0.0;      ///< on the whole path [J]
-  double tick = 0.0;      ///< largest change of the force in a step on the way aside, over the force [-]
+  double force = 0.0;     ///< largest on the way aside [N]
+  double tick = 0.0;      ///< largest change of the force in a step there, over it [-]
 };
 
 Fabric softFabric() {
@@ -75,7 +76,7 @@ Felt follow(Scene scene, const ByParticle& place, const Path& path, bool backwar
   }
   Felt felt;
   std::array<double, 4> work{};
-  double last = 0.0, most = 0.0;
+  double last = 0.0;
   for (std::size_t leg = 0; leg < 4; ++leg) {
     for (double time = h; time < kTime + 0.5 * h; time += h) {
       const double share = 0.5 * (1.0 - std::cos(EIGEN_PI * time / kTime));
@@ -85,20 +86,23 @@ Felt follow(Scene scene, const ByParticle& place, const Path& path, bool backwar
       const Vec3 force = simulation.probe().force;
       work[leg] -= force.dot(next - device);
       device = next;
-      if (leg == 1) felt.tick = std::max(felt.tick, std::abs(force.norm() - last));
-      if (leg == 1) most = std::max(most, force.norm());
+      if (leg == 1) {
+        felt.tick = std::max(felt.tick, std::abs(force.norm() - last));
+        felt.force = std::max(felt.force, force.norm());
+      }
       last = force.norm();
     }
   }
   felt.pressing = std::max(work[0], -work[2]);
   felt.work = work[0] + work[1] + work[2] + work[3];
-  felt.tick /= most;
+  felt.tick /= felt.force;
   return felt;
 }
 
 /// Both ways take the same work, within 0.1 % of the work of pressing, and not less than nothing; the force
 /// changes by less than 2 % from step to step, as when the quality of the solver changes.
-void expectAnEnergy(const std::string& name, const Scene& scene, const ByParticle& place, const Path& path) {
+/// @return what was felt on the path
+Felt expectAnEnergy(const std::string& name, const Scene& scene, const ByParticle& place, const Path& path) {
   constexpr double kShare = 1e-3, kTick = 0.02;
   const Felt there = follow(scene, place, path, false), back = follow(scene, place, path, true);
   const double pressing = std::max(there.pressing, back.pressing);
@@ -109,6 +113,7 @@ void expectAnEnergy(const std::string& name, const Scene& scene, const ByParticl
   EXPECT_LT(std::abs(there.work - back.work), tolerance(kShare * pressing)) << name;
   EXPECT_GT(std::min(there.work, back.work), 0.0) << name;
   EXPECT_LT(std::max(there.tick, back.tick), tolerance(kTick)) << name;
+  return there;
 }
 
 /// With weights of contact in a dent that follow its pressure, the difference is 6 % of the work on one
@@ -138,38 +143,85 @@ TEST(ClosedPath, TakesNoEnergyFromLayersOnAFloor) {
   }
 }
 
-/// A sheet that lies on a box and hangs over its edge, pinned there, under a probe above the edge. With
-/// samples that follow how the cloth rises along the edge, the force steps by 19 % on the way along it, and
-/// the work differs by 5 %.
-TEST(ClosedPath, TakesNoEnergyFromTheEdgeOfABox) {
-  constexpr int kSide = 17;
-  constexpr double kSize = 60e-3, kEdge = 27e-3, kIncline = 0.3;  // [m], [m], [rad]
-  constexpr double kSpacing = kSize / (kSide - 1);
-  Scene scene = sheetScene(softFabric(), kSide, kSide, kSize, kSize);
-  setStrategy(scene, Strategy::Finest, 0);
-  pin(scene, 0, 0, 0, kSide - 1);
-  pin(scene, kSide - 1, kSide - 1, 0, kSide - 1);
-  Obstacle box;
-  box.shape = Shape::Box;
-  box.size = Vec3(0.2, 0.2, 0.04);
-  box.pose.position = Vec3(kEdge - 0.1, 0.5 * kSize, -0.02);
-  scene.obstacles = {box};
+/// One layer between the probe and a floor, with up to 5 N: its gaps are closed, and nodes are inside the
+/// floor. If they count as cloth that was put there, and is let out, they yield in each step, and 16 % of the
+/// work are lost.
+TEST(ClosedPath, TakesNoEnergyFromAHardPress) {
+  constexpr int kSide = 13;
+  constexpr double kSpacing = 2e-3, kLost = 0.02;
+  const Layers layers{{kSide}, kSide, kSpacing};
+  Scene scene = layersScene(layers, softFabric());
+  pinBorders(scene, 0, kSide);
+  scene.obstacles = {Obstacle()};
   scene.probes[0].radius = 6e-3;
   const double t = scene.cloth.fabric.thickness;
-  const auto place = [&](int i, int j) {
-    const double x = i * kSpacing, beyond = std::max(0.0, x - kEdge);
-    return Vec3(std::min(x, kEdge) + beyond * std::cos(kIncline), j * kSpacing,
-                t - beyond * std::sin(kIncline));
-  };
+  const auto place = [&](int i, int j) { return placeInLayers(layers, {t}, i, j); };
   Path path;
-  path.above = 2.0 * t;
-  const Vec3 edge(kEdge, 0.5 * kSize + 0.1 * kSpacing, scene.probes[0].radius + 0.8 * t);
-  path.start = edge;
-  path.aside = kSpacing * Vec3(0.0, 0.5, 0.0);
-  expectAnEnergy("along the edge of a box", scene, place, path);
-  path.start = edge - kSpacing * Vec3(0.7, 0.0, 0.0);
-  path.aside = kSpacing * Vec3(0.9, 0.3, 0.0);
-  expectAnEnergy("across the edge of a box", scene, place, path);
+  path.start = place(kSide / 2, kSide / 2);
+  path.start.z() = scene.probes[0].radius - 1.6 * t;  // 1.3 thicknesses deep, the rest is the spring's
+  path.aside = kSpacing * Vec3(0.5, 0.3, 0.0);
+  path.above = 4.1 * t;
+  const Felt felt = expectAnEnergy("hard press", scene, place, path);
+  EXPECT_GT(felt.force, 3.0);
+  EXPECT_LT(felt.work, tolerance(kLost * felt.pressing)) << "damping alone";
+}
+
+/// A sheet that lies on a box and hangs over its edge, pinned on both sides, under a probe.
+class BoxEdge {
+ public:
+  /// @param spacing [m]  @param edge place of the edge [m]  @param yaw of the box [rad]
+  BoxEdge(double spacing, double edge, double yaw) : spacing_(spacing), edge_(edge) {
+    const int side = static_cast<int>(std::lround(kSize / spacing)) / 2 * 2 + 1;
+    scene = sheetScene(softFabric(), side, side, (side - 1) * spacing, (side - 1) * spacing);
+    middle = 0.5 * (side - 1) * spacing;
+    setStrategy(scene, Strategy::Finest, 0);
+    pin(scene, 0, 0, 0, side - 1);
+    pin(scene, side - 1, side - 1, 0, side - 1);
+    Obstacle box;
+    box.shape = Shape::Box;
+    box.size = Vec3(0.2, 0.2, 0.04);
+    box.pose.orientation = Quat(Eigen::AngleAxisd(yaw, Vec3::UnitZ()));
+    box.pose.position = Vec3(edge, middle, -0.02) - box.pose.orientation * Vec3(0.1, 0.0, 0.0);
+    scene.obstacles = {box};
+    scene.probes[0].radius = 6e-3;
+  }
+
+  Vec3 place(int i, int j) const {
+    constexpr double kIncline = 0.3;  // beyond the edge [rad]
+    const double x = i * spacing_, beyond = std::max(0.0, x - edge_);
+    return {std::min(x, edge_) + beyond * std::cos(kIncline), j * spacing_,
+            scene.cloth.fabric.thickness - beyond * std::sin(kIncline)};
+  }
+
+  /// @param start of the path from the edge, and its way aside [cells]
+  void expect(const std::string& name, const Vec3& start, const Vec3& aside) const {
+    const double t = scene.cloth.fabric.thickness;
+    Path path;
+    path.above = 2.0 * t;
+    path.start = Vec3(edge_, middle, scene.probes[0].radius + 0.8 * t) + spacing_ * start;
+    path.aside = spacing_ * aside;
+    expectAnEnergy(
+        "edge of a box, " + name, scene, [this](int i, int j) { return place(i, j); }, path);
+  }
+
+  Scene scene;
+  double middle = 0.0;  ///< of the sheet [m]
+
+ private:
+  static constexpr double kSize = 60e-3;  // of the sheet, about [m]
+  double spacing_, edge_;
+};
+
+/// Samples that follow how the cloth rises along the edge, or how its normals turn, make the force step by 19
+/// % on the way along it, and the work differ by 5 to 23 %.
+TEST(ClosedPath, TakesNoEnergyFromTheEdgeOfABox) {
+  const BoxEdge coarse(3.75e-3, 27e-3, 0.0);
+  coarse.expect("along it", Vec3(0.0, 0.1, 0.0), Vec3(0.0, 0.5, 0.0));
+  coarse.expect("across it", Vec3(-0.7, 0.1, 0.0), Vec3(0.9, 0.3, 0.0));
+  const BoxEdge fine(2e-3, 30.4e-3, 0.0);
+  fine.expect("far across it", Vec3(-2.0, 0.0, 0.0), Vec3(3.5, 0.0, 0.0));
+  const BoxEdge slanting(2e-3, 30.4e-3, 0.4);
+  slanting.expect("slanting", Vec3(-0.5, 0.0, 0.0), Vec3(1.0, 0.5, 0.0));
 }
 
 }  // namespace

@@ -88,6 +88,31 @@ TEST(Shapes, DrawingExtentAndHalfWidthAreThoseOfTheDistance) {
   }
 }
 
+/// Reference: places and lengths that can be read off the drawing of each solid.
+TEST(Shapes, KnowTheNearestSharpEdge) {
+  Obstacle box;
+  box.shape = Shape::Box;
+  box.size = Vec3(0.2, 0.4, 0.6);
+  box.pose.position = Vec3(1.0, 0.0, 0.0);
+  EXPECT_NEAR(Solid(box).edgeDistance(Vec3(1.1, 0.2, 0.1)), 0.0, kRounding) << "on an edge";
+  EXPECT_NEAR(Solid(box).edgeDistance(Vec3(1.05, 0.2, 0.0)), 0.05, kRounding) << "on a face";
+  EXPECT_NEAR(Solid(box).edgeDistance(Vec3(1.0 - 0.13, -0.24, 0.0)), 0.05, kRounding) << "beside an edge";
+  EXPECT_NEAR(Solid(box).edgeDistance(Vec3(1.1, 0.2, 0.4)), 0.1, kRounding) << "beyond its end";
+  EXPECT_NEAR(Solid(box).edgeDistance(Vec3(1.0, 0.0, 0.0)), std::hypot(0.1, 0.2), kRounding) << "centre";
+  box.pose.orientation = Quat(Eigen::AngleAxisd(0.5 * EIGEN_PI, Vec3::UnitZ()));
+  EXPECT_NEAR(Solid(box).edgeDistance(Vec3(1.2, 0.05, 0.0)), 0.05, kRounding) << "turned";
+  Obstacle cylinder;
+  cylinder.shape = Shape::Cylinder;
+  cylinder.radius = 0.1;
+  cylinder.length = 0.6;
+  EXPECT_NEAR(Solid(cylinder).edgeDistance(Vec3(0.0, 0.13, -0.34)), 0.05, kRounding) << "beside a rim";
+  EXPECT_NEAR(Solid(cylinder).edgeDistance(Vec3(0.0, 0.0, 0.3)), 0.1, kRounding) << "on the axis";
+  for (const Shape shape : {Shape::Sphere, Shape::Capsule, Shape::Plane}) {
+    cylinder.shape = shape;
+    EXPECT_TRUE(std::isinf(Solid(cylinder).edgeDistance(Vec3(0.1, 0.0, 0.3))));
+  }
+}
+
 TEST(Shapes, AProbeIsASphereOrACapsule) {
   ProbeOptions probe;
   probe.friction = 0.7;
