@@ -100,6 +100,7 @@ double ContactSet::quadraticForm(int begin, int end, const Field& d, const std::
 void ContactSet::serialize(Archive& archive) {
   solids_.serialize(archive);
   memory_.serialize(archive, solids_.size());
+  finder_.serialize(archive);
   // Cloth that passes through itself remembers nothing there, but has the same entries: the format of a
   // state does not depend on self-contact.
   struct NoLayers {

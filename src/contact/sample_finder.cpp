@@ -70,6 +70,8 @@ SampleFinder::SampleFinder(const Grid& grid, const SolidSet& solids, const Conta
     : grid_(grid), solids_(solids), law_(law), memory_(memory), team_(team) {
   const int samples = capacity();
   probes_.reserve(solids.size());
+  let_out_.assign(grid.particles(), 0);
+  for (auto* flags : {&is_let_out_, &is_still_let_out_}) flags->reserve(grid.particles());
   started_.reserve(samples);
   near_.reserve(samples);
   for (auto* list : {&node_area_, &still_, &edge_turns_[kWarp], &edge_turns_[kWeft]})
@@ -107,17 +109,22 @@ void SampleFinder::find(const ActiveMesh& mesh, const Field& nodes, const std::v
                         const std::vector<Reach>& touching, SampleList& samples) {
   samples.clear();
   probes_.clear();
-  for (const Reach& probe : touching) probes_.push_back(solids_.indexOf(probe.probe));
+  for (const Reach& probe : touching) {
+    if (probe.pressed) probes_.push_back(solids_.indexOf(probe.probe));
+  }
+  beginLettingOut(mesh);
   const Ball ball = ballAround(nodes, reach);
   for (int solid = 0; solid < solids_.obstacles(); ++solid) {
     if (solids_[solid].distance(ball.centre).value > ball.radius + law_.range()) continue;
     measure(solid, law_.range(), mesh, nodes, reach);
+    noteInside();
     findEdges(solids_[solid], mesh, nodes);
     addCells(solids_[solid], mesh, nodes);
     addGroup(solid, samples);
     addNodes(mesh, nodes, reach);
     addGroup(solid, samples);
   }
+  endLettingOut(mesh, samples);
   for (const Reach& probe : touching) {
     addProbePoints(mesh, nodes, reach, probe);
     addGroup(solids_.indexOf(probe.probe), samples);
@@ -126,7 +133,7 @@ void SampleFinder::find(const ActiveMesh& mesh, const Field& nodes, const std::v
 
 bool SampleFinder::isClear(const ActiveMesh& mesh, const Field& nodes, int probe) {
   still_.assign(mesh.nodes(), 0.0);
-  addProbePoints(mesh, nodes, still_, {probe, 0.0});
+  addProbePoints(mesh, nodes, still_, {probe, 0.0, false});
   selectNear(solids_.indexOf(probe));
   return near_.empty();
 }
@@ -178,11 +185,13 @@ bool SampleFinder::mayBeDented(const Patch& patch, const Field& nodes) const {
   const auto any = [&](const auto& holds) {
     return std::any_of(patch.nodes.begin(), patch.nodes.end(), holds);
   };
-  return any([&](int n) { return isNearProbe(nodes[n]); }) &&
-         !any([&](int n) { return at_nodes_.gaps[n] < 0.0 && !isPressedIn(nodes[n], at_nodes_.gaps[n]); });
+  return any([&](int n) { return isNearProbe(nodes[n]); }) && !any([&](int n) {
+           const double gap = at_nodes_.gaps[n];
+           return gap < 0.0 && !isPressedIn(SurfacePoint::atNode(n, 0.0), nodes[n], gap);
+         });
 }
 
-/// Tells whether a probe is so near that it may press cloth here into an obstacle.
+/// Tells whether a probe that presses is so near that it may press cloth here into an obstacle.
 bool SampleFinder::isNearProbe(const Vec3& place) const {
   const double near = law_.range() + std::max(grid_.dx, grid_.dy);
   return std::any_of(probes_.begin(), probes_.end(), [&](int index) {
@@ -191,11 +200,40 @@ bool SampleFinder::isNearProbe(const Vec3& place) const {
   });
 }
 
-/// Tells whether a load keeps cloth at a gap below zero, not what ejects cloth.
-bool SampleFinder::isPressedIn(const Vec3& place, double gap) const {
-  constexpr double kDeepest = 0.5;  // under 13 MPa [ranges]
-  return gap > -kDeepest * law_.range() && isNearProbe(place);
+/// Tells whether a load keeps cloth at a gap below zero, up to the range deep: it was not put there.
+bool SampleFinder::isPressedIn(const SurfacePoint& point, const Vec3& place, double gap) const {
+  for (int c = 0; c < 4; ++c) {
+    if (point.weights[c] > 0.0 && is_let_out_[point.nodes[c]]) return false;
+  }
+  return gap > -law_.range() && isNearProbe(place);
 }
+
+void SampleFinder::beginLettingOut(const ActiveMesh& mesh) {
+  is_let_out_.assign(mesh.nodes(), 0);
+  is_still_let_out_.assign(mesh.nodes(), 0);
+  for (int n = 0; n < mesh.nodes(); ++n) is_let_out_[n] = let_out_[mesh.particle[n]];
+}
+
+/// Notes the nodes that are still in the obstacle that was measured last.
+void SampleFinder::noteInside() {
+  for (std::size_t n = 0; n < is_let_out_.size(); ++n) {
+    if (is_let_out_[n] && at_nodes_.gaps[n] < 0.0) is_still_let_out_[n] = 1;
+  }
+}
+
+/// Notes what obstacles let out: until it has left them it is not pressed in, or it would be thrown out.
+void SampleFinder::endLettingOut(const ActiveMesh& mesh, const SampleList& samples) {
+  for (const ContactSample& sample : samples) {
+    if (sample.pressed_in || sample.gap_offset == 0.0) continue;
+    for (int c = 0; c < 4; ++c) {
+      if (sample.weights[c] > 0.0) is_still_let_out_[sample.nodes[c]] = 1;
+    }
+  }
+  let_out_.assign(grid_.particles(), 0);
+  for (int n = 0; n < mesh.nodes(); ++n) let_out_[mesh.particle[n]] = is_still_let_out_[n];
+}
+
+void SampleFinder::serialize(Archive& archive) { archive.within("let_out", let_out_, 0, 1); }
 
 /// Adds the middles of a cell and of its sides, with their weights by Simpson's rule. Corners alone would
 /// carry up to four times the pressure in a dent, which grows fast with depth.
@@ -547,7 +585,7 @@ ContactSample SampleFinder::startSample(int point, int index, bool still) const 
   const Distance then = still ? now_[point] : then_[point];
   ContactSample sample{points_[point], index};
   // A probe came from outside, so what is inside it is under load.
-  sample.pressed_in = solids_.isProbe(index) || (then.value < 0.0 && isPressedIn(place, then.value));
+  sample.pressed_in = solids_.isProbe(index) || (then.value < 0.0 && isPressedIn(sample, place, then.value));
   sample.gap_offset = law_.gapOffset(then.value, sample.pressed_in);
   // Ejected cloth has no friction, which would hold it inside.
   const double friction = !sample.pressed_in && sample.gap_offset > 0.0 ? 0.0 : solid.friction();

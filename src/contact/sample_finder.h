@@ -25,6 +25,7 @@ class SampleFinder {
   struct Reach {
     int probe;
     double distance;  ///< largest expected motion of its proxy [m]
+    bool pressed;     ///< it touched the cloth in the last step
   };
 
   SampleFinder(const Grid& grid, const SolidSet& solids, const ContactLaw& law, const FrictionMemory& memory,
@@ -35,6 +36,9 @@ class SampleFinder {
   /// finest cells. Otherwise the number comes from experience with scenes; a step that needs more
   /// allocates.
   int capacity() const;
+
+  /// Saves or loads what is let out of obstacles.
+  void serialize(Archive& archive);
 
   /// Finds the samples that may touch within a step, and freezes their friction. The parameters are
   /// those of ContactSet::collect().
@@ -83,7 +87,10 @@ class SampleFinder {
   std::array<double, 2> strip(const Patch& patch, int direction, bool within, const Field& nodes) const;
   bool mayBeDented(const Patch& patch, const Field& nodes) const;
   bool isNearProbe(const Vec3& place) const;
-  bool isPressedIn(const Vec3& place, double gap) const;
+  bool isPressedIn(const SurfacePoint& point, const Vec3& place, double gap) const;
+  void beginLettingOut(const ActiveMesh& mesh);
+  void noteInside();
+  void endLettingOut(const ActiveMesh& mesh, const SampleList& samples);
   int partsOf(const Patch& patch) const;
   double spacing(int direction) const { return direction == kWarp ? grid_.dx : grid_.dy; }
   /// Largest distance of a finest cell's chord from an arc that turns by `turn` [rad]: length ·
@@ -103,7 +110,11 @@ class SampleFinder {
   ContactLaw law_;
   const FrictionMemory& memory_;
   Team& team_;
-  std::vector<int> probes_;  ///< that may touch in the step
+  std::vector<int> probes_;  ///< that press on the cloth, as solids
+  // Flags of what was let out of an obstacle and has not left it yet:
+  std::vector<char> let_out_;           ///< of particles
+  std::vector<char> is_let_out_;        ///< of nodes at the start of the step
+  std::vector<char> is_still_let_out_;  ///< of nodes that are inside now
   // About the cloth and one solid, written by measure():
   Distances at_nodes_;
   std::vector<double> patch_margins_;              ///< gap below which points of a patch count, or -1 [m]

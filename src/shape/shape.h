@@ -9,9 +9,8 @@
 ///       halfWidth()     half of the smallest width [m]
 ///       extent()        largest distance of its surface from its centre [m]
 ///       faceCurvature() curvature of the faces between its sharp edges [1/m]; infinite if it has none
-///       edgeDistance()  distance of a point of the local frame from its nearest sharp edge [m]; infinite if
-///       it
-///                       has none
+///       edgeDistance()  distance of a point of the local frame from its nearest sharp edge [m]; infinite
+///                       without such edges
 ///       kHasCorners     whether it has corners: those of a box of size `size`
 ///       drawing()       what a display draws
 ///   * for the kernels localDistance(): signed distance and outer unit normal at points p of the
