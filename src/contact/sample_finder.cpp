@@ -109,10 +109,12 @@ void SampleFinder::find(const ActiveMesh& mesh, const Field& nodes, const std::v
                         const std::vector<Reach>& touching, SampleList& samples) {
   samples.clear();
   probes_.clear();
-  for (const Reach& probe : touching) {
-    if (probe.pressed) probes_.push_back(solids_.indexOf(probe.probe));
-  }
   beginLettingOut(mesh);
+  for (const Reach& probe : touching) {
+    addProbePoints(mesh, nodes, reach, probe);
+    addGroup(solids_.indexOf(probe.probe), samples);
+    if (!near_.empty()) probes_.push_back(solids_.indexOf(probe.probe));
+  }
   const Ball ball = ballAround(nodes, reach);
   for (int solid = 0; solid < solids_.obstacles(); ++solid) {
     if (solids_[solid].distance(ball.centre).value > ball.radius + law_.range()) continue;
@@ -125,15 +127,11 @@ void SampleFinder::find(const ActiveMesh& mesh, const Field& nodes, const std::v
     addGroup(solid, samples);
   }
   endLettingOut(mesh, samples);
-  for (const Reach& probe : touching) {
-    addProbePoints(mesh, nodes, reach, probe);
-    addGroup(solids_.indexOf(probe.probe), samples);
-  }
 }
 
 bool SampleFinder::isClear(const ActiveMesh& mesh, const Field& nodes, int probe) {
   still_.assign(mesh.nodes(), 0.0);
-  addProbePoints(mesh, nodes, still_, {probe, 0.0, false});
+  addProbePoints(mesh, nodes, still_, {probe, 0.0});
   selectNear(solids_.indexOf(probe));
   return near_.empty();
 }
@@ -158,7 +156,7 @@ void SampleFinder::addCells(const Solid& solid, const ActiveMesh& mesh, const Fi
     const double near = patch_margins_[k];
     if (near < 0.0) continue;
     const Patch& patch = mesh.patches[k];
-    const bool may_be_dented = mayBeDented(patch, nodes);
+    const bool may_be_dented = mayBeDented(solid, patch, nodes);
     if (may_be_dented && mayTouchEdge(solid, patch, nodes)) {
       divideEvenly();
       addLines(patch, solid, nodes, near);
@@ -179,9 +177,12 @@ void SampleFinder::addCells(const Solid& solid, const ActiveMesh& mesh, const Fi
 
 /// Tells whether a probe may dent a finest cell. It must not depend on the pressure: if the weights changed
 /// with it, a hand could gain energy on a closed path. They may change away from the dent, where the pressure
-/// is even. What ejects cloth needs the nodes.
-bool SampleFinder::mayBeDented(const Patch& patch, const Field& nodes) const {
-  if (patch.cell.span() > 1) return false;
+/// is even. It is not on a round obstacle, which is nearer to the middle of a wide cell than to its corners.
+/// What ejects cloth needs the nodes.
+bool SampleFinder::mayBeDented(const Solid& solid, const Patch& patch, const Field& nodes) const {
+  constexpr double kFlat = 0.1;  // [ranges]
+  const double bulge = (grid_.dx * grid_.dx + grid_.dy * grid_.dy) / 8.0 * solid.curvature();
+  if (patch.cell.span() > 1 || bulge > kFlat * law_.range()) return false;
   const auto any = [&](const auto& holds) {
     return std::any_of(patch.nodes.begin(), patch.nodes.end(), holds);
   };
@@ -191,7 +192,7 @@ bool SampleFinder::mayBeDented(const Patch& patch, const Field& nodes) const {
          });
 }
 
-/// Tells whether a probe that presses is so near that it may press cloth here into an obstacle.
+/// Tells whether a probe that may touch in the step is so near that it may press cloth here into an obstacle.
 bool SampleFinder::isNearProbe(const Vec3& place) const {
   const double near = law_.range() + std::max(grid_.dx, grid_.dy);
   return std::any_of(probes_.begin(), probes_.end(), [&](int index) {

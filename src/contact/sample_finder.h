@@ -25,7 +25,6 @@ class SampleFinder {
   struct Reach {
     int probe;
     double distance;  ///< largest expected motion of its proxy [m]
-    bool pressed;     ///< it touched the cloth in the last step
   };
 
   SampleFinder(const Grid& grid, const SolidSet& solids, const ContactLaw& law, const FrictionMemory& memory,
@@ -85,7 +84,7 @@ class SampleFinder {
   void divideEvenly();
   bool mayTouchEdge(const Solid& solid, const Patch& patch, const Field& nodes) const;
   std::array<double, 2> strip(const Patch& patch, int direction, bool within, const Field& nodes) const;
-  bool mayBeDented(const Patch& patch, const Field& nodes) const;
+  bool mayBeDented(const Solid& solid, const Patch& patch, const Field& nodes) const;
   bool isNearProbe(const Vec3& place) const;
   bool isPressedIn(const SurfacePoint& point, const Vec3& place, double gap) const;
   void beginLettingOut(const ActiveMesh& mesh);
@@ -110,7 +109,7 @@ class SampleFinder {
   ContactLaw law_;
   const FrictionMemory& memory_;
   Team& team_;
-  std::vector<int> probes_;  ///< that press on the cloth, as solids
+  std::vector<int> probes_;  ///< that have samples in this step, as solids
   // Flags of what was let out of an obstacle and has not left it yet:
   std::vector<char> let_out_;           ///< of particles
   std::vector<char> is_let_out_;        ///< of nodes at the start of the step

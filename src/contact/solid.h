@@ -2,6 +2,8 @@
 /// convex function.
 #pragma once
 
+#include <cmath>
+
 #include "haptic_cloth/scene.h"
 #include "shape/solid_lanes.h"
 #include "state/archive.h"
@@ -45,6 +47,9 @@ class Solid {
 
   /// Distance of a point from the nearest sharp edge [m]; infinite if it has none.
   double edgeDistance(const Vec3& point) const;
+
+  /// Largest curvature of its surface beside sharp edges [1/m].
+  double curvature() const { return std::isfinite(face_curvature_) ? face_curvature_ : 1.0 / half_width_; }
 
   bool hasCorners() const { return has_corners_; }
 

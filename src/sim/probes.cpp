@@ -53,7 +53,7 @@ const std::vector<ContactSet::Reach>& Probes::findTouching(const ActiveMesh& mes
     if (!steps_[k].present) continue;
     contacts.startProbe(k, steps_[k].proxy, memory.before, memory.after);
     if (!memory.has_been_clear) memory.has_been_clear = contacts.isClear(mesh, nodes, k);
-    if (memory.has_been_clear) touching_.push_back({k, reach[k], reports_[k].contact});
+    if (memory.has_been_clear) touching_.push_back({k, reach[k]});
   }
   return touching_;
 }
