@@ -111,9 +111,14 @@ void SampleFinder::find(const ActiveMesh& mesh, const Field& nodes, const std::v
   probes_.clear();
   beginLettingOut(mesh);
   for (const Reach& probe : touching) {
+    const int first = samples.size();
     addProbePoints(mesh, nodes, reach, probe);
     addGroup(solids_.indexOf(probe.probe), samples);
-    if (!near_.empty()) probes_.push_back(solids_.indexOf(probe.probe));
+    const auto touches = [](const ContactSample& sample) {
+      return sample.area > 0.0 && sample.clearance == 0.0;
+    };
+    if (std::any_of(samples.begin() + first, samples.end(), touches))
+      probes_.push_back(solids_.indexOf(probe.probe));
   }
   const Ball ball = ballAround(nodes, reach);
   for (int solid = 0; solid < solids_.obstacles(); ++solid) {
@@ -192,7 +197,7 @@ bool SampleFinder::mayBeDented(const Solid& solid, const Patch& patch, const Fie
          });
 }
 
-/// Tells whether a probe that may touch in the step is so near that it may press cloth here into an obstacle.
+/// Tells whether a probe that touches is so near that it may press cloth here into an obstacle.
 bool SampleFinder::isNearProbe(const Vec3& place) const {
   const double near = law_.range() + std::max(grid_.dx, grid_.dy);
   return std::any_of(probes_.begin(), probes_.end(), [&](int index) {

@@ -109,7 +109,7 @@ class SampleFinder {
   ContactLaw law_;
   const FrictionMemory& memory_;
   Team& team_;
-  std::vector<int> probes_;  ///< that have samples in this step, as solids
+  std::vector<int> probes_;  ///< that touch when the step starts, as solids
   // Flags of what was let out of an obstacle and has not left it yet:
   std::vector<char> let_out_;           ///< of particles
   std::vector<char> is_let_out_;        ///< of nodes at the start of the step
