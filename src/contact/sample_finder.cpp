@@ -115,7 +115,7 @@ void SampleFinder::find(const ActiveMesh& mesh, const Field& nodes, const std::v
     addProbePoints(mesh, nodes, reach, probe);
     addGroup(solids_.indexOf(probe.probe), samples);
     const auto touches = [](const ContactSample& sample) {
-      return sample.area > 0.0 && sample.clearance == 0.0;
+      return sample.area > 0.0 && !(sample.clearance > 0.0);
     };
     if (std::any_of(samples.begin() + first, samples.end(), touches))
       probes_.push_back(solids_.indexOf(probe.probe));
