@@ -61,10 +61,9 @@ class SimulatedDevice {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const double seconds = argc == 1                                          ? 2.0
-                         : argc == 3 && argv[1] == std::string("--seconds") ? std::atof(argv[2])
-                                                                            : 0.0;
-  if (!(seconds > 0.0)) {
+  const bool timed = argc == 3 && std::string(argv[1]) == "--seconds";
+  const double seconds = timed ? std::atof(argv[2]) : 2.0;
+  if ((argc > 1 && !timed) || !(seconds > 0.0)) {
     std::fprintf(stderr, "Usage: haptic_loop [--seconds N]    with N > 0\n");
     return 2;
   }

@@ -5,19 +5,19 @@
 #   --seconds N  ends after N seconds with a verdict; exit status 0 only if force, markers and state were
 #                published at their rates and were finite
 set -euo pipefail
-case "${1:-}" in -h | --help) sed -n 2,6p "$0"; exit 0 ;; esac
 here="$(cd "$(dirname "$0")" && pwd)"
 
 seconds=0
 arguments=()
 while [ $# -gt 0 ]; do
   case "$1" in
-    --seconds) seconds="${2:-}"; shift ;;
+    -h | --help) sed -n 2,6p "$0"; exit 0 ;;
+    --seconds) seconds="${2:?--seconds needs a number}"; shift ;;
     --seconds=*) seconds="${1#*=}" ;;
     *:=*) arguments+=("$1") ;;
     *) echo "demo.sh: unknown argument $1; see demo.sh --help" >&2; exit 2 ;;
   esac
-  shift || true
+  shift
 done
 if ! [[ "$seconds" =~ ^[0-9]+([.][0-9]+)?$ ]]; then
   echo "demo.sh: --seconds must be a number, got '$seconds'" >&2

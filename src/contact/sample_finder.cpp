@@ -70,8 +70,7 @@ SampleFinder::SampleFinder(const Grid& grid, const SolidSet& solids, const Conta
     : grid_(grid), solids_(solids), law_(law), memory_(memory), team_(team) {
   const int samples = capacity();
   probes_.reserve(solids.size());
-  let_out_.assign(grid.particles(), 0);
-  for (auto* flags : {&is_let_out_, &is_still_let_out_}) flags->reserve(grid.particles());
+  is_let_out_.reserve(grid.particles());
   started_.reserve(samples);
   near_.reserve(samples);
   for (auto* list : {&node_area_, &still_, &edge_turns_[kWarp], &edge_turns_[kWeft]})
@@ -108,30 +107,27 @@ int SampleFinder::capacity() const {
 void SampleFinder::find(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
                         const std::vector<Reach>& touching, SampleList& samples) {
   samples.clear();
+  is_let_out_.assign(mesh.nodes(), 0);
+  for (const int particle : let_out_) {
+    if (mesh.node[particle] >= 0) is_let_out_[mesh.node[particle]] = 1;
+  }
   probes_.clear();
-  beginLettingOut(mesh);
   for (const Reach& probe : touching) {
-    const int first = samples.size();
+    const int solid = solids_.indexOf(probe.probe);
     addProbePoints(mesh, nodes, reach, probe);
-    addGroup(solids_.indexOf(probe.probe), samples);
-    const auto touches = [](const ContactSample& sample) {
-      return sample.area > 0.0 && !(sample.clearance > 0.0);
-    };
-    if (std::any_of(samples.begin() + first, samples.end(), touches))
-      probes_.push_back(solids_.indexOf(probe.probe));
+    if (addGroup(solid, samples)) probes_.push_back(solid);
   }
   const Ball ball = ballAround(nodes, reach);
   for (int solid = 0; solid < solids_.obstacles(); ++solid) {
     if (solids_[solid].distance(ball.centre).value > ball.radius + law_.range()) continue;
     measure(solid, law_.range(), mesh, nodes, reach);
-    noteInside();
     findEdges(solids_[solid], mesh, nodes);
     addCells(solids_[solid], mesh, nodes);
     addGroup(solid, samples);
     addNodes(mesh, nodes, reach);
     addGroup(solid, samples);
   }
-  endLettingOut(mesh, samples);
+  listLetOut(mesh, samples);
 }
 
 bool SampleFinder::isClear(const ActiveMesh& mesh, const Field& nodes, int probe) {
@@ -191,10 +187,11 @@ bool SampleFinder::mayBeDented(const Solid& solid, const Patch& patch, const Fie
   const auto any = [&](const auto& holds) {
     return std::any_of(patch.nodes.begin(), patch.nodes.end(), holds);
   };
-  return any([&](int n) { return isNearProbe(nodes[n]); }) && !any([&](int n) {
-           const double gap = at_nodes_.gaps[n];
-           return gap < 0.0 && !isPressedIn(SurfacePoint::atNode(n, 0.0), nodes[n], gap);
-         });
+  const auto was_put_inside = [&](int n) {
+    const double gap = at_nodes_.gaps[n];
+    return gap < 0.0 && (is_let_out_[n] || !isPressedIn(nodes[n], gap));
+  };
+  return any([&](int n) { return isNearProbe(nodes[n]); }) && !any(was_put_inside);
 }
 
 /// Tells whether a probe that touches is so near that it may press cloth here into an obstacle.
@@ -206,40 +203,31 @@ bool SampleFinder::isNearProbe(const Vec3& place) const {
   });
 }
 
-/// Tells whether a load keeps cloth at a gap below zero, up to the range deep: it was not put there.
-bool SampleFinder::isPressedIn(const SurfacePoint& point, const Vec3& place, double gap) const {
-  for (int c = 0; c < 4; ++c) {
-    if (point.weights[c] > 0.0 && is_let_out_[point.nodes[c]]) return false;
-  }
+/// Tells whether a load may keep cloth at a gap below zero, up to the range deep: it was not put there.
+bool SampleFinder::isPressedIn(const Vec3& place, double gap) const {
   return gap > -law_.range() && isNearProbe(place);
 }
 
-void SampleFinder::beginLettingOut(const ActiveMesh& mesh) {
+/// Lists what obstacles let out in this step. It stays so until it has left them: pressed in, it would be
+/// thrown out.
+void SampleFinder::listLetOut(const ActiveMesh& mesh, const SampleList& samples) {
+  let_out_.clear();
   is_let_out_.assign(mesh.nodes(), 0);
-  is_still_let_out_.assign(mesh.nodes(), 0);
-  for (int n = 0; n < mesh.nodes(); ++n) is_let_out_[n] = let_out_[mesh.particle[n]];
-}
-
-/// Notes the nodes that are still in the obstacle that was measured last.
-void SampleFinder::noteInside() {
-  for (std::size_t n = 0; n < is_let_out_.size(); ++n) {
-    if (is_let_out_[n] && at_nodes_.gaps[n] < 0.0) is_still_let_out_[n] = 1;
-  }
-}
-
-/// Notes what obstacles let out: until it has left them it is not pressed in, or it would be thrown out.
-void SampleFinder::endLettingOut(const ActiveMesh& mesh, const SampleList& samples) {
   for (const ContactSample& sample : samples) {
-    if (sample.pressed_in || sample.gap_offset == 0.0) continue;
+    if (!sample.isLetOut()) continue;
     for (int c = 0; c < 4; ++c) {
-      if (sample.weights[c] > 0.0) is_still_let_out_[sample.nodes[c]] = 1;
+      const int node = sample.nodes[c];
+      if (sample.weights[c] == 0.0 || is_let_out_[node]) continue;
+      is_let_out_[node] = 1;
+      let_out_.push_back(mesh.particle[node]);
     }
   }
-  let_out_.assign(grid_.particles(), 0);
-  for (int n = 0; n < mesh.nodes(); ++n) let_out_[mesh.particle[n]] = is_still_let_out_[n];
 }
 
-void SampleFinder::serialize(Archive& archive) { archive.within("let_out", let_out_, 0, 1); }
+void SampleFinder::serialize(Archive& archive) {
+  archive.length("let_out", let_out_, grid_.particles());
+  archive.within("let_out_particle", let_out_, 0, grid_.particles() - 1);
+}
 
 /// Adds the middles of a cell and of its sides, with their weights by Simpson's rule. Corners alone would
 /// carry up to four times the pressure in a dent, which grows fast with depth.
@@ -566,16 +554,27 @@ void SampleFinder::selectNear(int solid) {
 }
 
 /// Adds the candidates that are near a solid. Touching samples come first, so that packs of the
-/// others can be skipped.
-void SampleFinder::addGroup(int solid, SampleList& samples) {
+/// others can be skipped. @return whether any touches
+bool SampleFinder::addGroup(int solid, SampleList& samples) {
   selectNear(solid);
   samples.beginGroup(solid);
+  const int first = samples.size();
   for (const bool apart : {false, true}) {
     for (std::size_t s = 0; s < near_.size(); ++s) {
       if ((started_[s].clearance > 0.0) == apart) samples.add(started_[s]);
     }
   }
+  const bool touches = samples.size() > first && !(samples[first].clearance > 0.0);
   samples.endGroup();
+  return touches;
+}
+
+/// Tells whether a point moves with a node that is let out.
+bool SampleFinder::touchesLetOut(const SurfacePoint& point) const {
+  for (int c = 0; c < 4; ++c) {
+    if (point.weights[c] > 0.0 && is_let_out_[point.nodes[c]]) return true;
+  }
+  return false;
 }
 
 /// Slip over the smoothing length for the friction that is remembered, before the solid turns.
@@ -591,10 +590,11 @@ ContactSample SampleFinder::startSample(int point, int index, bool still) const 
   const Distance then = still ? now_[point] : then_[point];
   ContactSample sample{points_[point], index};
   // A probe came from outside, so what is inside it is under load.
-  sample.pressed_in = solids_.isProbe(index) || (then.value < 0.0 && isPressedIn(sample, place, then.value));
+  sample.pressed_in = solids_.isProbe(index) ||
+                      (then.value < 0.0 && !touchesLetOut(sample) && isPressedIn(place, then.value));
   sample.gap_offset = law_.gapOffset(then.value, sample.pressed_in);
   // Ejected cloth has no friction, which would hold it inside.
-  const double friction = !sample.pressed_in && sample.gap_offset > 0.0 ? 0.0 : solid.friction();
+  const double friction = sample.isLetOut() ? 0.0 : solid.friction();
   sample.friction_force = friction * sample.area * law_(then.value + sample.gap_offset).pressure;
   Vec3 carried = place;
   sample.start_normal = then.normal;

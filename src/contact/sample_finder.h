@@ -86,10 +86,9 @@ class SampleFinder {
   std::array<double, 2> strip(const Patch& patch, int direction, bool within, const Field& nodes) const;
   bool mayBeDented(const Solid& solid, const Patch& patch, const Field& nodes) const;
   bool isNearProbe(const Vec3& place) const;
-  bool isPressedIn(const SurfacePoint& point, const Vec3& place, double gap) const;
-  void beginLettingOut(const ActiveMesh& mesh);
-  void noteInside();
-  void endLettingOut(const ActiveMesh& mesh, const SampleList& samples);
+  bool isPressedIn(const Vec3& place, double gap) const;
+  bool touchesLetOut(const SurfacePoint& point) const;
+  void listLetOut(const ActiveMesh& mesh, const SampleList& samples);
   int partsOf(const Patch& patch) const;
   double spacing(int direction) const { return direction == kWarp ? grid_.dx : grid_.dy; }
   /// Largest distance of a finest cell's chord from an arc that turns by `turn` [rad]: length ·
@@ -100,7 +99,7 @@ class SampleFinder {
   void measureDistances(const Solid& solid, int count, const Field& points, Distances& distances);
   void addPoint(const SurfacePoint& point, const Vec3& place, double margin);
   void selectNear(int solid);
-  void addGroup(int solid, SampleList& samples);
+  bool addGroup(int solid, SampleList& samples);
   Vec3 elasticSlip(const ContactSample& sample) const;
   ContactSample startSample(int point, int solid, bool still) const;
 
@@ -109,11 +108,9 @@ class SampleFinder {
   ContactLaw law_;
   const FrictionMemory& memory_;
   Team& team_;
-  std::vector<int> probes_;  ///< that touch when the step starts, as solids
-  // Flags of what was let out of an obstacle and has not left it yet:
-  std::vector<char> let_out_;           ///< of particles
-  std::vector<char> is_let_out_;        ///< of nodes at the start of the step
-  std::vector<char> is_still_let_out_;  ///< of nodes that are inside now
+  std::vector<int> probes_;       ///< that touch when the step starts, as solids
+  std::vector<int> let_out_;      ///< particles that were let out of an obstacle in the last step
+  std::vector<char> is_let_out_;  ///< flags of these, by node
   // About the cloth and one solid, written by measure():
   Distances at_nodes_;
   std::vector<double> patch_margins_;              ///< gap below which points of a patch count, or -1 [m]

@@ -45,6 +45,9 @@ struct ContactSample : SurfacePoint {
   /// Slip that the friction at the start of the step stands for, over the length below which friction
   /// is smoothed: at most 1 [-].
   Vec3 elastic_slip = Vec3::Zero();
+
+  /// Tells whether it was put inside an obstacle, which lets it out.
+  bool isLetOut() const { return !pressed_in && gap_offset != 0.0; }
 };
 
 /// Samples in groups: each belongs to one solid and fills whole packs, the last with samples that

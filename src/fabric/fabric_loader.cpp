@@ -228,14 +228,13 @@ HalfLoop readShearLaw(const YamlMap& map) {
 Compression readCompression(const YamlValue& group, double fabric_thickness) {
   const YamlMap map(group, {"T0", "Tm", "LC", "WC", "RC"});
   constexpr double kMillimetre = 1e-3;
-  constexpr double kAlike =
-      10.0;  // most by which T0 differs from the fabric's thickness; other units do more
-  const double thickness = positiveUpTo(map.require("T0"), kThickest / kMillimetre,
-                                        "must be at most 50: it is in mm"),
+  constexpr double kAlike = 10.0;  // largest ratio of T0 and the fabric's thickness: metres are a thousandth
+  const YamlValue given = map.require("T0");
+  const double thickness = positiveUpTo(given, kThickest / kMillimetre, "must be at most 50: it is in mm"),
                pressed = positive(map.require("Tm")), ratio = kMillimetre * thickness / fabric_thickness;
   if (!(ratio < kAlike && ratio > 1.0 / kAlike))
-    map.require("T0").fail("must be within a factor of 10 of thickness = " +
-                           plain(fabric_thickness / kMillimetre) + " mm: it is in mm");
+    given.fail("must be within a factor of 10 of thickness = " + plain(fabric_thickness / kMillimetre) +
+               " mm: it is in mm");
   if (!(pressed < thickness)) map.require("Tm").fail("must be below T0");
   const double linearity = positive(map.require("LC"));
   if (!(linearity < 1.0)) map.require("LC").fail("must be > 0 and < 1");

@@ -72,6 +72,18 @@ Scene layersUnderSphere(const Layers& layers, bool measured) {
   return scene;
 }
 
+void pinBorders(Scene& scene, const Layers& layers) {
+  int i0 = 0;
+  for (const int columns : layers.columns) {
+    const int i1 = i0 + columns - 1, last = layers.rows - 1;
+    pin(scene, i0, i0, 0, last);
+    pin(scene, i1, i1, 0, last);
+    pin(scene, i0, i1, 0, 0);
+    pin(scene, i0, i1, last, last);
+    i0 = i1 + 1;
+  }
+}
+
 Vec3 placeInLayers(const Layers& layers, const std::vector<double>& heights, int i, int j) {
   std::size_t layer = 0;
   int column = 0, from = i;  // column above the lowest layer

@@ -29,6 +29,9 @@ Scene layersScene(const Layers& layers, const Fabric& fabric);
 /// themselves open. @param measured with data of KES-FB3
 Scene layersUnderSphere(const Layers& layers, bool measured);
 
+/// Pins the borders of all layers.
+void pinBorders(Scene& scene, const Layers& layers);
+
 /// Place of a particle in flat layers [m]. @param heights of the layers [m]
 Vec3 placeInLayers(const Layers& layers, const std::vector<double>& heights, int i, int j);
 

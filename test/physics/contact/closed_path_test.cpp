@@ -44,14 +44,6 @@ Fabric softFabric() {
   return makeFabric(linear);
 }
 
-void pinBorders(Scene& scene, int i0, int side) {
-  const int i1 = i0 + side - 1;
-  pin(scene, i0, i0, 0, side - 1);
-  pin(scene, i1, i1, 0, side - 1);
-  pin(scene, i0, i1, 0, 0);
-  pin(scene, i0, i1, side - 1, side - 1);
-}
-
 Felt follow(Scene scene, const ByParticle& place, const Path& path, bool backwards) {
   constexpr double kTime = 0.5;  // of each leg [s]
   for (Obstacle& obstacle : scene.obstacles) obstacle.friction = 0.0;
@@ -124,7 +116,7 @@ TEST(ClosedPath, TakesNoEnergyFromLayersOnAFloor) {
       const int side = static_cast<int>(std::lround(kWidth / spacing)) / 2 * 2 + 1;
       const Layers layers{std::vector<int>(count, side), side, spacing};
       Scene scene = layersScene(layers, softFabric());
-      for (int k = 0; k < count; ++k) pinBorders(scene, k * side, side);
+      pinBorders(scene, layers);
       scene.obstacles = {Obstacle()};
       scene.probes[0].radius = 6e-3;
       const double t = scene.cloth.fabric.thickness, gaps = (count + 1) * t;
@@ -151,7 +143,7 @@ TEST(ClosedPath, TakesNoEnergyFromAHardPress) {
   constexpr double kSpacing = 2e-3, kLost = 0.02;
   const Layers layers{{kSide}, kSide, kSpacing};
   Scene scene = layersScene(layers, softFabric());
-  pinBorders(scene, 0, kSide);
+  pinBorders(scene, layers);
   scene.obstacles = {Obstacle()};
   scene.probes[0].radius = 6e-3;
   const double t = scene.cloth.fabric.thickness;

@@ -55,13 +55,7 @@ double rippleOver(const Layers& layers) {
   linear.shear_modulus = 100.0;
   linear.rigidity = 1e-5;
   Scene scene = layersScene(layers, makeFabric(linear));
-  for (int k = 0; k < count; ++k) {
-    const int i0 = k * side, i1 = i0 + side - 1;
-    pin(scene, i0, i0, 0, side - 1);
-    pin(scene, i1, i1, 0, side - 1);
-    pin(scene, i0, i1, 0, 0);
-    pin(scene, i0, i1, side - 1, side - 1);
-  }
+  pinBorders(scene, layers);
   ProbeOptions& probe = scene.probes[0];
   probe.friction = 0.0;
   probe.coupling_stiffness = 1000.0;

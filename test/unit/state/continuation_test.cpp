@@ -118,7 +118,7 @@ TEST(Continuation, WouldDifferWithoutAnyOfItsEntries) {
     }
   }
   // No case begins inside an obstacle; let_out is tested in entry_test.cpp.
-  needed.insert({"ejection_work", "contacts.let_out"});
+  needed.insert({"ejection_work", "contacts.let_out", "contacts.let_out_particle"});
   // No case is sure to split a cell that sticks in the step after a save.
   needed.insert({"contacts.half", "contacts.layers.half"});
   EXPECT_GT(all.size(), 40u);
