@@ -157,8 +157,9 @@ class Writer {
       text_ << ", friction: " << dice_.uniform(0.0, 1.0) << ", "
             << number("coupling_stiffness", dice_.logUniform(50.0, 3000.0)) << ", "
             << number("coupling_damping", dice_.choice(std::vector<double>{0.0, 1.0, 5.0}));
-      if (dice_.chance(0.9)) text_ << ", path: " << path(near(0.05), 0.1);
-      if (dice_.chance(0.3)) text_ << ", grasp: [[0.005, 0.02], [0.03, 1]]";
+      const bool moves = dice_.chance(0.9);
+      if (moves) text_ << ", path: " << path(near(0.05), 0.1);
+      if (dice_.chance(0.3) && moves) text_ << ", grasp: [[0.005, 0.02], [0.03, 1]]";
       text_ << "}\n";
     }
   }
