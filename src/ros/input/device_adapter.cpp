@@ -34,7 +34,9 @@ std::vector<OptionGroup> groupsOf(AdapterOptions& adapter) {
        "device/force",
        {{"type", field(adapter.force_type), kNoRange, "",
          "package/Name; empty: the type that the driver subscribes to"},
-        {"timeout", field(adapter.timeout), kPositive, "s", "zeros go out after this silence of the node"}},
+        {"timeout", field(adapter.timeout), kPositive, "s", "zeros go out after this silence of the node"},
+        {"soft_start", field(adapter.soft_start), kNotNegative, "s",
+         "rise of the force after zeros of the adapter's own"}},
        {{"field", known}, {"definition", known}}}};
 }
 
@@ -103,7 +105,7 @@ ForceAdapter::ForceAdapter(ros::NodeHandle& node, const AdapterOptions& options)
 void ForceAdapter::look() {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!type_) learn();
-  if (steadyNow() - received_ > options_.timeout) send(Vec3::Zero(), {ros::Time::now(), ""});
+  if (steadyNow() - received_ > options_.timeout) sendZero({ros::Time::now(), ""});
 }
 
 void ForceAdapter::end() {
@@ -111,7 +113,7 @@ void ForceAdapter::end() {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       ended_ = true;
-      send(Vec3::Zero(), {ros::Time::now(), ""});
+      sendZero({ros::Time::now(), ""});
     }
     sleepUntil(steadyNow() + kZeroPeriod);
   }
@@ -121,15 +123,24 @@ void ForceAdapter::end() {
 void ForceAdapter::accept(const geometry_msgs::WrenchStamped& wrench) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (ended_) return;
+  const MessageHeader header{wrench.header.stamp, wrench.header.frame_id};
   const auto& given = wrench.wrench.force;
-  Vec3 force(given.x, given.y, given.z);
-  if (force.allFinite()) {
-    received_ = steadyNow();
-  } else {
+  const Vec3 force(given.x, given.y, given.z);
+  if (!force.allFinite()) {
     ROS_WARN_THROTTLE(kSayPeriod, "a force is not finite; zero is sent instead");
-    force.setZero();
+    return sendZero(header);
   }
-  send(force, {wrench.header.stamp, wrench.header.frame_id});
+  received_ = steadyNow();
+  if (zero_) rises_from_ = received_;
+  zero_ = false;
+  const double risen = received_ - rises_from_;
+  send(risen < options_.soft_start ? Vec3(risen / options_.soft_start * force) : force, header);
+}
+
+/// Sends a zero of the adapter's own, after which the force rises softly.
+void ForceAdapter::sendZero(const MessageHeader& header) {
+  zero_ = true;
+  send(Vec3::Zero(), header);
 }
 
 void ForceAdapter::learn() {

@@ -23,6 +23,8 @@ struct AdapterOptions {
   std::string pose_frame;  ///< frame_id of the pose; empty: that of the driver's header
   std::string force_type;  ///< package/Name; empty: the type with which the driver subscribes
   double timeout = 0.05;   ///< zero is sent after this silence of the node [s]
+  /// Time in which the force rises after zeros that the node did not send [s]; 0: it jumps.
+  double soft_start = 0.5;
 };
 
 std::vector<OptionGroup> groupsOf(AdapterOptions& adapter);
@@ -47,7 +49,8 @@ class PoseAdapter {
 };
 
 /// probe/reaction → device/force (a type of driver_messages.h). Sends zero if the node is silent, if a force
-/// is not finite, and at the end, because drivers hold the last force for ever.
+/// is not finite, and at the end, because drivers hold the last force for ever. After such zeros the force
+/// rises softly.
 class ForceAdapter {
  public:
   /// @throws InputError for a type that is not known
@@ -67,6 +70,7 @@ class ForceAdapter {
   /// @throws InputError for a type that is not known
   void advertise(const std::string& datatype);
   void send(const Vec3& force, const MessageHeader& header);
+  void sendZero(const MessageHeader& header);
 
   AdapterOptions options_;
   ros::NodeHandle node_;
@@ -74,9 +78,11 @@ class ForceAdapter {
   const ForceType* type_ = nullptr;
   topic_tools::ShapeShifter message_;
   ros::Publisher force_;
-  double received_ = -1.0;  ///< last finite force, steady clock [s]; < 0: none yet
-  double asked_ = -1.0;     ///< last question to the master for the type, steady clock [s]
-  std::string refused_;     ///< type that was found but not understood; reported once
+  double received_ = -1.0;    ///< last finite force, steady clock [s]; < 0: none yet
+  double rises_from_ = -1.0;  ///< first one after a zero of the adapter's own, steady clock [s]
+  bool zero_ = true;          ///< such a zero was sent last
+  double asked_ = -1.0;       ///< last question to the master for the type, steady clock [s]
+  std::string refused_;       ///< type that was found but not understood; reported once
   bool ended_ = false;
   ros::Subscriber subscriber_;  ///< last member: its callbacks use all members above
 };

@@ -242,6 +242,23 @@ TEST_F(AdapterTest, ANodeThatFallsSilentLeavesNoForce) {
   EXPECT_TRUE(waitFor([this] { return newest_ == 0.0; }));
 }
 
+/// The force rises for so long that the test sees only its beginning. Criterion: the straight line from the
+/// first message on, at the start and after a silence.
+TEST_F(AdapterTest, AfterASilenceTheForceRisesSoftly) {
+  constexpr double kForce = 1.5, kRise = 1000.0;  // [N], [s]
+  start({"_force/soft_start:=1000.0"});
+  for (int time = 0; time < 2; ++time) {
+    const double begin = steadyNow();
+    double largest = 0.0;
+    ASSERT_TRUE(sendUntil(kForce, [&] {
+      largest = std::max<double>(largest, newest_);
+      return largest > 0.0 && steadyNow() - begin > 1.0;
+    }));
+    EXPECT_LE(largest, kForce * (steadyNow() - begin) / kRise);
+    ASSERT_TRUE(waitFor([this] { return newest_ == 0.0; }));
+  }
+}
+
 TEST_F(AdapterTest, AForceThatIsNotFiniteIsZero) {
   start({"_force/timeout:=1000.0"});  // disables the watchdog for this test
   ASSERT_TRUE(sendUntil(1.5, [this] { return newest_ == 1.5; }));
