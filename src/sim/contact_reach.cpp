@@ -46,12 +46,10 @@ void ContactReach::estimate() {
   }
   for (int k = 0; k < probes_.count(); ++k) {
     const ProbeStep& probe = probes_.steps()[k];
-    // Cloth usually keeps holding back a proxy whose device is far ahead. Without a time limit the
-    // reach therefore leaves out most of that distance: if the cloth lets go, the step is solved
-    // again.
-    double distance = (probe.device - probe.proxy).norm();
-    if (scene_.solver.minimizer.time_budget == 0.0) distance = std::min(distance, scene_.probes[k].radius);
-    proxies_[k] = distance + 2.0 * h * probes_.reports()[k].velocity.norm();
+    // Cloth usually keeps holding back a proxy whose device is far ahead. The reach therefore leaves out
+    // most of that distance: if the cloth lets go, the step is solved again.
+    const double ahead = (probe.device - probe.proxy).norm();
+    proxies_[k] = std::min(ahead, scene_.probes[k].radius) + 2.0 * h * probes_.reports()[k].velocity.norm();
   }
 }
 
