@@ -124,7 +124,8 @@ class ExplicitCloth : public Peer {
     if (present_ && !entered_) entered_ = contacts_.isClear(mesh_, x_, 0);
     touching_.clear();
     if (present_ && entered_) touching_.push_back({0, proxy_reach_});
-    contacts_.collect(mesh_, x_, reach_, touching_);
+    contacts_.collectProbes(mesh_, x_, reach_, touching_);
+    contacts_.collectObstacles(mesh_, x_, reach_);
     ++collections_;
   }
 

@@ -40,9 +40,9 @@ void ContactSet::advance(double time_step, const Field& nodes) {
   solids_.advance(nodes);
 }
 
-void ContactSet::collect(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
-                         const std::vector<Reach>& touching) {
-  finder_.find(mesh, nodes, reach, touching, samples_);
+void ContactSet::collectObstacles(const ActiveMesh& mesh, const Field& nodes,
+                                  const std::vector<double>& reach) {
+  finder_.findObstacles(mesh, nodes, reach, samples_);
   forces_.rebuild();
   gather_.rebuild(samples_, mesh.nodes());
 }

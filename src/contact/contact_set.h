@@ -68,17 +68,23 @@ class ContactSet {
     if (self_) self_->rebuild(mesh);
   }
 
-  /// Finds samples that may touch within a step and freezes their friction.
+  /// Finds samples of probes that may touch within a step and freezes their friction.
   /// @param nodes positions of all nodes [m]
   /// @param reach largest expected displacement of each node in the step [m]
   /// @param touching probes to be sampled, after startProbe()
-  void collect(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
-               const std::vector<Reach>& touching);
+  void collectProbes(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
+                     const std::vector<Reach>& touching) {
+    finder_.findProbes(mesh, nodes, reach, touching, samples_);
+  }
+
+  /// The same for obstacles. @pre collectProbes()
+  void collectObstacles(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach);
 
   /// The same for pairs of parts of the cloth. The parameters are those of PairFinder::find().
+  /// @pre collectProbes()
   void collectPairs(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals,
                     const PairFinder::Reach& reach) {
-    if (self_) self_->collect(mesh, nodes, normals, reach);
+    if (self_) self_->collect(mesh, nodes, normals, reach, finder_.nearProbe());
   }
 
   /// Prepares hasRoom() for positions of the nodes [m].

@@ -90,13 +90,6 @@ bool staysWithin(const PairFinder::Reach& reach, const Field& nodes, const Field
   return true;
 }
 
-void put(PairPack& pack, int lane, const std::array<int, 4>& nodes, double range, double area) {
-  for (int c = 0; c < 4; ++c) pack.nodes[c].set(lane, nodes[c]);
-  pack.range[lane] = range;
-  pack.per_range[lane] = 1.0 / range;
-  pack.area[lane] = area;
-}
-
 /// An empty pack: its lanes refer to node 0 and have no range.
 PairPack emptyPack(int stack, bool lines) {
   PairPack pack{};
@@ -112,9 +105,10 @@ PairFinder::PairFinder(const Grid& grid, double thickness)
     : grid_(grid), thickness_(thickness), surface_(grid), tree_(grid) {
   margins_.reserve(grid.particles());
   rows_.reserve(grid.particles() + 2);
+  areas_.reserve(grid.particles());
   deviation_.reserve(grid.particles());
   for (Field* field : {&motion_, &clear_at_, &smooth_at_}) field->reserve(grid.particles());
-  for (auto* list : {&nodes_, &lines_, &sorted_}) list->reserve(grid.particles());
+  for (auto* list : {&points_, &lines_, &sorted_}) list->reserve(grid.particles());
   groups_.reserve(grid.particles());
 }
 
@@ -125,14 +119,16 @@ void PairFinder::rebuild(const ActiveMesh& mesh) {
 }
 
 void PairFinder::find(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals,
-                      const Reach& reach, std::vector<PairPack>& packs) {
+                      const Reach& reach, const std::vector<char>& near_probe, std::vector<PairPack>& packs) {
   normals_ = normals;
   packs.clear();
   if (isClear(mesh, nodes, reach) || becomesClear(mesh, nodes, reach)) return;
-  search(mesh, nodes, reach, kGroupReach * thickness_);
-  sortByNode(mesh.nodes());
+  layPoints(mesh, near_probe);
+  search(mesh, nodes, reach, kGroupReach * thickness_, kLineRange * kGroupReach * thickness_);
+  sortByPoint();
   listGroups(packs);
   listLines(packs);
+  middle_of_.clear();
   for (PairPack& pack : packs) {
     for (PackIndices& list : pack.nodes) list.finish();
   }
@@ -165,8 +161,9 @@ bool PairFinder::becomesClear(const ActiveMesh& mesh, const Field& nodes, const 
   if (!staysWithin(reach, nodes, nodes, kShare * clearance())) return false;
   motion_.clear(mesh.nodes());
   deviation_.assign(mesh.nodes(), (1.0 + kRounding) * clearance());
-  search(mesh, nodes, {motion_, deviation_}, kGroupReach * thickness_, kSpare);
-  clear_ = nodes_.empty() && lines_.empty();
+  // Lines as far apart as this have no middles that press, wherever a probe touches.
+  search(mesh, nodes, {motion_, deviation_}, kGroupReach * thickness_, kGroupReach * thickness_, kSpare);
+  clear_ = points_.empty() && lines_.empty();
   if (clear_) {
     clear_at_ = smooth_at_ = nodes;
     spare_ = kSpare;
@@ -176,16 +173,16 @@ bool PairFinder::becomesClear(const ActiveMesh& mesh, const Field& nodes, const 
   return clear_;
 }
 
-/// Lists all pairs that may come within `thickness` of each other [m].
-/// @param spare as for ClothTree::forNear()
-void PairFinder::search(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, double thickness,
-                        double spare) {
-  within_ = thickness;
-  lines_within_ = kLineRange * thickness;
+/// Lists all pairs of points and triangles that may come within a distance of each other, and all pairs of
+/// lines that may within a smaller one [m].  @param spare as for ClothTree::forNear()
+void PairFinder::search(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, double within,
+                        double lines_within, double spare) {
+  within_ = within;
+  lines_within_ = lines_within;
   margins_.resize(mesh.nodes());
-  for (int n = 0; n < mesh.nodes(); ++n) margins_[n] = reach.deviation[n] + 0.5 * thickness;
+  for (int n = 0; n < mesh.nodes(); ++n) margins_[n] = reach.deviation[n] + 0.5 * within;
   tree_.fit(mesh, nodes, reach.motion, margins_);
-  nodes_.clear();
+  points_.clear();
   lines_.clear();
   tree_.forNear(spare, [&](int a, int b) { addPatches(mesh, nodes, reach, a, b); });
 }
@@ -198,20 +195,20 @@ bool PairFinder::mayMeetUnlisted(const ActiveMesh& mesh, const Field& start, con
   for (int n = 0; n < mesh.nodes(); ++n) motion_.set(n, end[n] - start[n]);
   deviation_.assign(mesh.nodes(), 0.0);
   do {  // parts of what was rough may seem smooth at the start
-    search(mesh, start, {motion_, deviation_}, 0.0);
+    search(mesh, start, {motion_, deviation_}, 0.0, 0.0);
   } while (!tree_.staysSmooth(mesh, end));
-  if (nodes_.empty() && lines_.empty()) return false;
+  if (points_.empty() && lines_.empty()) return false;
   listed_.clear();
   for (const PairPack& pack : packs) {
     for (int l = 0; l < kPack; ++l) {
-      if (pack.range[l] > 0.0) listed_.push_back(nodesOf(pack, l));
+      if (pack.range[l] > 0.0 && !isMiddle(pack, l)) listed_.push_back(nodesOf(pack, l));
     }
   }
   std::sort(listed_.begin(), listed_.end());
   const auto isListed = [this](const Candidate& c) {
     return std::binary_search(listed_.begin(), listed_.end(), c.nodes);
   };
-  return !std::all_of(nodes_.begin(), nodes_.end(), isListed) ||
+  return !std::all_of(points_.begin(), points_.end(), isListed) ||
          !std::all_of(lines_.begin(), lines_.end(), isListed);
 }
 
@@ -228,11 +225,11 @@ bool PairFinder::hasRoom(const ActiveMesh& mesh, const Field& nodes, const Cell&
   if (moved < 1e-12 * std::min(grid_.dx, grid_.dy)) return true;  // rounding
   // Both parts of a pair may move.
   within_ = lines_within_ = 2.0 * moved;
-  nodes_.clear();
+  points_.clear();
   lines_.clear();
   return tree_.allAround(cell, within_, [&](int a, int b) {
     addPatches(mesh, nodes, {motion_, deviation_}, a, b);
-    return nodes_.empty() && lines_.empty();
+    return points_.empty() && lines_.empty();
   });
 }
 
@@ -244,8 +241,14 @@ void PairFinder::addPatches(const ActiveMesh& mesh, const Field& nodes, const Re
     const int of = swap ? b : a, on = swap ? a : b;
     const TriangleSurface::Range own = surface_.nodesOf(of);
     for (int k = own.begin; k < own.end; ++k) {
+      const int n = surface_.node(k);
+      for (const int half : {0, 1}) addPoint(mesh, nodes, reach, n, {n, n}, surface_.triangle(on, half));
+    }
+    const TriangleSurface::Range lines = surface_.linesOf(of);
+    for (int k = lines.begin; !middle_of_.empty() && k < lines.end; ++k) {
+      if (middle_of_[k] < 0) continue;
       for (const int half : {0, 1})
-        addNode(mesh, nodes, reach, surface_.node(k), surface_.triangle(on, half));
+        addPoint(mesh, nodes, reach, middle_of_[k], surface_.line(k), surface_.triangle(on, half));
     }
   }
   const TriangleSurface::Range first = surface_.linesOf(a), second = surface_.linesOf(b);
@@ -256,24 +259,29 @@ void PairFinder::addPatches(const ActiveMesh& mesh, const Field& nodes, const Re
   }
 }
 
-void PairFinder::addNode(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int node,
-                         const TriangleSurface::Triangle& t) {
-  if (node == t[0] || node == t[1] || node == t[2]) return;
-  const Vec3 p = nodes[node], a = nodes[t[0]], b = nodes[t[1]], c = nodes[t[2]];
+void PairFinder::addPoint(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int point,
+                          const TriangleSurface::Line& ends, const TriangleSurface::Triangle& t) {
+  for (const int corner : t) {
+    if (corner == ends.a || corner == ends.b) return;
+  }
+  const Vec3 p = 0.5 * (nodes[ends.a] + nodes[ends.b]), a = nodes[t[0]], b = nodes[t[1]], c = nodes[t[2]];
   const double near = within_ + most_;
   for (int k = 0; k < 3; ++k) {
     if (p[k] - near > std::max({a[k], b[k], c[k]}) || p[k] + near < std::min({a[k], b[k], c[k]})) return;
   }
   const Vec3 between = fromTriangle(p, a, b, c);
   const double distance = between.norm();
-  const std::array<int, 1> one{node};
-  if (distance > within_ + apart(reach, one, t) || staysApart(reach, nodes, one, t, between, within_)) return;
-  const std::array<int, 4> list{node, t[0], t[1], t[2]};
-  const double range = rangeOf(mesh, list, false);
-  const double above =
-      between.x() * normals_.x[node] + between.y() * normals_.y[node] + between.z() * normals_.z[node];
-  if (distance > kTogether * range && range > 0.0)
-    nodes_.push_back({list, range, distance, above > 0.0 ? 1 : 0});
+  const std::array<int, 2> both{ends.a, ends.b};
+  if (distance > within_ + apart(reach, both, t) || staysApart(reach, nodes, both, t, between, within_))
+    return;
+  const Point place = 0.5 * (inFlatCloth(mesh, ends.a) + inFlatCloth(mesh, ends.b));
+  const double range =
+      rangeOf({place, inFlatCloth(mesh, t[0]), inFlatCloth(mesh, t[1]), inFlatCloth(mesh, t[2])}, false);
+  const Vec3 normal(normals_.x[ends.a] + normals_.x[ends.b], normals_.y[ends.a] + normals_.y[ends.b],
+                    normals_.z[ends.a] + normals_.z[ends.b]);
+  if (!(distance > kTogether * range && range > 0.0)) return;
+  points_.push_back(
+      {{ends.a, t[0], t[1], t[2]}, range, distance, between.dot(normal) > 0.0 ? 1 : 0, point, ends.b});
 }
 
 void PairFinder::addLines(const ActiveMesh& mesh, const Field& nodes, const Reach& reach,
@@ -293,18 +301,20 @@ void PairFinder::addLines(const ActiveMesh& mesh, const Field& nodes, const Reac
       staysApart(reach, nodes, ends, others, between, lines_within_))
     return;
   const std::array<int, 4> list{one.a, one.b, other.a, other.b};
-  const double range = kLineRange * rangeOf(mesh, list, true);
-  if (distance > kTogether * range && range > 0.0) lines_.push_back({list, range, distance, 0});
+  const double range = kLineRange * rangeOf({inFlatCloth(mesh, one.a), inFlatCloth(mesh, one.b),
+                                             inFlatCloth(mesh, other.a), inFlatCloth(mesh, other.b)},
+                                            true);
+  if (distance > kTogether * range && range > 0.0) lines_.push_back({list, range, distance, 0, -1, one.a});
+}
+
+Eigen::Vector2d PairFinder::inFlatCloth(const ActiveMesh& mesh, int node) const {
+  const int particle = mesh.particle[node];
+  return {grid_.column(particle) * grid_.dx, grid_.row(particle) * grid_.dy};
 }
 
 /// Distance at which a pair begins to press: the thickness, or less if it is that near in the flat
-/// cloth. 0 for parts that touch there.
-double PairFinder::rangeOf(const ActiveMesh& mesh, const std::array<int, 4>& nodes, bool lines) const {
-  std::array<Point, 4> p;
-  for (int k = 0; k < 4; ++k) {
-    const int particle = mesh.particle[nodes[k]];
-    p[k] = {grid_.column(particle) * grid_.dx, grid_.row(particle) * grid_.dy};
-  }
+/// cloth. 0 for parts that touch there.  @param p the points of the pair in the flat cloth [m]
+double PairFinder::rangeOf(const std::array<Point, 4>& p, bool lines) const {
   const double rest = lines ? std::min({distance(p[0], p[2], p[3]), distance(p[1], p[2], p[3]),
                                         distance(p[2], p[0], p[1]), distance(p[3], p[0], p[1])})
                             : distance(p[0], p[1], p[2], p[3]);
@@ -312,18 +322,51 @@ double PairFinder::rangeOf(const ActiveMesh& mesh, const std::array<int, 4>& nod
   return rest > touching ? std::min(thickness_, kShareOfRest * rest) : 0.0;
 }
 
-/// Sorts candidates of nodes by node, side and distance.
-void PairFinder::sortByNode(int nodes) {
+/// Lays the points that press, each for an area: the nodes, and the middles of lines in finest cells near a
+/// probe. There the pressure may change much within a cell. A cell's diagonal has one pair of its corners;
+/// the other pair stands for more, so that even pressure loads all four alike.
+void PairFinder::layPoints(const ActiveMesh& mesh, const std::vector<char>& near_probe) {
+  constexpr double kOn = 1.0 / 36.0, kOff = 5.0 / 36.0;         // corners on and off the diagonal
+  constexpr double kSide = 4.0 / 36.0, kDiagonal = 8.0 / 36.0;  // middles
+  areas_.assign(mesh.nodes(), 0.0);
+  middle_of_.assign(surface_.lines(), -1);
+  for (std::size_t k = 0; k < mesh.patches.size(); ++k) {
+    const Patch& patch = mesh.patches[k];
+    const auto isNear = [&](int n) { return near_probe[n] != 0; };
+    if (patch.cell.span() > 1 || std::none_of(patch.nodes.begin(), patch.nodes.end(), isNear)) {
+      for (const int n : patch.nodes) areas_[n] += 0.25 * patch.area;
+      continue;
+    }
+    const int diagonal = surface_.diagonal(static_cast<int>(k));
+    const TriangleSurface::Line& ends = surface_.line(diagonal);
+    for (const int n : patch.nodes) areas_[n] += (n == ends.a || n == ends.b ? kOn : kOff) * patch.area;
+    for (const int side : patch.sides) layMiddle(surface_.lineOf(side), kSide * patch.area);
+    layMiddle(diagonal, kDiagonal * patch.area);
+  }
+}
+
+/// Adds an area to the middle of a line [m²].
+void PairFinder::layMiddle(int line, double area) {
+  if (middle_of_[line] < 0) {
+    middle_of_[line] = static_cast<int>(areas_.size());
+    areas_.push_back(0.0);
+  }
+  areas_[middle_of_[line]] += area;
+}
+
+/// Sorts candidates of points by point, side and distance.
+void PairFinder::sortByPoint() {
+  const int points = static_cast<int>(areas_.size());
   const auto visit = [this](const auto& put) {
-    for (const Candidate& c : nodes_) put(c.nodes[0], c);
+    for (const Candidate& c : points_) put(c.point, c);
   };
-  listByNode(nodes, visit, rows_, sorted_);
+  listByNode(points, visit, rows_, sorted_);
   const auto before = [](const Candidate& a, const Candidate& b) {
     if (a.side != b.side) return a.side < b.side;
     if (a.distance * b.range != b.distance * a.range) return a.distance * b.range < b.distance * a.range;
     return a.nodes < b.nodes;
   };
-  for (int n = 0; n < nodes; ++n)
+  for (int n = 0; n < points; ++n)
     std::sort(sorted_.begin() + rows_[n], sorted_.begin() + rows_[n + 1], before);
 }
 
@@ -335,8 +378,7 @@ void PairFinder::findGroups() {
   for (int first = 0, count = static_cast<int>(sorted_.size()); first < count;) {
     const Candidate& nearest = sorted_[first];
     int end = first + 1;
-    while (end < count && sorted_[end].nodes[0] == nearest.nodes[0] && sorted_[end].side == nearest.side)
-      ++end;
+    while (end < count && sorted_[end].point == nearest.point && sorted_[end].side == nearest.side) ++end;
     groups_.push_back({first, end - first, nearest.distance - nearest.range});
     first = end;
   }
@@ -347,6 +389,15 @@ void PairFinder::findGroups() {
     if (!presses && a.excess != b.excess) return a.excess < b.excess;
     return a.first < b.first;
   });
+}
+
+void PairFinder::put(PairPack& pack, int lane, const Candidate& pair, double area) {
+  for (int c = 0; c < 4; ++c) pack.nodes[c].set(lane, pair.nodes[c]);
+  pack.nodes[4].set(lane, pair.other);
+  pack.middles = pack.middles || pair.other != pair.nodes[0];
+  pack.range[lane] = pair.range;
+  pack.per_range[lane] = 1.0 / pair.range;
+  pack.area[lane] = area;
 }
 
 /// Lists each group in one lane of a stack.
@@ -361,7 +412,7 @@ void PairFinder::listGroups(std::vector<PairPack>& packs) {
       for (std::size_t g = begin; g < end; ++g) {
         if (k >= groups_[g].size) continue;
         const Candidate& c = sorted_[groups_[g].first + k];
-        put(packs.back(), static_cast<int>(g - begin), c.nodes, c.range, 0.5 * surface_.area(c.nodes[0]));
+        put(packs.back(), static_cast<int>(g - begin), c, 0.5 * areas_[c.point]);
       }
     }
   }
@@ -370,8 +421,7 @@ void PairFinder::listGroups(std::vector<PairPack>& packs) {
 void PairFinder::listLines(std::vector<PairPack>& packs) const {
   for (std::size_t k = 0; k < lines_.size(); ++k) {
     if (k % kPack == 0) packs.push_back(emptyPack(1, true));
-    const Candidate& c = lines_[k];
-    put(packs.back(), k % kPack, c.nodes, c.range, thickness_ * std::min(grid_.dx, grid_.dy));
+    put(packs.back(), k % kPack, lines_[k], thickness_ * std::min(grid_.dx, grid_.dy));
   }
 }
 

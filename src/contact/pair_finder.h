@@ -12,7 +12,7 @@
 
 namespace haptic_cloth {
 
-/// The four nodes of a pair.
+/// The nodes of a pair of a node and a triangle, or of two lines.
 inline std::array<int, 4> nodesOf(const PairPack& pack, int lane) {
   return {pack.nodes[0].index[lane], pack.nodes[1].index[lane], pack.nodes[2].index[lane],
           pack.nodes[3].index[lane]};
@@ -21,8 +21,9 @@ inline std::array<int, 4> nodesOf(const PairPack& pack, int lane) {
 /// Finds pairs of a node and a triangle, and of two lines, that may touch within a step. Two surfaces
 /// of triangles that do not cross can only begin to cross where such a pair meets. Nodes and triangles
 /// carry the pressure between layers: each node presses with half of its area on the triangles near it
-/// on either of its sides, and the other layer's nodes do the same. Lines press only where nodes
-/// cannot: at folds and borders that cross each other.
+/// on either of its sides, and the other layer's nodes do the same. So do the middles of lines near a probe,
+/// where the pressure changes much within a cell. Lines press only where nodes cannot: at folds and borders
+/// that cross each other.
 class PairFinder {
  public:
   /// Expected motion of the nodes in a step.
@@ -37,10 +38,11 @@ class PairFinder {
   /// Must follow a change of the mesh.
   void rebuild(const ActiveMesh& mesh);
 
-  /// Lists pairs in packs: those of nodes and triangles first.
+  /// Lists pairs in packs: those of points and triangles first.
   /// @param normals of the surface at the nodes
+  /// @param near_probe flags of the nodes near a probe that touches
   void find(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals, const Reach& reach,
-            std::vector<PairPack>& packs);
+            const std::vector<char>& near_probe, std::vector<PairPack>& packs);
 
   /// Tells whether parts that are not in the list of the last find() may have met on the straight way
   /// from the start of the step to its end.
@@ -63,29 +65,35 @@ class PairFinder {
     std::array<int, 4> nodes;
     double range;     ///< [m]
     double distance;  ///< at the start of the step [m]
-    int side;         ///< of the node's surface: 0 below, 1 above
+    int side;         ///< of the point's surface: 0 below, 1 above
+    int point;        ///< see areas_
+    int other;        ///< last node of PairPoints
   };
 
-  /// Triangles near a node on one of its sides.
+  /// Triangles near a point on one of its sides.
   struct Group {
     int first, size;  ///< in sorted_
     double excess;    ///< of the nearest one's distance over its range at the start of the step [m]
   };
 
-  void search(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, double thickness,
-              double spare = 0.0);
+  void search(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, double within,
+              double lines_within, double spare = 0.0);
   bool isClear(const ActiveMesh& mesh, const Field& nodes, const Reach& reach);
   bool areSmooth(const ActiveMesh& mesh, const Field& nodes);
   bool becomesClear(const ActiveMesh& mesh, const Field& nodes, const Reach& reach);
   /// Distance from clear_at_ within which nothing meets [m].
   double clearance() const { return 0.1 * std::min(grid_.dx, grid_.dy); }
   void addPatches(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int a, int b);
-  void addNode(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int node,
-               const TriangleSurface::Triangle& triangle);
+  void layPoints(const ActiveMesh& mesh, const std::vector<char>& near_probe);
+  void layMiddle(int line, double area);
+  void addPoint(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int point,
+                const TriangleSurface::Line& ends, const TriangleSurface::Triangle& triangle);
   void addLines(const ActiveMesh& mesh, const Field& nodes, const Reach& reach,
                 const TriangleSurface::Line& a, const TriangleSurface::Line& b);
-  double rangeOf(const ActiveMesh& mesh, const std::array<int, 4>& nodes, bool lines) const;
-  void sortByNode(int nodes);
+  Eigen::Vector2d inFlatCloth(const ActiveMesh& mesh, int node) const;
+  double rangeOf(const std::array<Eigen::Vector2d, 4>& p, bool lines) const;
+  static void put(PairPack& pack, int lane, const Candidate& pair, double area);
+  void sortByPoint();
   void findGroups();
   void listGroups(std::vector<PairPack>& packs);
   void listLines(std::vector<PairPack>& packs) const;
@@ -97,7 +105,9 @@ class PairFinder {
   std::vector<double> margins_;               ///< of the boxes at the nodes [m]
   double within_ = 0.0, lines_within_ = 0.0;  ///< distances of the pairs that are searched [m]
   ConstArrays normals_{};                     ///< during find()
-  std::vector<Candidate> nodes_, lines_, sorted_;
+  std::vector<double> areas_;   ///< of the cloth that points stand for: nodes, then middles of lines [m²]
+  std::vector<int> middle_of_;  ///< point in the middle of each line, or -1; empty but during find()
+  std::vector<Candidate> points_, lines_, sorted_;
   std::vector<Group> groups_;
   double most_ = 0.0;   ///< bound of the motion of the patches in addPatches() relative to each other [m]
   bool clear_ = false;  ///< no pair is near while all nodes stay near clear_at_
@@ -108,7 +118,7 @@ class PairFinder {
   Field motion_;        ///< scratch of other searches than that of find(), as the next two
   std::vector<double> deviation_;
   std::vector<std::array<int, 4>> listed_;
-  std::vector<int> rows_;  ///< sorted_ of node n: rows_[n] .. rows_[n + 1]
+  std::vector<int> rows_;  ///< sorted_ of point n: rows_[n] .. rows_[n + 1]
 };
 
 }  // namespace haptic_cloth

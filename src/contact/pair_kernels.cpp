@@ -16,19 +16,20 @@ HAPTIC_CLOTH_INLINE double lesser(double a, double b) { return b < a ? b : a; }
 
 HAPTIC_CLOTH_INLINE Lanes clamp01(const Lanes& t) { return smaller(larger(t, Lanes{}), all(1.0)); }
 
-/// Values at the four nodes of one vector of pairs.
-struct AtNodes {
+/// Values at the four points of one vector of pairs.
+struct AtPoints {
   Lanes3 of[4];
 };
 
-HAPTIC_CLOTH_INLINE AtNodes gatherNodes(const PackIndices* nodes, int l, const ConstArrays& values) {
-  AtNodes at;
-  for (int c = 0; c < 4; ++c) at.of[c] = gather(values, nodes[c], l);
+HAPTIC_CLOTH_INLINE AtPoints gatherPoints(const PairPoints& pack, int l, const ConstArrays& values) {
+  AtPoints at;
+  for (int c = 0; c < 4; ++c) at.of[c] = gather(values, pack.nodes[c], l);
+  if (pack.middles) at.of[0] = all(0.5) * (at.of[0] + gather(values, pack.nodes[4], l));
   return at;
 }
 
 /// Σ weights · values
-HAPTIC_CLOTH_INLINE Lanes3 weighted(const double (*weights)[kPack], int l, const AtNodes& values) {
+HAPTIC_CLOTH_INLINE Lanes3 weighted(const double (*weights)[kPack], int l, const AtPoints& values) {
   Lanes3 sum = load(weights[0] + l) * values.of[0];
   for (int c = 1; c < 4; ++c) sum = sum + load(weights[c] + l) * values.of[c];
   return sum;
@@ -52,8 +53,8 @@ HAPTIC_CLOTH_INLINE void trySide(const Lanes3& p, const Lanes3& a, const Lanes3&
   least = smaller(square, least);
 }
 
-HAPTIC_CLOTH_INLINE Nearest nodeAndTriangle(const Lanes3& p, const Lanes3& a, const Lanes3& b,
-                                            const Lanes3& c) {
+HAPTIC_CLOTH_INLINE Nearest pointAndTriangle(const Lanes3& p, const Lanes3& a, const Lanes3& b,
+                                             const Lanes3& c) {
   Lanes w[3]{};
   Lanes least = all(1e300);
   trySide(p, a, b, 0, 1, 2, least, w);
@@ -85,9 +86,9 @@ HAPTIC_CLOTH_INLINE Nearest twoLines(const Lanes3& a, const Lanes3& b, const Lan
   return {between, {1.0 - s, s, t - 1.0, -t}};
 }
 
-HAPTIC_CLOTH_INLINE void measureOne(PairPack& pack, int l, const AtNodes& x) {
+HAPTIC_CLOTH_INLINE void measureOne(PairPack& pack, int l, const AtPoints& x) {
   const Nearest nearest = pack.lines ? twoLines(x.of[0], x.of[1], x.of[2], x.of[3])
-                                     : nodeAndTriangle(x.of[0], x.of[1], x.of[2], x.of[3]);
+                                     : pointAndTriangle(x.of[0], x.of[1], x.of[2], x.of[3]);
   const Lanes distance = squareRoot(dot(nearest.between, nearest.between));
   store3(pack.normal, l, 1.0 / larger(distance, all(kTiny)) * nearest.between);
   store(pack.distance + l, ifPositive(load(pack.range + l), distance, all(1e150)));
@@ -138,12 +139,12 @@ HAPTIC_CLOTH_INLINE bool isFar(const PairBound& bound, const PairContext& contex
 
 /// Writes the forces of one vector of the packs of a stack that press. @return the stored energy
 ///
-/// The distance of a node is a smooth minimum of the distances of its pairs, each over its range,
+/// The distance of a point is a smooth minimum of the distances of its pairs, each over its range,
 ///
 ///     Σ q_i^(1-p) / Σ q_i^-p,    p = 64,
 ///
 /// which is exact if all are alike [Lehmer mean]. The minimum itself has a kink where another triangle
-/// becomes the nearest: at all nodes that lie above a valley, a side or a corner.
+/// becomes the nearest: at all points that lie above a valley, a side or a corner.
 HAPTIC_CLOTH_INLINE Lanes pressStack(PairPack* stack, const PairBound* bounds, int l,
                                      const PairContext& context) {
   constexpr double kPower = 64.0;
@@ -191,7 +192,7 @@ HAPTIC_CLOTH_INLINE void clearForces(PairPack& pack) {
 HAPTIC_CLOTH_INLINE double measure(PairPack& pack, PairBound& bound, double travelled, const ConstArrays& x) {
   Lanes gap = all(1e300), excess = all(1e300);
   for (int l = 0; l < kPack; l += kLanes) {
-    measureOne(pack, l, gatherNodes(pack.nodes, l, x));
+    measureOne(pack, l, gatherPoints(pack, l, x));
     const Lanes distance = load(pack.distance + l);
     gap = smaller(gap, distance);
     excess = smaller(excess, distance - load(pack.range + l));
@@ -212,14 +213,15 @@ HAPTIC_CLOTH_INLINE Lanes smallestApart(const PairPack& pack, const Lanes* at) {
 /// The same along the normals, for the nodes at `x`.
 HAPTIC_CLOTH_INLINE Lanes smallestApart(const PairPack& pack, int l, const ConstArrays& x) {
   const Lanes3 normal = load3(pack.normal, l);
+  const AtPoints points = gatherPoints(pack, l, x);
   Lanes at[4];
-  for (int c = 0; c < 4; ++c) at[c] = dot(normal, gather(x, pack.nodes[c], l));
+  for (int c = 0; c < 4; ++c) at[c] = dot(normal, points.of[c]);
   return smallestApart(pack, at);
 }
 
 /// Largest factor of d that uses up the distance but for `left`, whatever the direction of the motion.
 HAPTIC_CLOTH_INLINE Lanes cautiousStep(const PairPack& pack, int l, const Lanes& left, const ConstArrays& d) {
-  const AtNodes by = gatherNodes(pack.nodes, l, d);
+  const AtPoints by = gatherPoints(pack, l, d);
   const int firsts = pack.lines ? 2 : 1;
   Lanes square{};
   for (int a = 0; a < firsts; ++a) {
@@ -275,8 +277,7 @@ double pairQuadraticForm(const PairPack* packs, const PairBound* bounds, int beg
     for (int l = 0; l < kPack; l += kLanes) {
       const Lanes along = load(pack.stiffness + l);
       if (allLess(along, all(kTiny))) continue;  // no contact
-      const Lanes normal =
-          dot(load3(pack.normal, l), weighted(pack.weights, l, gatherNodes(pack.nodes, l, d)));
+      const Lanes normal = dot(load3(pack.normal, l), weighted(pack.weights, l, gatherPoints(pack, l, d)));
       sum += along * normal * normal;
     }
   }
@@ -290,7 +291,7 @@ double evaluateDrags(DragPack* packs, int begin, int end, double slip, const Con
     for (int l = 0; l < kPack; l += kLanes) {
       const Lanes limit = load(pack.limit + l);
       const Lanes3 normal = load3(pack.normal, l);
-      const Lanes3 moved = weighted(pack.weights, l, gatherNodes(pack.nodes, l, x)) - load3(pack.start, l);
+      const Lanes3 moved = weighted(pack.weights, l, gatherPoints(pack, l, x)) - load3(pack.start, l);
       const Lanes3 slipped = moved - dot(normal, moved) * normal;
       const SlipLanes smooth = smoothSlip(slipped, slip);
       const Lanes tangent = limit * smooth.ratio;
@@ -308,7 +309,7 @@ double dragQuadraticForm(const DragPack* packs, int begin, int end, double slip,
   for (int p = begin; p < end; ++p) {
     const DragPack& pack = packs[p];
     for (int l = 0; l < kPack; l += kLanes) {
-      const Lanes3 moved = weighted(pack.weights, l, gatherNodes(pack.nodes, l, d));
+      const Lanes3 moved = weighted(pack.weights, l, gatherPoints(pack, l, d));
       const Lanes along = dot(load3(pack.normal, l), moved);
       const Lanes square = larger(dot(moved, moved) - along * along, Lanes{});
       const FrictionForm friction = frictionForm(load3(pack.slip, l), moved, square, load(pack.limit + l),
@@ -333,14 +334,15 @@ double largestPairStep(PairPack* packs, PairBound* bounds, int begin, int end, c
     Lanes step = all(most);
     for (int l = 0; l < kPack; l += kLanes) {
       const Lanes3 normal = load3(pack.normal, l);
+      const AtPoints points = gatherPoints(pack, l, x), ways = gatherPoints(pack, l, d);
       Lanes at[4], by[4];
       for (int c = 0; c < 4; ++c) {
-        at[c] = dot(normal, gather(x, pack.nodes[c], l));
-        by[c] = dot(normal, gather(d, pack.nodes[c], l));
+        at[c] = dot(normal, points.of[c]);
+        by[c] = dot(normal, ways.of[c]);
       }
       const Lanes left =
           larger((1.0 - limits.share) * load(pack.distance + l), limits.least_ranges * load(pack.range + l));
-      // The nearest node along the normal counts of the first part, the farthest of the second.
+      // The nearest point along the normal counts of the first part, the farthest of the second.
       const int firsts = pack.lines ? 2 : 1;
       for (int a = 0; a < firsts; ++a) {
         for (int b = firsts; b < 4; ++b) {

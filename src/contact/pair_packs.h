@@ -6,32 +6,51 @@
 
 namespace haptic_cloth {
 
-/// Pairs of a node and a triangle, or of two lines. The distance of their nearest points is
-/// |Σ weights · x|, with the sum over four nodes: the node and the corners of the triangle, or the
-/// ends of both lines. Unused lanes have no range.
+/// The four points of pairs: a point and the corners of a triangle, or the ends of two lines. A point is a
+/// node, or the middle of a line.
+struct PairPoints {
+  PackIndices nodes[5];      ///< the last: the other end of the line whose middle is the first point; of
+                             ///< other pairs the first once more
+  bool middles;              ///< whether any of these are needed
+  double weights[4][kPack];  ///< of the points
+};
+
+/// Tells whether the first point of a pair is the middle of a line.
+inline bool isMiddle(const PairPoints& pack, int lane) {
+  return pack.nodes[0].index[lane] != pack.nodes[4].index[lane];
+}
+
+/// Calls visit(node, weight) for the nodes of a pair, with their weights.
+template <class Visit>
+void forNodes(const PairPoints& pack, int lane, const Visit& visit) {
+  const bool middle = isMiddle(pack, lane);
+  const double first = (middle ? 0.5 : 1.0) * pack.weights[0][lane];
+  visit(pack.nodes[0].index[lane], first);
+  if (middle) visit(pack.nodes[4].index[lane], first);
+  for (int c = 1; c < 4; ++c) visit(pack.nodes[c].index[lane], pack.weights[c][lane]);
+}
+
+/// Pairs of a point and a triangle, or of two lines. The distance of their nearest points is
+/// |Σ weights · x|, with the sum over their points. Unused lanes have no range.
 ///
-/// The triangles near a node on one of its sides share its area and pressure. They stand in one lane of
+/// The triangles near a point on one of its sides share its area and pressure. They stand in one lane of
 /// consecutive packs, a stack, the nearest first.
-struct alignas(64) PairPack {
-  PackIndices nodes[4];
+struct alignas(64) PairPack : PairPoints {
   double area[kPack];       ///< [m²]
   double range[kPack];      ///< distance at which contact begins; 0 in unused lanes [m]
   double per_range[kPack];  ///< 1 / range; 1 in unused lanes [1/m]
   int stack;                ///< number of packs of the stack that begins here; 0 within a stack
   bool lines;               ///< pairs of lines, which share nothing: stacks of one pack
-  // Results of the last evaluation:
-  double weights[4][kPack];
+  // Results of the last evaluation, and the weights:
   double normal[3][kPack];  ///< direction of the distance
   double distance[kPack];   ///< [m]
-  double pressing[kPack];   ///< force, or share of that of a node; below 0 for some [N]
+  double pressing[kPack];   ///< force, or share of that of a point; below 0 for some [N]
   double stiffness[kPack];  ///< along the normal [N/m]
 };
 
 /// Friction of pairs that press at the start of a step, in packs. They slip by Σ weights · x - start
 /// across their normal. Unused lanes have no limit.
-struct DragPack {
-  PackIndices nodes[4];
-  double weights[4][kPack];
+struct DragPack : PairPoints {
   double start[3][kPack];   ///< Σ weights · x without slip [m]
   double normal[3][kPack];  ///< at the start of the step
   double limit[kPack];      ///< of the force [N]

@@ -73,6 +73,7 @@ SampleFinder::SampleFinder(const Grid& grid, const SolidSet& solids, const Conta
   is_let_out_.reserve(grid.particles());
   started_.reserve(samples);
   near_.reserve(samples);
+  near_probe_.reserve(grid.particles());
   for (auto* list : {&node_area_, &still_, &edge_turns_[kWarp], &edge_turns_[kWeft]})
     list->reserve(grid.particles());
   double shortest = kCut * law_.range();
@@ -104,18 +105,24 @@ int SampleFinder::capacity() const {
   return places + 2 * kPack * solids;
 }
 
-void SampleFinder::find(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
-                        const std::vector<Reach>& touching, SampleList& samples) {
+void SampleFinder::findProbes(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
+                              const std::vector<Reach>& touching, SampleList& samples) {
   samples.clear();
-  is_let_out_.assign(mesh.nodes(), 0);
-  for (const int particle : let_out_) {
-    if (mesh.node[particle] >= 0) is_let_out_[mesh.node[particle]] = 1;
-  }
   probes_.clear();
   for (const Reach& probe : touching) {
     const int solid = solids_.indexOf(probe.probe);
     addProbePoints(mesh, nodes, reach, probe);
     if (addGroup(solid, samples)) probes_.push_back(solid);
+  }
+  near_probe_.assign(mesh.nodes(), 0);
+  for (int n = 0; !probes_.empty() && n < mesh.nodes(); ++n) near_probe_[n] = isNearProbe(nodes[n]) ? 1 : 0;
+}
+
+void SampleFinder::findObstacles(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
+                                 SampleList& samples) {
+  is_let_out_.assign(mesh.nodes(), 0);
+  for (const int particle : let_out_) {
+    if (mesh.node[particle] >= 0) is_let_out_[mesh.node[particle]] = 1;
   }
   const Ball ball = ballAround(nodes, reach);
   for (int solid = 0; solid < solids_.obstacles(); ++solid) {
@@ -191,7 +198,7 @@ bool SampleFinder::mayBeDented(const Solid& solid, const Patch& patch, const Fie
     const double gap = at_nodes_.gaps[n];
     return gap < 0.0 && (is_let_out_[n] || !isPressedIn(nodes[n], gap));
   };
-  return any([&](int n) { return isNearProbe(nodes[n]); }) && !any(was_put_inside);
+  return any([&](int n) { return near_probe_[n] != 0; }) && !any(was_put_inside);
 }
 
 /// Tells whether a probe that touches is so near that it may press cloth here into an obstacle.

@@ -39,10 +39,18 @@ class SampleFinder {
   /// Saves or loads what is let out of obstacles.
   void serialize(Archive& archive);
 
-  /// Finds the samples that may touch within a step, and freezes their friction. The parameters are
-  /// those of ContactSet::collect().
-  void find(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
-            const std::vector<Reach>& touching, SampleList& samples);
+  /// Finds the samples of probes that may touch within a step, and freezes their friction. The parameters
+  /// are those of ContactSet::collectProbes().
+  void findProbes(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
+                  const std::vector<Reach>& touching, SampleList& samples);
+
+  /// The same for obstacles. @pre findProbes()
+  void findObstacles(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
+                     SampleList& samples);
+
+  /// Flags of the nodes that a probe may press into something: one that touches at the start of the step is
+  /// near. @pre findProbes()
+  const std::vector<char>& nearProbe() const { return near_probe_; }
 
   /// Tells whether the probe does not touch the cloth. @pre SolidSet::startProbe()
   bool isClear(const ActiveMesh& mesh, const Field& nodes, int probe);
@@ -109,6 +117,7 @@ class SampleFinder {
   const FrictionMemory& memory_;
   Team& team_;
   std::vector<int> probes_;       ///< that touch when the step starts, as solids
+  std::vector<char> near_probe_;  ///< see nearProbe()
   std::vector<int> let_out_;      ///< particles that were let out of an obstacle in the last step
   std::vector<char> is_let_out_;  ///< flags of these, by node
   // About the cloth and one solid, written by measure():

@@ -36,8 +36,8 @@ void SelfContact::rebuild(const ActiveMesh& mesh) {
 }
 
 void SelfContact::collect(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals,
-                          const PairFinder::Reach& reach) {
-  finder_.find(mesh, nodes, normals, reach, packs_);
+                          const PairFinder::Reach& reach, const std::vector<char>& near_probe) {
+  finder_.find(mesh, nodes, normals, reach, near_probe, packs_);
   bounds_.clear();
   for (const PairPack& pack : packs_) bounds_.push_back({0.0, 0.0, 0.0, pack.stack, false});
   drags_.clear();
@@ -63,7 +63,7 @@ void SelfContact::listPaired(const Field& nodes) {
   });
 }
 
-/// Lists the friction of all nodes and lines that press at the start of the step: it acts at their nearest
+/// Lists the friction of all points and lines that press at the start of the step: it acts at their nearest
 /// pair.
 void SelfContact::listDrags(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals) {
   constexpr double kLeastPressing = 1e-100;  // [N]; divisions by less overflow
@@ -92,12 +92,11 @@ void SelfContact::beginDrag(DragPack& drag, int lane, int pair, double limit, co
                             const Field& nodes, const ConstArrays& normals) {
   const PairPack& pack = packs_[pair / kPack];
   const int l = pair % kPack;
+  for (int c = 0; c < 5; ++c) drag.nodes[c].set(lane, pack.nodes[c].index[l]);
+  for (int c = 0; c < 4; ++c) drag.weights[c][lane] = pack.weights[c][l];
+  drag.middles = drag.middles || isMiddle(pack, l);
   Vec3 start = Vec3::Zero();
-  for (int c = 0; c < 4; ++c) {
-    drag.nodes[c].set(lane, pack.nodes[c].index[l]);
-    drag.weights[c][lane] = pack.weights[c][l];
-    start += pack.weights[c][l] * nodes[pack.nodes[c].index[l]];
-  }
+  forNodes(pack, l, [&](int n, double weight) { start += weight * nodes[n]; });
   drag.limit[lane] = limit;
   drag.pair[lane] = pair;
   for (int c = 0; c < 3; ++c) drag.normal[c][lane] = pack.normal[c][l];
@@ -126,14 +125,17 @@ SelfContact::Place SelfContact::placeOf(const DragPack& drag, int lane, const Ac
     const int particle = mesh.particle[drag.nodes[corner].index[lane]];
     return FlatPoint{double(grid_.column(particle)), double(grid_.row(particle))};
   };
+  const auto normal = [&](int corner) {
+    const int n = drag.nodes[corner].index[lane];
+    return Vec3(normals.x[n], normals.y[n], normals.z[n]);
+  };
   Place place{0, at(0), 0.5 * std::sqrt(2.0 * area / (grid_.dx * grid_.dy))};
-  if (pack.lines) {
-    const double along = drag.weights[1][lane];
-    place.at.u += along * (at(1).u - place.at.u);
-    place.at.v += along * (at(1).v - place.at.v);
-  }
-  const int node = drag.nodes[0].index[lane];
-  const double above = laneOf(drag.normal, lane).dot(Vec3(normals.x[node], normals.y[node], normals.z[node]));
+  const double along = pack.lines ? drag.weights[1][lane] : 0.5;
+  const int end = pack.lines ? 1 : 4;
+  place.at.u += along * (at(end).u - place.at.u);
+  place.at.v += along * (at(end).v - place.at.v);
+  const Vec3 outward = pack.lines ? normal(0) : normal(0) + normal(4);
+  const double above = laneOf(drag.normal, lane).dot(outward);
   place.face = (pack.lines ? 2 : 0) + (above > 0.0 ? 1 : 0);
   return place;
 }
@@ -184,11 +186,11 @@ void SelfContact::sumForces(int nodes) {
   for (const int n : paired_) gradient_.set(n, Vec3::Zero());
   forPressing([&](const PairPack& pack, int l) {
     const Vec3 force = pack.pressing[l] * laneOf(pack.normal, l);
-    for (int c = 0; c < 4; ++c) gradient_.add(pack.nodes[c].index[l], -pack.weights[c][l] * force);
+    forNodes(pack, l, [&](int n, double weight) { gradient_.add(n, -weight * force); });
   });
   forDrags([&](const DragPack& drag, int l) {
-    for (int c = 0; c < 4; ++c)
-      gradient_.add(drag.nodes[c].index[l], drag.weights[c][l] * laneOf(drag.drag, l));
+    const Vec3 force = laneOf(drag.drag, l);
+    forNodes(drag, l, [&](int n, double weight) { gradient_.add(n, weight * force); });
   });
 }
 
@@ -202,24 +204,23 @@ void SelfContact::addGradient(int begin, int end, Field& gradient) const {
 void SelfContact::addSprings(Blocks& blocks) const {
   forPressing([&](const PairPack& pack, int l) {
     const Block pressed = pack.stiffness[l] * square(laneOf(pack.normal, l));
-    for (int c = 0; c < 4; ++c) blocks[pack.nodes[c].index[l]] += std::abs(pack.weights[c][l]) * pressed;
+    forNodes(pack, l, [&](int n, double weight) { blocks[n] += std::abs(weight) * pressed; });
   });
   forDrags([&](const DragPack& drag, int l) {
     const Block dragged = frictionBlock(laneOf(drag.slip, l), laneOf(drag.normal, l), drag.limit[l], slip_);
-    for (int c = 0; c < 4; ++c) blocks[drag.nodes[c].index[l]] += std::abs(drag.weights[c][l]) * dragged;
+    forNodes(drag, l, [&](int n, double weight) { blocks[n] += std::abs(weight) * dragged; });
   });
 }
 
 void SelfContact::addDiagonal(Field& diagonal) const {
   forPressing([&](const PairPack& pack, int l) {
     const Vec3 squared = pack.stiffness[l] * laneOf(pack.normal, l).cwiseAbs2();
-    for (int c = 0; c < 4; ++c)
-      diagonal.add(pack.nodes[c].index[l], pack.weights[c][l] * pack.weights[c][l] * squared);
+    forNodes(pack, l, [&](int n, double weight) { diagonal.add(n, weight * weight * squared); });
   });
   forDrags([&](const DragPack& drag, int l) {
-    const Block dragged = frictionBlock(laneOf(drag.slip, l), laneOf(drag.normal, l), drag.limit[l], slip_);
-    for (int c = 0; c < 4; ++c)
-      diagonal.add(drag.nodes[c].index[l], drag.weights[c][l] * drag.weights[c][l] * dragged.head<3>());
+    const Vec3 dragged =
+        frictionBlock(laneOf(drag.slip, l), laneOf(drag.normal, l), drag.limit[l], slip_).head<3>();
+    forNodes(drag, l, [&](int n, double weight) { diagonal.add(n, weight * weight * dragged); });
   });
 }
 
@@ -241,7 +242,9 @@ bool SelfContact::pairsStayApart(const Field& start, const Field& end) const {
     p = kernels().firstPassing(packs_.data(), bounds_.data(), p, packs, way);
     for (int l = 0; p < packs && l < kPack; ++l) {
       const PairPack& pack = packs_[p];
-      if (pack.range[l] > 0.0 && !staysApartOnWay(nodesOf(pack, l), pack.lines, start, end)) return false;
+      // Surfaces do not begin to cross at middles of lines.
+      const bool counts = pack.range[l] > 0.0 && !isMiddle(pack, l);
+      if (counts && !staysApartOnWay(nodesOf(pack, l), pack.lines, start, end)) return false;
     }
   }
   return true;
@@ -249,7 +252,7 @@ bool SelfContact::pairsStayApart(const Field& start, const Field& end) const {
 
 void SelfContact::appendAwake(const std::vector<char>& awake, int first, Runs& runs) const {
   const auto isAwake = [&awake](const auto& pack) {
-    return std::any_of(pack.nodes, pack.nodes + 4,
+    return std::any_of(std::begin(pack.nodes), std::end(pack.nodes),
                        [&](const PackIndices& n) { return n.anyOf(awake.data()); });
   };
   for (auto pack = packs_.begin(); pack != packs_.end();) {
@@ -267,9 +270,9 @@ void SelfContact::appendAwake(const std::vector<char>& awake, int first, Runs& r
 
 void SelfContact::markListed(std::vector<char>& nodes) const {
   forPairs([&](const PairPack& pack, int l) {
-    for (int c = 0; c < 4; ++c) {
-      if (pack.weights[c][l] != 0.0) nodes[pack.nodes[c].index[l]] = 1;
-    }
+    forNodes(pack, l, [&](int n, double weight) {
+      if (weight != 0.0) nodes[n] = 1;
+    });
   });
 }
 

@@ -38,12 +38,12 @@ class SelfContact {
   /// Finds the pairs of a step and freezes their friction. The parameters are those of
   /// PairFinder::find().
   void collect(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals,
-               const PairFinder::Reach& reach);
+               const PairFinder::Reach& reach, const std::vector<char>& near_probe);
 
   /// Remembers the friction of all pairs at the last evaluation for the next step.
   void rememberFriction(const ActiveMesh& mesh, const ConstArrays& normals);
 
-  static constexpr int kFaces = 4;  ///< on which friction is remembered: two of nodes, two of lines
+  static constexpr int kFaces = 4;  ///< on which friction is remembered: two of points, two of lines
 
   /// Saves or loads what friction remembers; pairs are found in each step.
   void serialize(Archive& archive);
@@ -121,14 +121,14 @@ class SelfContact {
     }
   }
 
-  int touching() const;  ///< number of nodes and lines that press, by side
+  int touching() const;  ///< number of points and lines that press, by side
   /// Smallest distance of all pairs at `nodes`, the last evaluated point; infinite without pairs [m].
   double smallestDistance(const Field& nodes);
 
  private:
   /// Where a pair presses on its first part.
   struct Place {
-    int face;  ///< of the cloth: 0 and 1 for nodes, 2 and 3 for lines
+    int face;  ///< of the cloth: 0 and 1 for points, 2 and 3 for lines
     FlatPoint at;
     double half;  ///< half the width of the cloth that it stands for [finest cells]
   };

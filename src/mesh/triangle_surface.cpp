@@ -8,16 +8,15 @@ TriangleSurface::TriangleSurface(const Grid& grid) {
   const std::size_t n = grid.particles(), cells = grid.cells();
   triangles_.reserve(2 * cells);
   nodes_.reserve(n);
-  areas_.reserve(n);
   for (auto* rows : {&node_rows_, &line_rows_}) rows->reserve(cells + 1);
   lines_.reserve(3 * n);
+  line_of_.reserve(2 * n + n / 2);
   taken_.reserve(2 * n + n / 2);
   halved_.reserve(2 * n + n / 2);
 }
 
 void TriangleSurface::rebuild(const ActiveMesh& mesh) {
   triangles_.clear();
-  areas_.assign(mesh.nodes(), 0.0);
   for (const Patch& patch : mesh.patches) {
     const auto& n = patch.nodes;
     if (patch.cell.diagonalRises()) {
@@ -27,7 +26,6 @@ void TriangleSurface::rebuild(const ActiveMesh& mesh) {
       triangles_.push_back({n[0], n[1], n[2]});
       triangles_.push_back({n[1], n[3], n[2]});
     }
-    for (const int node : n) areas_[node] += 0.25 * patch.area;
   }
   listNodes(mesh);
   listLines(mesh);
@@ -49,6 +47,7 @@ void TriangleSurface::listNodes(const ActiveMesh& mesh) {
 void TriangleSurface::listLines(const ActiveMesh& mesh) {
   lines_.clear();
   line_rows_.assign(1, 0);
+  line_of_.assign(mesh.edges.size(), -1);
   taken_.assign(mesh.edges.size(), 0);
   halved_.assign(mesh.edges.size(), 0);
   for (std::size_t e = 0; e < mesh.edges.size(); ++e) {
@@ -59,7 +58,10 @@ void TriangleSurface::listLines(const ActiveMesh& mesh) {
   }
   for (const Patch& patch : mesh.patches) {
     for (const int side : patch.sides) {
-      if (!taken_[side] && !halved_[side]) lines_.push_back({mesh.edges[side].a, mesh.edges[side].b});
+      if (!taken_[side] && !halved_[side]) {
+        line_of_[side] = lines();
+        lines_.push_back({mesh.edges[side].a, mesh.edges[side].b});
+      }
       taken_[side] = 1;
     }
     const auto& n = patch.nodes;

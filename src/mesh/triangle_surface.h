@@ -33,7 +33,9 @@ class TriangleSurface {
   int node(int k) const { return nodes_[k]; }
   const Line& line(int k) const { return lines_[k]; }
 
-  double area(int node) const { return areas_[node]; }  ///< quarter of the patches around a node [m²]
+  int lines() const { return static_cast<int>(lines_.size()); }
+  int lineOf(int edge) const { return line_of_[edge]; }  ///< that is an edge of the mesh; -1 if it is halved
+  int diagonal(int patch) const { return line_rows_[patch + 1] - 1; }  ///< line between its triangles
 
  private:
   void listNodes(const ActiveMesh& mesh);
@@ -42,7 +44,7 @@ class TriangleSurface {
   std::vector<Triangle> triangles_;
   std::vector<int> nodes_, node_rows_, line_rows_;
   std::vector<Line> lines_;
-  std::vector<double> areas_;
+  std::vector<int> line_of_;
   std::vector<char> taken_;   ///< scratch: of nodes, and of the mesh's edges
   std::vector<char> halved_;  ///< scratch: edges with a hanging node in the middle
 };

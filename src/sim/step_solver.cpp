@@ -128,7 +128,8 @@ void StepSolver::findContacts() {
   const auto pairs = [this] {
     contacts_.collectPairs(cloth_.mesh(), cloth_.nodes(), cloth_.internal().nodeNormals(), reach_.pairs());
   };
-  team_.runBeside(pairs, [&] { contacts_.collect(cloth_.mesh(), cloth_.nodes(), reach_.nodes(), touching); });
+  contacts_.collectProbes(cloth_.mesh(), cloth_.nodes(), reach_.nodes(), touching);
+  team_.runBeside(pairs, [&] { contacts_.collectObstacles(cloth_.mesh(), cloth_.nodes(), reach_.nodes()); });
 }
 
 /// Tells the cloth which nodes may touch something in the step, or are held.

@@ -65,7 +65,8 @@ class ObjectiveTest : public ::testing::Test {
     internal_.setNormals(nodes_);
     const ProbeStep probe{true, 0, Vec3(-0.01, 0.01, 0.0078), Vec3(0.1, 0, -0.2), Vec3(-0.01, 0.01, 0.0083)};
     contacts_.startProbe(0, probe.proxy, Quat::Identity(), Quat::Identity());
-    contacts_.collect(mesh_, nodes_, std::vector<double>(mesh_.nodes(), 1e-3), {{0, 1e-3}});
+    contacts_.collectProbes(mesh_, nodes_, std::vector<double>(mesh_.nodes(), 1e-3), {{0, 1e-3}});
+    contacts_.collectObstacles(mesh_, nodes_, std::vector<double>(mesh_.nodes(), 1e-3));
     objective_.begin(nodes_, velocities_, {probe});
     start_.setZero(objective_.capacity());
     objective_.pack(nodes_, start_);

@@ -111,8 +111,9 @@ Felt expectAnEnergy(const std::string& name, const Scene& scene, const ByParticl
 /// With weights of contact in a dent that follow its pressure, the difference is 6 % of the work on one
 /// layer.
 TEST(ClosedPath, TakesNoEnergyFromLayersOnAFloor) {
-  for (const int count : {1, 2}) {
+  for (const int count : {1, 2, 3}) {
     for (const double spacing : {4e-3, 2e-3}) {
+      if (count == 3 && spacing < 4e-3) continue;  // slow; a coarse grid shows faults best
       const int side = static_cast<int>(std::lround(kWidth / spacing)) / 2 * 2 + 1;
       const Layers layers{std::vector<int>(count, side), side, spacing};
       Scene scene = layersScene(layers, softFabric());

@@ -44,7 +44,8 @@ class PressedSheet {
     Team team(1);
     ContactSet contacts(grid_, {}, {probe_}, {kRange, 1e-3, 1e-3}, team);
     contacts.startProbe(0, proxy, orientation, orientation);
-    contacts.collect(mesh_, nodes_, std::vector<double>(mesh_.nodes(), 1e-3), {{0, 1e-3}});
+    contacts.collectProbes(mesh_, nodes_, std::vector<double>(mesh_.nodes(), 1e-3), {{0, 1e-3}});
+    contacts.collectObstacles(mesh_, nodes_, std::vector<double>(mesh_.nodes(), 1e-3));
     const double energy = contacts.evaluate(0, contacts.size(), nodes_).contact;
     return {energy, -contacts.proxyGradient(0), contacts.proxyTorque(0, nodes_)};
   }

@@ -35,7 +35,8 @@ Contact contactOf(const Grid& grid, const Obstacle& obstacle, double reach, cons
   nodes.resize(mesh.nodes());
   for (int n = 0; n < mesh.nodes(); ++n)
     nodes.set(n, place(grid.column(mesh.particle[n]), grid.row(mesh.particle[n])));
-  contacts.collect(mesh, nodes, std::vector<double>(mesh.nodes(), reach), {});
+  contacts.collectProbes(mesh, nodes, std::vector<double>(mesh.nodes(), reach), {});
+  contacts.collectObstacles(mesh, nodes, std::vector<double>(mesh.nodes(), reach));
   return {contacts.evaluate(0, contacts.size(), nodes).contact, contacts.size()};
 }
 

@@ -42,6 +42,7 @@ struct Folded {
     for (int n = 0; n < mesh.nodes(); ++n) x.set(n, flat(n));
     still.clear(mesh.nodes());
     reach.assign(mesh.nodes(), 0.0);
+    near_probe.assign(mesh.nodes(), 0);
   }
   explicit Folded(const Grid& grid, double friction = 0.0) : Folded(grid, LeafMesh(grid, {}, 0), friction) {}
 
@@ -57,7 +58,7 @@ struct Folded {
   void collect() {
     SurfaceNormals normals(mesh, false);
     normals.update(mesh, x);
-    contact.collect(mesh, x, normals.nodes(), {still, reach});
+    contact.collect(mesh, x, normals.nodes(), {still, reach}, near_probe);
   }
   void remember() {
     SurfaceNormals normals(mesh, false);
@@ -84,6 +85,7 @@ struct Folded {
   TriangleSurface surface;
   Field x, still;
   std::vector<double> reach;
+  std::vector<char> near_probe;
 };
 
 /// Mesh of mixed levels.
@@ -293,15 +295,32 @@ TEST(SelfContact, FlatAndGentlyCurvedClothHasNoPairs) {
   EXPECT_EQ(cloth.contact.size(), 0);
 }
 
+/// Layers that press, far from every probe and in part beside one, where middles of lines press, too.
+class ForcesOfLayers : public testing::TestWithParam<bool> {
+ protected:
+  static std::vector<char> nearProbe(const Folded& cloth) {
+    std::vector<char> near(cloth.mesh.nodes(), 0);
+    for (int n = 0; n < cloth.mesh.nodes(); ++n) near[n] = GetParam() && cloth.flat(n).y() < 0.02 ? 1 : 0;
+    return near;
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Probe, ForcesOfLayers, testing::Bool(),
+                         [](const auto& info) { return std::string(info.param ? "beside" : "far"); });
+
 /// Differences over 1e-9 m of energies whose third derivative is about p0 A / range² = 1e8 N/m² leave
 /// 1e-10 N; rounding of energies of 1e-7 J adds 1e-7 · 1e-16 / 1e-9 = 1e-14 N.
-TEST(SelfContact, GradientIsTheDerivativeOfTheEnergy) {
+TEST_P(ForcesOfLayers, GradientIsTheDerivativeOfTheEnergy) {
   std::mt19937 random(5);
   Folded cloth(gridOf(25, 9, 0), 0.4);
+  cloth.near_probe = nearProbe(cloth);
   cloth.place([](const Vec3& at) { return hairpin(at, 0.04, 0.5 * kThickness + 0.01 * at.y()); });
   shake(cloth, random, 2e-5);
   cloth.collect();
   ASSERT_GT(cloth.contact.touching(), 20);
+  int middles = 0;
+  cloth.contact.forPairs([&](const PairPack& pack, int l) { middles += isMiddle(pack, l) ? 1 : 0; });
+  ASSERT_EQ(middles > 0, GetParam());
   shake(cloth, random, 2e-6);  // slips, too
   const Field gradient = cloth.gradient();
   double largest = 0.0;
@@ -325,12 +344,13 @@ TEST(SelfContact, GradientIsTheDerivativeOfTheEnergy) {
 /// steps, on which the nearest triangles become far ones, are those after one step to the same place.
 /// Criterion: pairs that are left out have less than 1.4 to the power of -64 = 4e-10 of a node's pressure,
 /// and 64 times that of its force, at less than ten pairs.
-TEST(SelfContact, ForcesDoNotDependOnTheWay) {
+TEST_P(ForcesOfLayers, ForcesDoNotDependOnTheWay) {
   constexpr int kSteps = 40;
   const Vec3 way(1.4 * kSpacing, 0.3 * kSpacing, 0.0);
   Folded cloth(gridOf(25, 9, 0)), other(gridOf(25, 9, 0));
   for (Folded* each : {&cloth, &other}) {
     std::mt19937 random(3);
+    each->near_probe = nearProbe(*each);
     each->place([](const Vec3& at) { return hairpin(at, 0.04, 0.5 * kThickness + 0.01 * at.y()); });
     shake(*each, random, 2e-5);
     each->reach.assign(each->mesh.nodes(), way.norm());
@@ -360,8 +380,9 @@ TEST(SelfContact, ForcesDoNotDependOnTheWay) {
 
 /// The force between the layers of a hairpin is the law's pressure times the area where they lie
 /// above each other; the round end carries less than two rows of cells more or less.
-TEST(SelfContact, LayersPressByTheLaw) {
+TEST_P(ForcesOfLayers, LayersPressByTheLaw) {
   Folded cloth(gridOf(61, 21, 0));
+  cloth.near_probe = nearProbe(cloth);
   const double gap = 0.6 * kThickness, fold = 0.12;
   cloth.place([&](const Vec3& at) { return hairpin(at, fold, gap); });
   cloth.collect();
@@ -380,9 +401,10 @@ TEST(SelfContact, LayersPressByTheLaw) {
 /// Layers that stuck start the next step with the same friction, also in a contact that has loaded the
 /// state. The upper layer moves by 2e-7 m over gaps of at least 0.5 thicknesses, so normals turn by up to
 /// 4e-4, and friction with them.
-TEST(SelfContact, FrictionGoesOnWhereItEnded) {
+TEST_P(ForcesOfLayers, FrictionGoesOnWhereItEnded) {
   std::mt19937 random(7);
   Folded cloth(gridOf(25, 9, 0), 0.4);
+  cloth.near_probe = nearProbe(cloth);
   cloth.place([](const Vec3& at) { return hairpin(at, 0.04, 0.5 * kThickness + 0.01 * at.y()); });
   shake(cloth, random, 2e-5);
   const auto friction = [](const SelfContact& contact) {  // sums over all pairs
@@ -410,6 +432,7 @@ TEST(SelfContact, FrictionGoesOnWhereItEnded) {
   Archive loading(saving.sealed(), "state");
   other.contact.serialize(loading);
   for (Folded* next : {&cloth, &other}) {
+    next->near_probe = nearProbe(*next);
     next->collect();
     next->gradient();
     const auto [now_sizes, now_sum] = friction(next->contact);
@@ -422,12 +445,13 @@ TEST(SelfContact, FrictionGoesOnWhereItEnded) {
 /// motion it counts as its force changes, and at least as at the beginning: a difference over 1e-4 of the
 /// slip, with an error below 1e-3. The same cloth without friction has the same pressure, so the difference
 /// of both forms is friction's alone; it is rounded like their sum.
-TEST(SelfContact, FrictionAlongAMotionIsTheChangeOfItsForce) {
+TEST_P(ForcesOfLayers, FrictionAlongAMotionIsTheChangeOfItsForce) {
   constexpr double kFriction = 0.4;
   Folded cloth(gridOf(25, 9, 0), kFriction), smooth(gridOf(25, 9, 0), 0.0);
   const Vec3 along = Vec3(0.8, 0.6, 0.0), aside(-0.6, 0.8, 0.0);
   for (const double slip : {0.3 * kSlip, 3.0 * kSlip}) {
     for (Folded* each : {&cloth, &smooth}) {
+      each->near_probe = nearProbe(*each);
       each->place([](const Vec3& at) { return hairpin(at, 0.04, 0.5 * kThickness + 0.01 * at.y()); });
       each->collect();
       moveUpper(*each, each->x, slip * along);
@@ -443,7 +467,7 @@ TEST(SelfContact, FrictionAlongAMotionIsTheChangeOfItsForce) {
         cloth.contact.forDrags([&](const DragPack& pack, int l) {
           const Vec3 normal = laneOf(pack.normal, l), start = laneOf(pack.slip, l);
           Vec3 moved = Vec3::Zero();
-          for (int c = 0; c < 4; ++c) moved += pack.weights[c][l] * d[pack.nodes[c].index[l]];
+          forNodes(pack, l, [&](int n, double weight) { moved += weight * d[n]; });
           moved -= normal.dot(moved) * normal;
           const auto force = [&](const Vec3& y) {
             return pack.limit[l] * smoothSlip(y.norm(), kSlip).ratio * y;

@@ -43,7 +43,8 @@ Pressed carryAlong(const Pose& wall_before, const Pose& wall_after) {
   ContactSet contacts(grid, {wall}, {}, {kRange, 1e-3, 1e-3}, team);
   contacts.moveObstacle(0, wall_after);
   contacts.advance(1e-3, before);
-  contacts.collect(mesh, before, std::vector<double>(mesh.nodes(), 1e-2), {});
+  contacts.collectProbes(mesh, before, std::vector<double>(mesh.nodes(), 1e-2), {});
+  contacts.collectObstacles(mesh, before, std::vector<double>(mesh.nodes(), 1e-2));
   contacts.evaluate(0, contacts.size(), after);
   return {contacts.workOfSolids(), contacts.obstacleForce().norm(), (after[0] - before[0]).norm()};
 }

@@ -131,7 +131,8 @@ TEST(Multilevel, InvertsTheBlockOfASingleFreeNode) {
   }
   nodes.add(0, Vec3(1e-3, 5e-4, 2e-3));  // stretched, sheared and bent
   internal.setNormals(nodes);
-  contacts.collect(mesh, nodes, std::vector<double>(mesh.nodes(), 1e-3), {});
+  contacts.collectProbes(mesh, nodes, std::vector<double>(mesh.nodes(), 1e-3), {});
+  contacts.collectObstacles(mesh, nodes, std::vector<double>(mesh.nodes(), 1e-3));
   objective.begin(nodes, velocities, {});
   Vector x = Vector::Zero(objective.capacity()), gradient = x, z = x;
   objective.pack(nodes, x);
