@@ -104,8 +104,10 @@ PairPack emptyPack(int stack, bool lines) {
 PairFinder::PairFinder(const Grid& grid, double thickness)
     : grid_(grid), thickness_(thickness), surface_(grid), tree_(grid) {
   margins_.reserve(grid.particles());
-  rows_.reserve(grid.particles() + 2);
-  areas_.reserve(grid.particles());
+  const std::size_t lines = 3 * static_cast<std::size_t>(grid.particles()), points = grid.particles() + lines;
+  middle_of_.reserve(lines);
+  areas_.reserve(points);
+  rows_.reserve(points + 2);
   deviation_.reserve(grid.particles());
   for (Field* field : {&motion_, &clear_at_, &smooth_at_}) field->reserve(grid.particles());
   for (auto* list : {&points_, &lines_, &sorted_}) list->reserve(grid.particles());

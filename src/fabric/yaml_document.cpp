@@ -3,12 +3,32 @@
 #include <cctype>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "fabric/yaml_limits.h"
 #include "fabric/yaml_reader.h"
 
 namespace haptic_cloth {
 namespace {
+
+/// What is often wrong where a parser fails: tabs, and no space behind the colon of a key. The parser may
+/// notice the latter a line late. Empty if neither is there.  @param line counted from 0
+std::string likelyFault(const std::string& text, int line) {
+  std::istringstream lines(text);
+  std::string now, before;
+  for (int k = 0; k <= line && (before = now, std::getline(lines, now)); ++k) {
+  }
+  const auto lacksSpace = [](const std::string& in) {
+    const std::size_t start = in.find_first_not_of(" -"), colon = in.find(':');
+    return start < colon && colon + 1 < in.size() &&
+           std::isalpha(static_cast<unsigned char>(in[start])) != 0 &&
+           std::isspace(static_cast<unsigned char>(in[colon + 1])) == 0;
+  };
+  if (now.find('\t') != std::string::npos) return " (the line has a tab: indent with spaces)";
+  if (lacksSpace(before)) return " (the line before lacks a space behind the colon)";
+  if (lacksSpace(now)) return " (the line lacks a space behind the colon)";
+  return "";
+}
 
 /// Parses the only YAML document in `text`.
 YAML::Node parseText(const std::string& text, const std::string& origin, bool has_lines) {
@@ -20,7 +40,7 @@ YAML::Node parseText(const std::string& text, const std::string& origin, bool ha
   } catch (const YAML::Exception& error) {
     const bool line_known = has_lines && !error.mark.is_null();
     throw InputError(origin + (line_known ? ':' + std::to_string(error.mark.line + 1) : ""), "", "",
-                     "malformed YAML: " + error.msg);
+                     "malformed YAML: " + error.msg + (line_known ? likelyFault(text, error.mark.line) : ""));
   }
 }
 

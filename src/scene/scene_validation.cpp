@@ -126,8 +126,10 @@ void checkNames(const Check& check, const std::string& prefix, const std::vector
 void checkProbe(const Check& check, const std::string& prefix, ProbeOptions& probe,
                 const ClothOptions& cloth) {
   check.options(prefix + ".", optionsOf(probe));
-  check.that(probe.radius >= smallestProbeRadius(cloth), prefix + ".radius", probe.radius,
-             "must be at least a fiftieth of the finest spacing");
+  const double smallest = smallestProbeRadius(cloth);
+  check.that(probe.radius >= smallest, prefix + ".radius", probe.radius,
+             "must be at least " + shortestText(smallest) +
+                 " m, a fiftieth of the finest spacing that cloth.size and cloth.particles give");
   checkPath(check, prefix + ".path", probe.path);
   check.that(probe.grasp.empty() || !probe.path.empty(), prefix + ".grasp",
              std::to_string(probe.grasp.size()) + " rows", "needs a path: its times are those of the path");

@@ -62,7 +62,8 @@ std::string pictureKind(const Arguments& arguments) {
 
 /// @return false: help was printed instead
 bool readArguments(int argc, char** argv, Arguments& arguments) {
-  CommandLine line("kes_test", kDescription, "FABRIC", arguments.fabric, "fabric file (YAML)");
+  CommandLine line("kes_test", kDescription, "FABRIC", arguments.fabric,
+                   "fabric file (YAML), or a name in config/fabrics");
   line.add("test", arguments.test, "NAME", "tensile, shear or bending; required");
   line.add("direction", arguments.direction, "NAME", "warp (default) or weft");
   line.add("mesh", arguments.mesh, "NAME", "finest (default), coarsest or mixed");
@@ -120,7 +121,8 @@ int test(const Arguments& arguments) {
     if (!arguments.out.empty() && linkedFile(arguments.out) == linkedFile(arguments.plot))
       throw UsageError("--plot: " + arguments.plot + ": must not be the file of --out");
   }
-  const Fabric fabric = loadFabric(arguments.fabric);
+  const std::string found = findFabric(arguments.fabric, ".");
+  const Fabric fabric = loadFabric(found.empty() ? arguments.fabric : found);
   const KesTest test = kTests.at(arguments.test);
   const Direction direction = kDirections.at(arguments.direction);
   if (loopOf(fabric, test, direction).isZero()) {

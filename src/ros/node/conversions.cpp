@@ -6,6 +6,7 @@
 #include <regex>
 
 #include "haptic_cloth/error.h"
+#include "state/number_text.h"
 
 namespace haptic_cloth {
 namespace {
@@ -38,9 +39,7 @@ std::string quoted(const std::string& text) {
 std::string numberText(double value) {
   if (std::isnan(value)) return ".nan";
   if (std::isinf(value)) return value > 0.0 ? ".inf" : "-.inf";
-  char text[32];
-  std::snprintf(text, sizeof text, "%.17g", value);
-  return text;
+  return shortestText(value);
 }
 
 std::string child(const std::string& key, const std::string& name) {

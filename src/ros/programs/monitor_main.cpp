@@ -83,6 +83,10 @@ int run(int argc, char** argv) {
     last = now;
   }
   if (options.seconds == 0.0) return 0;
+  if (last == start) {
+    say("FAIL: ended before a second had passed");
+    return 1;
+  }
   bool passed = false;
   say(whole.verdict(last - start, passed));
   return passed ? 0 : 1;

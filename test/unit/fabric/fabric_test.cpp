@@ -247,6 +247,12 @@ TEST_F(FabricFile, MissingGroupsAreNoLaw) {
 TEST_F(FabricFile, WrongDocumentsAndValuesAreNamed) {
   const std::string base = std::string(kHead) + kTensile;
   EXPECT_NE(message(base + "bending: {B: 1\n").find("malformed YAML"), std::string::npos);
+  for (const auto& [text, hint] :
+       {std::pair("bending:\n\tB: 1\n", "cloth.yaml:6: malformed YAML: "),
+        std::pair("bending:\n\tB: 1\n", " (the line has a tab: indent with spaces)"),
+        std::pair("bending:x\nshear: {G: 1}\n", "lacks a space behind the colon)")}) {
+    EXPECT_NE(message(base + text).find(hint), std::string::npos) << message(base + text);
+  }
   expectMessages({
       {"", "cloth.yaml: is empty, must be a YAML mapping"},
       {"- 1\n", "cloth.yaml: [1]: must be a YAML mapping"},

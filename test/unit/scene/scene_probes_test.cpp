@@ -41,8 +41,10 @@ TEST(SceneProbes, ACoarseClothWithoutAProbeIsNotRefusedForIt) {
     radius("probe: {radius: 0.008}");
     ADD_FAILURE() << "a radius that was asked for is judged";
   } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(),
-                 "scene: probe.radius = 0.008: must be at least a fiftieth of the finest spacing");
+    EXPECT_STREQ(
+        error.what(),
+        "scene: probe.radius = 0.008: must be at least 0.05 m, a fiftieth of the finest spacing that "
+        "cloth.size and cloth.particles give");
   }
 }
 

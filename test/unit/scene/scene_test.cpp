@@ -465,7 +465,9 @@ TEST(ValidateScene, ChecksWhatIsBuiltInCode) {
   EXPECT_EQ(fails(broken), "code: cloth.fabric.thickness = 0: must be > 0");
   broken = scene;
   broken.probes[0].radius = 1e-5;
-  EXPECT_EQ(fails(broken), "code: probe.radius = 1e-05: must be at least a fiftieth of the finest spacing");
+  EXPECT_EQ(fails(broken),
+            "code: probe.radius = 1e-05: must be at least 7.894736842105263e-05 m, a fiftieth of the finest "
+            "spacing that cloth.size and cloth.particles give");
   broken = scene;
   broken.obstacles.emplace_back();
   broken.obstacles[0].shape = static_cast<Shape>(shapeNames().size());

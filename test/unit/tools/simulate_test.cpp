@@ -589,6 +589,14 @@ TEST_F(Simulate, ReplaysAFold) {
   }
 }
 
+TEST_F(Simulate, KesTestTakesTheNameOfAFabric) {
+  const std::string kes_test = "'" HAPTIC_CLOTH_KES_TEST "' ";
+  EXPECT_EQ(runProgram(kes_test + "denim_a --test shear").status, 0);
+  const Outcome outcome = runProgram(kes_test + "no_such --test shear");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.error.find("no_such: cannot be read"), std::string::npos) << outcome.error;
+}
+
 TEST_F(Simulate, KesTestNamesTheWordsItKnows) {
   const std::string command =
       "'" HAPTIC_CLOTH_KES_TEST "' '" + (folder_ / "linen.yaml").string() + "' --test ";
