@@ -21,14 +21,14 @@ inline std::array<int, 4> nodesOf(const PairPack& pack, int lane) {
 /// Finds pairs of a node and a triangle, and of two lines, that may touch within a step. Two surfaces
 /// of triangles that do not cross can only begin to cross where such a pair meets. Nodes and triangles
 /// carry the pressure between layers: each node presses with half of its area on the triangles near it
-/// on either of its sides, and the other layer's nodes do the same. So do the middles of lines near a probe,
-/// where the pressure changes much within a cell. Lines press only where nodes cannot: at folds and borders
-/// that cross each other.
+/// on either of its sides, and the other layer's nodes do the same. Near a probe, where the pressure changes
+/// much within a cell, the middles of lines press like nodes. Lines are sides and diagonals of leaves; as
+/// wholes they press only where nodes cannot: at folds and borders that cross each other.
 class PairFinder {
  public:
   /// Expected motion of the nodes in a step.
   struct Reach {
-    const Field& motion;                   ///< displacement by their velocity [m]
+    const Field& motion;                   ///< displacement by their velocity, or in the last solve [m]
     const std::vector<double>& deviation;  ///< largest distance from it at the end [m]
   };
 
@@ -73,7 +73,7 @@ class PairFinder {
   /// Triangles near a point on one of its sides.
   struct Group {
     int first, size;  ///< in sorted_
-    double excess;    ///< of the nearest one's distance over its range at the start of the step [m]
+    double excess;    ///< distance of the nearest one minus its range at the start of the step [m]
   };
 
   void search(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, double within,

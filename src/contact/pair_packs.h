@@ -44,7 +44,7 @@ struct alignas(64) PairPack : PairPoints {
   // Results of the last evaluation, and the weights:
   double normal[3][kPack];  ///< direction of the distance
   double distance[kPack];   ///< [m]
-  double pressing[kPack];   ///< force, or share of that of a point; below 0 for some [N]
+  double pressing[kPack];   ///< force; of a point, this triangle's part of it, which may be negative [N]
   double stiffness[kPack];  ///< along the normal [N/m]
 };
 
@@ -65,8 +65,8 @@ struct DragPack : PairPoints {
 struct PairBound {
   double measured;  ///< way travelled when the pack was measured [m]
   double gap;       ///< smallest distance of its pairs then [m]
-  double clear;     ///< in the first pack of a stack: no pair of the stack presses before the nodes have
-                    ///< travelled so far since then [m]
+  double clear;     ///< in the first pack of a stack: how far the nodes may travel since then before any
+                    ///< pair of the stack presses [m]
   int stack;        ///< as in the pack
   bool presses;     ///< whether the pack has forces at the last evaluation
 
@@ -85,7 +85,7 @@ struct PairContext {
 struct PairLimits {
   double share;         ///< largest share of a pair's distance that it may use up [-]
   double least_ranges;  ///< smallest distance that it may leave, over the pair's range [-]
-  double most;          ///< factor of d that is wanted [-]
+  double most;          ///< largest factor of d to be returned [-]
   double fastest;       ///< bound of how far any distance changes by d [m]
   double widest;        ///< largest range of a pair [m]
 };
@@ -110,7 +110,7 @@ struct StraightWay {
 //                      The normal separates both parts of a pair: they do not meet before one of their
 //                      nodes has passed the other part along it.
 //   firstPassing       first of packs begin..end with a pair that may meet on a straight way: it is longer
-//                      than the distance, and the normal separates both parts at its start or its end only.
+//                      than their distance, and the normal separates both parts at one end of it only.
 //                      `end` if there is none.
 //   measurePairs       measures packs begin..end that may be nearer than `least` [m]. Returns the smallest
 //                      distance, or `least` if all are farther.

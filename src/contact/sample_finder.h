@@ -17,8 +17,8 @@ namespace haptic_cloth {
 
 /// Finds samples. Obstacles are sampled at the nodes, and at every point of the finest grid in
 /// coarse cells on which they do not press evenly, so that these rest like fine ones. Across sharp
-/// edges the samples are as near as the pressure asks. Probes are sampled at points at most a third of
-/// their radius apart, and of the radius on which they press on flat cloth. Model: decisions 0010 and 0041.
+/// edges samples lie closer together. Those of a probe are at most a third of its radius apart, and of the
+/// radius on which it presses on flat cloth. Model: decisions 0010 and 0041.
 class SampleFinder {
  public:
   /// Reach of a probe in the next step.
@@ -30,8 +30,8 @@ class SampleFinder {
   SampleFinder(const Grid& grid, const SolidSet& solids, const ContactLaw& law, const FrictionMemory& memory,
                Team& team);
 
-  /// Number of samples to reserve memory for. If a finest cell has at most one sample of a solid, but for
-  /// dents, cells two finest cells wide under an uneven solid need most: five samples and one node in four
+  /// Number of samples to reserve memory for. If finest cells outside dents have at most one sample of each
+  /// solid, cells two finest cells wide under an uneven solid need most: five samples and one node for four
   /// finest cells. Otherwise the number comes from experience with scenes; a step that needs more
   /// allocates.
   int capacity() const;
@@ -48,8 +48,8 @@ class SampleFinder {
   void findObstacles(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
                      SampleList& samples);
 
-  /// Flags of the nodes that a probe may press into something: one that touches at the start of the step is
-  /// near. @pre findProbes()
+  /// Flags of the nodes near a probe that touches at the start of the step: it may press them into something.
+  /// @pre findProbes()
   const std::vector<char>& nearProbe() const { return near_probe_; }
 
   /// Tells whether the probe does not touch the cloth. @pre SolidSet::startProbe()
