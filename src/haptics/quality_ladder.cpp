@@ -37,7 +37,7 @@ struct Rung {
 //
 // The tolerance costs no force. The mesh costs the shape (1 mm becomes 2 to 7 mm) but hardly the force, and
 // saves most. Steps beyond 2 ms cost force and save little once the mesh is coarse. Iterations that are cut
-// off can ruin folds (0028), so they come last.
+// off cost a fold up to a quarter of its force (0028), so they come last.
 constexpr int kAny = INT_MAX;
 constexpr double kAll = HUGE_VAL;
 constexpr double kNoLoad = 100.0;                       ///< more than a cell carries [-]
