@@ -84,7 +84,7 @@ class ContactSet {
   /// @pre collectProbes()
   void collectPairs(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals,
                     const PairFinder::Reach& reach) {
-    if (self_) self_->collect(mesh, nodes, normals, reach, finder_.nearProbe());
+    if (self_) self_->collect(mesh, nodes, normals, reach, finder_.dented());
   }
 
   /// Prepares hasRoom() for positions of the nodes [m].

@@ -121,11 +121,11 @@ void PairFinder::rebuild(const ActiveMesh& mesh) {
 }
 
 void PairFinder::find(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals,
-                      const Reach& reach, const std::vector<char>& near_probe, std::vector<PairPack>& packs) {
+                      const Reach& reach, const std::vector<char>& dented, std::vector<PairPack>& packs) {
   normals_ = normals;
   packs.clear();
   if (isClear(mesh, nodes, reach) || becomesClear(mesh, nodes, reach)) return;
-  layPoints(mesh, near_probe);
+  layPoints(mesh, dented);
   search(mesh, nodes, reach, kGroupReach * thickness_, kLineRange * kGroupReach * thickness_);
   sortByPoint();
   listGroups(packs);
@@ -324,18 +324,17 @@ double PairFinder::rangeOf(const std::array<Point, 4>& p, bool lines) const {
   return rest > touching ? std::min(thickness_, kShareOfRest * rest) : 0.0;
 }
 
-/// Lays the points that press, each for an area: the nodes, and the middles of lines in finest cells near a
-/// probe. There the pressure may change much within a cell. A cell's diagonal has one pair of its corners;
+/// Lays the points that press, each for an area: the nodes, and the middles of lines where a probe may dent
+/// layers. There the pressure may change much within a cell. A cell's diagonal has one pair of its corners;
 /// the other pair stands for more, so that even pressure loads all four alike.
-void PairFinder::layPoints(const ActiveMesh& mesh, const std::vector<char>& near_probe) {
+void PairFinder::layPoints(const ActiveMesh& mesh, const std::vector<char>& dented) {
   constexpr double kOn = 1.0 / 36.0, kOff = 5.0 / 36.0;         // corners on and off the diagonal
   constexpr double kSide = 4.0 / 36.0, kDiagonal = 8.0 / 36.0;  // middles
   areas_.assign(mesh.nodes(), 0.0);
   middle_of_.assign(surface_.lines(), -1);
   for (std::size_t k = 0; k < mesh.patches.size(); ++k) {
     const Patch& patch = mesh.patches[k];
-    const auto isNear = [&](int n) { return near_probe[n] != 0; };
-    if (patch.cell.span() > 1 || std::none_of(patch.nodes.begin(), patch.nodes.end(), isNear)) {
+    if (dented[k] == 0) {
       for (const int n : patch.nodes) areas_[n] += 0.25 * patch.area;
       continue;
     }

@@ -21,9 +21,10 @@ inline std::array<int, 4> nodesOf(const PairPack& pack, int lane) {
 /// Finds pairs of a node and a triangle, and of two lines, that may touch within a step. Two surfaces
 /// of triangles that do not cross can only begin to cross where such a pair meets. Nodes and triangles
 /// carry the pressure between layers: each node presses with half of its area on the triangles near it
-/// on either of its sides, and the other layer's nodes do the same. Near a probe, where the pressure changes
-/// much within a cell, the middles of lines press like nodes. Lines are sides and diagonals of leaves; as
-/// wholes they press only where nodes cannot: at folds and borders that cross each other.
+/// on either of its sides, and the other layer's nodes do the same. Where a probe may dent layers, so that
+/// the pressure changes much within a cell, the middles of lines press like nodes. Lines are sides and
+/// diagonals of leaves; as wholes they press only where nodes cannot: at folds and borders that cross each
+/// other.
 class PairFinder {
  public:
   /// Expected motion of the nodes in a step.
@@ -40,9 +41,9 @@ class PairFinder {
 
   /// Lists pairs in packs: those of points and triangles first.
   /// @param normals of the surface at the nodes
-  /// @param near_probe flags of the nodes near a probe that touches
+  /// @param dented see SampleFinder::dented()
   void find(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals, const Reach& reach,
-            const std::vector<char>& near_probe, std::vector<PairPack>& packs);
+            const std::vector<char>& dented, std::vector<PairPack>& packs);
 
   /// Tells whether parts that are not in the list of the last find() may have met on the straight way
   /// from the start of the step to its end.
@@ -84,7 +85,7 @@ class PairFinder {
   /// Distance from clear_at_ within which nothing meets [m].
   double clearance() const { return 0.1 * std::min(grid_.dx, grid_.dy); }
   void addPatches(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int a, int b);
-  void layPoints(const ActiveMesh& mesh, const std::vector<char>& near_probe);
+  void layPoints(const ActiveMesh& mesh, const std::vector<char>& dented);
   void layMiddle(int line, double area);
   void addPoint(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int point,
                 const TriangleSurface::Line& ends, const TriangleSurface::Triangle& triangle);

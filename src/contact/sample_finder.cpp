@@ -11,12 +11,14 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr int kChunk = 512;             // growth of the arrays of points [points]
-constexpr double kCut = 0.5;            // length of short parts, and how deep a round solid may cut [ranges]
-constexpr double kMostParts = 4.0;      // of a finest cell on a round solid, at most
-constexpr double kBeside = 2.0;         // distance from an edge where cloth may press on it [ranges]
-constexpr double kSharp = 0.3;          // turn of a normal that tells of a sharp edge [rad]
-constexpr double kMostTurn = 2.0;       // difference of two unit normals, at most
+constexpr int kChunk = 512;         // growth of the arrays of points [points]
+constexpr double kCut = 0.5;        // length of short parts, and how deep a round solid may cut [ranges]
+constexpr double kMostParts = 4.0;  // of a finest cell on a round solid, at most
+constexpr double kFlat = 0.1;       // rise of the arc of an obstacle over a cell that counts as flat [ranges]
+constexpr double kBeside = 2.0;     // distance from an edge where cloth may press on it [ranges]
+constexpr double kPile = 10.0;      // height of layers that bend like the obstacle below them [ranges]
+constexpr double kSharp = 0.3;      // turn of a normal that tells of a sharp edge [rad]
+constexpr double kMostTurn = 2.0;   // difference of two unit normals, at most
 constexpr double kMostSlanting = 12.0;  // parts of a finest cell across slanting edges, at most
 constexpr double kSlanting = 3.0;       // length of parts across slanting edges over that across others
 // Ends of the sides of a cell along warp and weft.
@@ -74,6 +76,7 @@ SampleFinder::SampleFinder(const Grid& grid, const SolidSet& solids, const Conta
   started_.reserve(samples);
   near_.reserve(samples);
   near_probe_.reserve(grid.particles());
+  dented_.reserve(grid.cells());
   for (auto* list : {&node_area_, &still_, &edge_turns_[kWarp], &edge_turns_[kWeft]})
     list->reserve(grid.particles());
   double shortest = kCut * law_.range();
@@ -115,7 +118,35 @@ void SampleFinder::findProbes(const ActiveMesh& mesh, const Field& nodes, const 
     if (addGroup(solid, samples)) probes_.push_back(solid);
   }
   near_probe_.assign(mesh.nodes(), 0);
-  for (int n = 0; !probes_.empty() && n < mesh.nodes(); ++n) near_probe_[n] = isNearProbe(nodes[n]) ? 1 : 0;
+  dented_.assign(mesh.patches.size(), 0);
+  if (probes_.empty()) return;
+  for (int n = 0; n < mesh.nodes(); ++n) near_probe_[n] = isNearProbe(nodes[n]) ? 1 : 0;
+  for (std::size_t k = 0; k < mesh.patches.size(); ++k)
+    dented_[k] = layersMayBeDented(mesh.patches[k], nodes) ? 1 : 0;
+}
+
+/// Tells whether a probe may dent layers that press on each other in a finest cell, see dented(). They press
+/// before the probe comes. So they have to lie flat there: over a curve even layers do not press evenly on
+/// nodes and middles.
+bool SampleFinder::layersMayBeDented(const Patch& patch, const Field& nodes) const {
+  const auto isNear = [&](int n) { return near_probe_[n] != 0; };
+  const auto isOverCurve = [&](int n) {
+    const double near = kPile * law_.range() + std::max(grid_.dx, grid_.dy);
+    for (int k = 0; k < solids_.obstacles(); ++k) {
+      const Solid& solid = solids_[k];
+      if (solid.edgeDistance(nodes[n]) < near) return true;
+      if (!isFlat(solid) && solid.distance(nodes[n]).value < near) return true;
+    }
+    return false;
+  };
+  return patch.cell.span() == 1 && std::any_of(patch.nodes.begin(), patch.nodes.end(), isNear) &&
+         std::none_of(patch.nodes.begin(), patch.nodes.end(), isOverCurve);
+}
+
+/// Tells whether an obstacle counts as flat over the diagonal of a finest cell.
+bool SampleFinder::isFlat(const Solid& solid) const {
+  const double bulge = (grid_.dx * grid_.dx + grid_.dy * grid_.dy) / 8.0 * solid.curvature();
+  return bulge <= kFlat * law_.range();
 }
 
 void SampleFinder::findObstacles(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
@@ -188,9 +219,7 @@ void SampleFinder::addCells(const Solid& solid, const ActiveMesh& mesh, const Fi
 /// is even. It is not on a round obstacle, which is nearer to the middle of a wide cell than to its corners.
 /// What ejects cloth needs the nodes.
 bool SampleFinder::mayBeDented(const Solid& solid, const Patch& patch, const Field& nodes) const {
-  constexpr double kFlat = 0.1;  // [ranges]
-  const double bulge = (grid_.dx * grid_.dx + grid_.dy * grid_.dy) / 8.0 * solid.curvature();
-  if (patch.cell.span() > 1 || bulge > kFlat * law_.range()) return false;
+  if (patch.cell.span() > 1 || !isFlat(solid)) return false;
   const auto any = [&](const auto& holds) {
     return std::any_of(patch.nodes.begin(), patch.nodes.end(), holds);
   };

@@ -48,9 +48,9 @@ class SampleFinder {
   void findObstacles(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
                      SampleList& samples);
 
-  /// Flags of the nodes near a probe that touches at the start of the step: it may press them into something.
-  /// @pre findProbes()
-  const std::vector<char>& nearProbe() const { return near_probe_; }
+  /// Flags of the patches where a probe that touches at the start of the step may dent flat layers that press
+  /// on each other. @pre findProbes()
+  const std::vector<char>& dented() const { return dented_; }
 
   /// Tells whether the probe does not touch the cloth. @pre SolidSet::startProbe()
   bool isClear(const ActiveMesh& mesh, const Field& nodes, int probe);
@@ -92,6 +92,8 @@ class SampleFinder {
   void divideEvenly();
   bool mayTouchEdge(const Solid& solid, const Patch& patch, const Field& nodes) const;
   std::array<double, 2> strip(const Patch& patch, int direction, bool within, const Field& nodes) const;
+  bool layersMayBeDented(const Patch& patch, const Field& nodes) const;
+  bool isFlat(const Solid& solid) const;
   bool mayBeDented(const Solid& solid, const Patch& patch, const Field& nodes) const;
   bool isNearProbe(const Vec3& place) const;
   bool isPressedIn(const Vec3& place, double gap) const;
@@ -117,7 +119,8 @@ class SampleFinder {
   const FrictionMemory& memory_;
   Team& team_;
   std::vector<int> probes_;       ///< that touch when the step starts, as solids
-  std::vector<char> near_probe_;  ///< see nearProbe()
+  std::vector<char> near_probe_;  ///< flags of the nodes near these
+  std::vector<char> dented_;      ///< see dented()
   std::vector<int> let_out_;      ///< particles that were let out of an obstacle in the last step
   std::vector<char> is_let_out_;  ///< flags of these, by node
   // About the cloth and one solid, written by measure():

@@ -36,8 +36,8 @@ void SelfContact::rebuild(const ActiveMesh& mesh) {
 }
 
 void SelfContact::collect(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals,
-                          const PairFinder::Reach& reach, const std::vector<char>& near_probe) {
-  finder_.find(mesh, nodes, normals, reach, near_probe, packs_);
+                          const PairFinder::Reach& reach, const std::vector<char>& dented) {
+  finder_.find(mesh, nodes, normals, reach, dented, packs_);
   bounds_.clear();
   for (const PairPack& pack : packs_) bounds_.push_back({0.0, 0.0, 0.0, pack.stack, false});
   drags_.clear();

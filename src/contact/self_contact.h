@@ -38,7 +38,7 @@ class SelfContact {
   /// Finds the pairs of a step and freezes their friction. The parameters are those of
   /// PairFinder::find().
   void collect(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals,
-               const PairFinder::Reach& reach, const std::vector<char>& near_probe);
+               const PairFinder::Reach& reach, const std::vector<char>& dented);
 
   /// Remembers the friction of all pairs at the last evaluation for the next step.
   void rememberFriction(const ActiveMesh& mesh, const ConstArrays& normals);

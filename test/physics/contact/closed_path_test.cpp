@@ -217,5 +217,60 @@ TEST(ClosedPath, TakesNoEnergyFromTheEdgeOfABox) {
   slanting.expect("slanting", Vec3(-0.5, 0.0, 0.0), Vec3(1.0, 0.5, 0.0));
 }
 
+/// Two taut layers on a cylinder press on each other before a probe comes, nodes of one between those of the
+/// other: unevenly within each cell. Criterion: a touch of less than 1 mN moves them by less than a hundredth
+/// of their thickness; with middles of lines that press from this touch on it is a quarter.
+TEST(ClosedPath, ALightTouchDoesNotMoveLayersOnACylinder) {
+  constexpr int kColumns = 7, kRows = 11;
+  constexpr double kSpacing = 5e-3, kRound = 24e-3, kStrain = 0.02;  // [m], [m], [-]
+  const Layers layers{{kColumns, kColumns}, kRows, kSpacing, Vec3(0.45, 0.3, 0.0)};
+  Fabric fabric = softFabric();
+  Scene scene = layersScene(layers, fabric);
+  for (const int first : {0, kColumns}) {
+    for (const int column : {first, first + kColumns - 1}) pin(scene, column, column, 0, kRows - 1);
+  }
+  Obstacle cylinder;
+  cylinder.shape = Shape::Cylinder;
+  cylinder.radius = kRound;
+  cylinder.length = 0.5;
+  cylinder.pose.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY());
+  cylinder.friction = 0.0;
+  scene.obstacles = {cylinder};
+  scene.cloth.self_friction = scene.probes[0].friction = 0.0;
+  scene.probes[0].radius = 8e-3;
+  quasiStatic(scene, 30.0, 1e-3, 1e-3);
+  const double t = fabric.thickness, half = 0.5 * (kColumns - 1) * kSpacing;
+  Simulation simulation(scene);
+  placeCloth(simulation, [&](int i, int j) {
+    const Vec3 flat = placeInLayers(layers, {0.97 * t, 1.95 * t}, i, j);
+    const double radius = kRound + flat.z(), turn = (1.0 + kStrain) * (flat.x() - half) / (kRound + t);
+    return Vec3(radius * std::sin(turn), flat.y(), radius * std::cos(turn));
+  });
+  Vec3 device(0.0, 0.5 * (kRows - 1) * kSpacing, kRound + scene.probes[0].radius + 3.2 * t);
+  std::vector<Vec3> before, after;
+  for (int k = 0; k < 1000; ++k) {
+    simulation.setDevice(device, Vec3::Zero());
+    EXPECT_FALSE(simulation.step().failed);
+  }
+  simulation.positions(before);
+  for (int k = 0; simulation.probe().force.isZero(0.0); ++k) {
+    ASSERT_LT(k, 5000) << "no touch";
+    device.z() -= 2e-7;
+    simulation.setDevice(device, Vec3::Zero());
+    EXPECT_FALSE(simulation.step().failed);
+  }
+  for (int k = 0; k < 50; ++k) {
+    simulation.setDevice(device, Vec3::Zero());
+    EXPECT_FALSE(simulation.step().failed);
+  }
+  simulation.positions(after);
+  EXPECT_LT(simulation.probe().force.norm(), 1e-3);
+  double moved = 0.0;
+  for (std::size_t k = 0; k < before.size(); ++k) moved = std::max(moved, (after[k] - before[k]).norm());
+  record({"taut layers on a cylinder, lightly touched", "largest motion / thickness [%]", "finest", 0.0,
+          100.0 * moved / t, 0.0, 100.0});
+  EXPECT_LT(moved, tolerance(0.01 * t));
+}
+
 }  // namespace
 }  // namespace haptic_cloth

@@ -42,7 +42,7 @@ struct Folded {
     for (int n = 0; n < mesh.nodes(); ++n) x.set(n, flat(n));
     still.clear(mesh.nodes());
     reach.assign(mesh.nodes(), 0.0);
-    near_probe.assign(mesh.nodes(), 0);
+    dented.assign(mesh.patches.size(), 0);
   }
   explicit Folded(const Grid& grid, double friction = 0.0) : Folded(grid, LeafMesh(grid, {}, 0), friction) {}
 
@@ -58,7 +58,7 @@ struct Folded {
   void collect() {
     SurfaceNormals normals(mesh, false);
     normals.update(mesh, x);
-    contact.collect(mesh, x, normals.nodes(), {still, reach}, near_probe);
+    contact.collect(mesh, x, normals.nodes(), {still, reach}, dented);
   }
   void remember() {
     SurfaceNormals normals(mesh, false);
@@ -85,7 +85,7 @@ struct Folded {
   TriangleSurface surface;
   Field x, still;
   std::vector<double> reach;
-  std::vector<char> near_probe;
+  std::vector<char> dented;  ///< by patch
 };
 
 /// Mesh of mixed levels.
@@ -298,10 +298,10 @@ TEST(SelfContact, FlatAndGentlyCurvedClothHasNoPairs) {
 /// Layers that press, far from every probe and in part beside one, where middles of lines press, too.
 class ForcesOfLayers : public testing::TestWithParam<bool> {
  protected:
-  static std::vector<char> nearProbe(const Folded& cloth) {
-    std::vector<char> near(cloth.mesh.nodes(), 0);
-    for (int n = 0; n < cloth.mesh.nodes(); ++n) near[n] = GetParam() && cloth.flat(n).y() < 0.02 ? 1 : 0;
-    return near;
+  static std::vector<char> dents(const Folded& cloth) {
+    std::vector<char> dented;
+    for (const Patch& patch : cloth.mesh.patches) dented.push_back(GetParam() && patch.cell.j < 3 ? 1 : 0);
+    return dented;
   }
 };
 
@@ -313,7 +313,7 @@ INSTANTIATE_TEST_SUITE_P(Probe, ForcesOfLayers, testing::Bool(),
 TEST_P(ForcesOfLayers, GradientIsTheDerivativeOfTheEnergy) {
   std::mt19937 random(5);
   Folded cloth(gridOf(25, 9, 0), 0.4);
-  cloth.near_probe = nearProbe(cloth);
+  cloth.dented = dents(cloth);
   cloth.place([](const Vec3& at) { return hairpin(at, 0.04, 0.5 * kThickness + 0.01 * at.y()); });
   shake(cloth, random, 2e-5);
   cloth.collect();
@@ -350,7 +350,7 @@ TEST_P(ForcesOfLayers, ForcesDoNotDependOnTheWay) {
   Folded cloth(gridOf(25, 9, 0)), other(gridOf(25, 9, 0));
   for (Folded* each : {&cloth, &other}) {
     std::mt19937 random(3);
-    each->near_probe = nearProbe(*each);
+    each->dented = dents(*each);
     each->place([](const Vec3& at) { return hairpin(at, 0.04, 0.5 * kThickness + 0.01 * at.y()); });
     shake(*each, random, 2e-5);
     each->reach.assign(each->mesh.nodes(), way.norm());
@@ -382,7 +382,7 @@ TEST_P(ForcesOfLayers, ForcesDoNotDependOnTheWay) {
 /// above each other; the round end carries less than two rows of cells more or less.
 TEST_P(ForcesOfLayers, LayersPressByTheLaw) {
   Folded cloth(gridOf(61, 21, 0));
-  cloth.near_probe = nearProbe(cloth);
+  cloth.dented = dents(cloth);
   const double gap = 0.6 * kThickness, fold = 0.12;
   cloth.place([&](const Vec3& at) { return hairpin(at, fold, gap); });
   cloth.collect();
@@ -404,7 +404,7 @@ TEST_P(ForcesOfLayers, LayersPressByTheLaw) {
 TEST_P(ForcesOfLayers, FrictionGoesOnWhereItEnded) {
   std::mt19937 random(7);
   Folded cloth(gridOf(25, 9, 0), 0.4);
-  cloth.near_probe = nearProbe(cloth);
+  cloth.dented = dents(cloth);
   cloth.place([](const Vec3& at) { return hairpin(at, 0.04, 0.5 * kThickness + 0.01 * at.y()); });
   shake(cloth, random, 2e-5);
   const auto friction = [](const SelfContact& contact) {  // sums over all pairs
@@ -432,7 +432,7 @@ TEST_P(ForcesOfLayers, FrictionGoesOnWhereItEnded) {
   Archive loading(saving.sealed(), "state");
   other.contact.serialize(loading);
   for (Folded* next : {&cloth, &other}) {
-    next->near_probe = nearProbe(*next);
+    next->dented = dents(*next);
     next->collect();
     next->gradient();
     const auto [now_sizes, now_sum] = friction(next->contact);
@@ -451,7 +451,7 @@ TEST_P(ForcesOfLayers, FrictionAlongAMotionIsTheChangeOfItsForce) {
   const Vec3 along = Vec3(0.8, 0.6, 0.0), aside(-0.6, 0.8, 0.0);
   for (const double slip : {0.3 * kSlip, 3.0 * kSlip}) {
     for (Folded* each : {&cloth, &smooth}) {
-      each->near_probe = nearProbe(*each);
+      each->dented = dents(*each);
       each->place([](const Vec3& at) { return hairpin(at, 0.04, 0.5 * kThickness + 0.01 * at.y()); });
       each->collect();
       moveUpper(*each, each->x, slip * along);
