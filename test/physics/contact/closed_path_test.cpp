@@ -218,8 +218,8 @@ TEST(ClosedPath, TakesNoEnergyFromTheEdgeOfABox) {
 }
 
 /// Two taut layers on a cylinder press on each other before a probe comes, nodes of one between those of the
-/// other: unevenly within each cell. Criterion: a touch of less than 1 mN moves them by less than 1 % of their
-/// thickness; middles of lines that press from this touch on would move them by 4 %.
+/// other: unevenly within each cell. Criterion: a touch of less than 1 mN moves them by less than 1 % of
+/// their thickness; middles of lines that press from this touch on would move them by 4 %.
 TEST(ClosedPath, ALightTouchDoesNotMoveLayersOnACylinder) {
   constexpr int kColumns = 7, kRows = 11;
   constexpr double kSpacing = 5e-3, kRound = 24e-3, kStrain = 0.02;  // [m], [m], [-]
