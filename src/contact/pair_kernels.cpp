@@ -29,10 +29,24 @@ HAPTIC_CLOTH_INLINE AtPoints gatherPoints(const PairPoints& pack, int l, const C
 }
 
 /// Σ weights · values
-HAPTIC_CLOTH_INLINE Lanes3 weighted(const double (*weights)[kPack], int l, const AtPoints& values) {
-  Lanes3 sum = load(weights[0] + l) * values.of[0];
-  for (int c = 1; c < 4; ++c) sum = sum + load(weights[c] + l) * values.of[c];
+HAPTIC_CLOTH_INLINE Lanes3 weighted(const PairPoints& pack, int l, const ConstArrays& values) {
+  const AtPoints at = gatherPoints(pack, l, values);
+  Lanes3 sum = load(pack.weights[0] + l) * at.of[0];
+  for (int c = 1; c < 4; ++c) sum = sum + load(pack.weights[c] + l) * at.of[c];
   return sum;
+}
+
+/// Values at the four points along a direction.
+struct AlongPoints {
+  Lanes of[4];
+};
+
+HAPTIC_CLOTH_INLINE AlongPoints alongPoints(const Lanes3& direction, const PairPoints& pack, int l,
+                                            const ConstArrays& values) {
+  const AtPoints at = gatherPoints(pack, l, values);
+  AlongPoints along;
+  for (int c = 0; c < 4; ++c) along.of[c] = dot(direction, at.of[c]);
+  return along;
 }
 
 struct Nearest {
@@ -204,19 +218,15 @@ HAPTIC_CLOTH_INLINE double measure(PairPack& pack, PairBound& bound, double trav
 }
 
 /// Smallest distance of the first part of each pair from the second along a direction [m].
-/// @param at places of the nodes along it [m]
-HAPTIC_CLOTH_INLINE Lanes smallestApart(const PairPack& pack, const Lanes* at) {
-  const Lanes second = larger(at[2], at[3]);
-  return pack.lines ? smaller(at[0], at[1]) - second : at[0] - larger(at[1], second);
+/// @param at places of the points along it [m]
+HAPTIC_CLOTH_INLINE Lanes smallestApart(const PairPack& pack, const AlongPoints& at) {
+  const Lanes second = larger(at.of[2], at.of[3]);
+  return pack.lines ? smaller(at.of[0], at.of[1]) - second : at.of[0] - larger(at.of[1], second);
 }
 
-/// The same along the normals, for the nodes at `x`.
+/// The same along the normals, for the points at `x`.
 HAPTIC_CLOTH_INLINE Lanes smallestApart(const PairPack& pack, int l, const ConstArrays& x) {
-  const Lanes3 normal = load3(pack.normal, l);
-  const AtPoints points = gatherPoints(pack, l, x);
-  Lanes at[4];
-  for (int c = 0; c < 4; ++c) at[c] = dot(normal, points.of[c]);
-  return smallestApart(pack, at);
+  return smallestApart(pack, alongPoints(load3(pack.normal, l), pack, l, x));
 }
 
 /// Largest factor of d that uses up the distance but for `left`, whatever the direction of the motion.
@@ -277,7 +287,7 @@ double pairQuadraticForm(const PairPack* packs, const PairBound* bounds, int beg
     for (int l = 0; l < kPack; l += kLanes) {
       const Lanes along = load(pack.stiffness + l);
       if (allLess(along, all(kTiny))) continue;  // no contact
-      const Lanes normal = dot(load3(pack.normal, l), weighted(pack.weights, l, gatherPoints(pack, l, d)));
+      const Lanes normal = dot(load3(pack.normal, l), weighted(pack, l, d));
       sum += along * normal * normal;
     }
   }
@@ -291,7 +301,7 @@ double evaluateDrags(DragPack* packs, int begin, int end, double slip, const Con
     for (int l = 0; l < kPack; l += kLanes) {
       const Lanes limit = load(pack.limit + l);
       const Lanes3 normal = load3(pack.normal, l);
-      const Lanes3 moved = weighted(pack.weights, l, gatherPoints(pack, l, x)) - load3(pack.start, l);
+      const Lanes3 moved = weighted(pack, l, x) - load3(pack.start, l);
       const Lanes3 slipped = moved - dot(normal, moved) * normal;
       const SlipLanes smooth = smoothSlip(slipped, slip);
       const Lanes tangent = limit * smooth.ratio;
@@ -309,7 +319,7 @@ double dragQuadraticForm(const DragPack* packs, int begin, int end, double slip,
   for (int p = begin; p < end; ++p) {
     const DragPack& pack = packs[p];
     for (int l = 0; l < kPack; l += kLanes) {
-      const Lanes3 moved = weighted(pack.weights, l, gatherPoints(pack, l, d));
+      const Lanes3 moved = weighted(pack, l, d);
       const Lanes along = dot(load3(pack.normal, l), moved);
       const Lanes square = larger(dot(moved, moved) - along * along, Lanes{});
       const FrictionForm friction = frictionForm(load3(pack.slip, l), moved, square, load(pack.limit + l),
@@ -334,19 +344,14 @@ double largestPairStep(PairPack* packs, PairBound* bounds, int begin, int end, c
     Lanes step = all(most);
     for (int l = 0; l < kPack; l += kLanes) {
       const Lanes3 normal = load3(pack.normal, l);
-      const AtPoints points = gatherPoints(pack, l, x), ways = gatherPoints(pack, l, d);
-      Lanes at[4], by[4];
-      for (int c = 0; c < 4; ++c) {
-        at[c] = dot(normal, points.of[c]);
-        by[c] = dot(normal, ways.of[c]);
-      }
+      const AlongPoints at = alongPoints(normal, pack, l, x), by = alongPoints(normal, pack, l, d);
       const Lanes left =
           larger((1.0 - limits.share) * load(pack.distance + l), limits.least_ranges * load(pack.range + l));
       // The nearest point along the normal counts of the first part, the farthest of the second.
       const int firsts = pack.lines ? 2 : 1;
       for (int a = 0; a < firsts; ++a) {
         for (int b = firsts; b < 4; ++b) {
-          const Lanes apart = larger(at[a] - at[b] - left, Lanes{}), closing = by[b] - by[a];
+          const Lanes apart = larger(at.of[a] - at.of[b] - left, Lanes{}), closing = by.of[b] - by.of[a];
           step = smaller(step, ifPositive(closing, apart / larger(closing, all(kTiny)), all(1e300)));
         }
       }

@@ -83,7 +83,7 @@ SampleFinder::SampleFinder(const Grid& grid, const SolidSet& solids, const Conta
   for (int k = solids_.obstacles(); k < solids_.size(); ++k)
     shortest = std::min(shortest, probeSpacing(solids_[k], law_.range()));
   const int span = 1 << grid_.levels, rest = 2 * span + 4;  // rest: parts beside an edge, and rounding
-  const int most = static_cast<int>(span * std::max(grid_.dx, grid_.dy) / shortest) + rest;
+  const int most = static_cast<int>(span * longestSide() / shortest) + rest;
   for (auto& lines : lines_) lines.reserve(most);
   patch_margins_.reserve(padded(grid.cells()));
   at_nodes_.gaps.reserve(padded(grid.particles()));
@@ -99,7 +99,7 @@ SampleFinder::SampleFinder(const Grid& grid, const SolidSet& solids, const Conta
 
 int SampleFinder::capacity() const {
   const int particles = grid_.particles(), solids = solids_.size();
-  const double spacing = std::max(grid_.dx, grid_.dy);
+  const double spacing = longestSide();
   bool fine = chord(2.0) <= kCut * law_.range();
   for (int k = solids_.obstacles(); k < solids; ++k) {
     fine = fine && spacing <= probeSpacing(solids_[k], law_.range());
@@ -129,9 +129,8 @@ void SampleFinder::findProbes(const ActiveMesh& mesh, const Field& nodes, const 
 /// before the probe comes. So they have to lie flat there: over a curve even layers do not press evenly on
 /// nodes and middles.
 bool SampleFinder::layersMayBeDented(const Patch& patch, const Field& nodes) const {
-  const auto isNear = [&](int n) { return near_probe_[n] != 0; };
   const auto isOverCurve = [&](int n) {
-    const double near = kPile * law_.range() + std::max(grid_.dx, grid_.dy);
+    const double near = kPile * law_.range() + longestSide();
     for (int k = 0; k < solids_.obstacles(); ++k) {
       const Solid& solid = solids_[k];
       if (solid.edgeDistance(nodes[n]) < near) return true;
@@ -139,8 +138,12 @@ bool SampleFinder::layersMayBeDented(const Patch& patch, const Field& nodes) con
     }
     return false;
   };
-  return patch.cell.span() == 1 && std::any_of(patch.nodes.begin(), patch.nodes.end(), isNear) &&
-         std::none_of(patch.nodes.begin(), patch.nodes.end(), isOverCurve);
+  return isFinestNearProbe(patch) && std::none_of(patch.nodes.begin(), patch.nodes.end(), isOverCurve);
+}
+
+bool SampleFinder::isFinestNearProbe(const Patch& patch) const {
+  return patch.cell.span() == 1 &&
+         std::any_of(patch.nodes.begin(), patch.nodes.end(), [&](int n) { return near_probe_[n] != 0; });
 }
 
 /// Tells whether an obstacle counts as flat over the diagonal of a finest cell.
@@ -217,22 +220,19 @@ void SampleFinder::addCells(const Solid& solid, const ActiveMesh& mesh, const Fi
 /// Tells whether a probe may dent a finest cell. It must not depend on the pressure: if the weights changed
 /// with it, a hand could gain energy on a closed path. They may change away from the dent, where the pressure
 /// is even. It is not on a round obstacle, which is nearer to the middle of a wide cell than to its corners.
-/// What ejects cloth needs the nodes.
+/// Cloth that is ejected needs its nodes as samples.
 bool SampleFinder::mayBeDented(const Solid& solid, const Patch& patch, const Field& nodes) const {
-  if (patch.cell.span() > 1 || !isFlat(solid)) return false;
-  const auto any = [&](const auto& holds) {
-    return std::any_of(patch.nodes.begin(), patch.nodes.end(), holds);
-  };
   const auto was_put_inside = [&](int n) {
     const double gap = at_nodes_.gaps[n];
     return gap < 0.0 && (is_let_out_[n] || !isPressedIn(nodes[n], gap));
   };
-  return any([&](int n) { return near_probe_[n] != 0; }) && !any(was_put_inside);
+  return isFlat(solid) && isFinestNearProbe(patch) &&
+         std::none_of(patch.nodes.begin(), patch.nodes.end(), was_put_inside);
 }
 
 /// Tells whether a probe that touches is so near that it may press cloth here into an obstacle.
 bool SampleFinder::isNearProbe(const Vec3& place) const {
-  const double near = law_.range() + std::max(grid_.dx, grid_.dy);
+  const double near = law_.range() + longestSide();
   return std::any_of(probes_.begin(), probes_.end(), [&](int index) {
     const Solid& probe = solids_[index];
     return (place - probe.position()).norm() < probe.extent() + near && probe.distance(place).value < near;
@@ -506,7 +506,7 @@ int SampleFinder::partsOf(const Patch& patch) const {
   }
   const bool uneven = gaps > kShareOfRange * law_.range() || turn > kSameNormal;
   const int span = patch.cell.span();
-  const double smallest = kCut * law_.range(), side = span * std::max(grid_.dx, grid_.dy);
+  const double smallest = kCut * law_.range(), side = span * longestSide();
   const int finest = uneven ? std::min<int>(span, std::ceil(side / smallest)) : 1;
   return finest * static_cast<int>(std::clamp(std::ceil(chord(turn) / smallest), 1.0, kMostParts));
 }

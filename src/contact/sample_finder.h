@@ -92,6 +92,7 @@ class SampleFinder {
   void divideEvenly();
   bool mayTouchEdge(const Solid& solid, const Patch& patch, const Field& nodes) const;
   std::array<double, 2> strip(const Patch& patch, int direction, bool within, const Field& nodes) const;
+  bool isFinestNearProbe(const Patch& patch) const;
   bool layersMayBeDented(const Patch& patch, const Field& nodes) const;
   bool isFlat(const Solid& solid) const;
   bool mayBeDented(const Solid& solid, const Patch& patch, const Field& nodes) const;
@@ -100,10 +101,11 @@ class SampleFinder {
   bool touchesLetOut(const SurfacePoint& point) const;
   void listLetOut(const ActiveMesh& mesh, const SampleList& samples);
   int partsOf(const Patch& patch) const;
+  double longestSide() const { return std::max(grid_.dx, grid_.dy); }  ///< of a finest cell [m]
   double spacing(int direction) const { return direction == kWarp ? grid_.dx : grid_.dy; }
   /// Largest distance of a finest cell's chord from an arc that turns by `turn` [rad]: length ·
   /// turn / 8 [m].
-  double chord(double turn) const { return turn * std::max(grid_.dx, grid_.dy) / 8.0; }
+  double chord(double turn) const { return turn * longestSide() / 8.0; }
   void measure(int solid, double range, const ActiveMesh& mesh, const Field& nodes,
                const std::vector<double>& reach);
   void measureDistances(const Solid& solid, int count, const Field& points, Distances& distances);

@@ -11,8 +11,8 @@
 namespace haptic_cloth {
 namespace {
 
-/// What is often wrong where a parser fails: tabs, and no space behind the colon of a key. The parser may
-/// notice the latter a line late. Empty if neither is there.  @param line counted from 0
+/// Hint at the usual faults where a parser fails: a tab, or no space behind the colon of a key. The parser
+/// may notice the latter a line late. Empty if there is neither.  @param line counted from 0
 std::string likelyFault(const std::string& text, int line) {
   std::istringstream lines(text);
   std::string now, before;

@@ -247,22 +247,21 @@ TEST(ClosedPath, ALightTouchDoesNotMoveLayersOnACylinder) {
     return Vec3(radius * std::sin(turn), flat.y(), radius * std::cos(turn));
   });
   Vec3 device(0.0, 0.5 * (kRows - 1) * kSpacing, kRound + scene.probes[0].radius + 3.2 * t);
+  const auto hold = [&](int steps) {
+    for (int k = 0; k < steps; ++k) {
+      simulation.setDevice(device, Vec3::Zero());
+      EXPECT_FALSE(simulation.step().failed);
+    }
+  };
   std::vector<Vec3> before, after;
-  for (int k = 0; k < 1000; ++k) {
-    simulation.setDevice(device, Vec3::Zero());
-    EXPECT_FALSE(simulation.step().failed);
-  }
+  hold(1000);
   simulation.positions(before);
   for (int k = 0; simulation.probe().force.isZero(0.0); ++k) {
     ASSERT_LT(k, 5000) << "no touch";
     device.z() -= 2e-7;
-    simulation.setDevice(device, Vec3::Zero());
-    EXPECT_FALSE(simulation.step().failed);
+    hold(1);
   }
-  for (int k = 0; k < 50; ++k) {
-    simulation.setDevice(device, Vec3::Zero());
-    EXPECT_FALSE(simulation.step().failed);
-  }
+  hold(50);
   simulation.positions(after);
   EXPECT_LT(simulation.probe().force.norm(), 1e-3);
   double moved = 0.0;

@@ -136,8 +136,8 @@ double forceOnCoarseCloth(int count, double radius, double spacing, const Vec3& 
 TEST(ProbeOnLayers, PressesAlikeOnCoarseCloth) {
   // Flat cells of width a over a sphere's dent are up to a²/8R off it. The force may be off by as large a
   // share as that is of the depth of the dent, a thickness for each layer. The corners of the cells alone
-  // would carry 0.7 to 1.0 too much with a = 4 mm and R = 8 mm, and 0.25 with 2 mm; with the corners between
-  // layers, two carry 0.6 too much with 4 mm.
+  // would carry 0.7 to 1.0 too much with a = 4 mm and R = 8 mm, and 0.25 with 2 mm; with nodes alone between
+  // layers, two would carry 0.5 too much with 4 mm.
   constexpr double kThickness = 5e-4;
   for (const int count : {1, 2}) {
     for (const double radius : {8e-3, 15e-3}) {
