@@ -80,7 +80,7 @@ void addElements(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
                     range(patches, end), n.shear ? n.patches : 0.0});
   passes.push_back(
       {"contact", "value", -1.0, n.samples * (static_cast<double>(sizeof(SamplePack)) / kPack + kVector),
-       [&cloth, &x] { return cloth.contacts().evaluate(0, cloth.contacts().size(), x).contact; }});
+       [&cloth, &x] { return cloth.contacts().evaluate(0, cloth.contacts().size(), x).solids; }});
 }
 
 /// Adds the passes over nodes: inertia and gravity, and gathering the forces of the elements.

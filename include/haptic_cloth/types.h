@@ -19,7 +19,7 @@ struct Pose {
 struct DeviceState {
   Vec3 position = Vec3::Zero();         ///< [m]
   Vec3 velocity = Vec3::Zero();         ///< [m/s]
-  Quat orientation = Quat::Identity();  ///< of a sphere it matters for friction alone
+  Quat orientation = Quat::Identity();  ///< of a sphere it matters for friction and what it holds
   /// Time since the previous state by the hand's clock [s]; less than a time step counts as one.
   double elapsed = 0.0;
 };
@@ -27,6 +27,8 @@ struct DeviceState {
 /// Limits of plausible device motion: the largest speed of a hand [m/s], and the distance that a
 /// device may be off because poses come late [m]: 2 m/s for 50 ms.
 constexpr double kFastestHand = 10.0, kLatePose = 0.1;
+/// About the fastest turn of a hand [rad/s].
+constexpr double kFastestTurn = 30.0;
 
 /// Tells whether a device is elsewhere without having moved there: its driver or tracker lost it or
 /// was restarted.

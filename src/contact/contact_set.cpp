@@ -64,13 +64,10 @@ bool ContactSet::maySink(const ActiveMesh& mesh, const Field& nodes, const Cell&
 
 ContactSet::Energy ContactSet::evaluate(int begin, int end, const Field& nodes) {
   const int samples = samples_.size();
-  Energy energy = forces_.evaluate(std::min(begin, samples), std::min(end, samples), nodes);
-  if (self_ && end > samples) {
-    const Energy more = self_->evaluate(std::max(begin, samples) - samples, end - samples, nodes);
-    energy.contact += more.contact;
-    energy.friction += more.friction;
-  }
-  return energy;
+  const ContactEnergy solids = forces_.evaluate(std::min(begin, samples), std::min(end, samples), nodes);
+  if (!self_ || end <= samples) return {solids.contact, 0.0, solids.friction};
+  const ContactEnergy layers = self_->evaluate(std::max(begin, samples) - samples, end - samples, nodes);
+  return {solids.contact, layers.contact, solids.friction + layers.friction};
 }
 
 bool ContactSet::carry(const Field& x, Field& ways) const {

@@ -34,7 +34,10 @@ class ContactSet {
     std::optional<SelfContact::Options> self = {};  ///< empty: the cloth passes through itself
   };
   using Reach = SampleFinder::Reach;
-  using Energy = ContactEnergy;
+  struct Energy {
+    double solids = 0.0, layers = 0.0;  ///< stored between the cloth and solids, and between its layers [J]
+    double friction = 0.0;              ///< potential of friction [J]
+  };
 
   ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
              const std::vector<ProbeOptions>& probes, const Options& options, Team& team);

@@ -9,7 +9,7 @@
 namespace haptic_cloth {
 namespace {
 
-enum Part { kStretch, kBend, kShear, kContact, kFriction };
+enum Part { kStretch, kBend, kShear, kSolids, kLayers, kFriction };
 
 }  // namespace
 
@@ -95,11 +95,12 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
   awake_.begin();
 }
 
-double ClothObjective::pinnedShare(const Field& to) {
-  constexpr double kLeastRanges = 0.02;  // no law holds back the pins
+double ClothObjective::prescribedShare(const Field& to) {
+  constexpr double kLeastRanges = 0.02;  // no law holds back what is prescribed
   if (!limitsSteps()) return 1.0;
   motion_.fill(0.0);
   for (int n = mesh_.free; n < mesh_.active(); ++n) motion_.set(n, to[n] - nodes_[n]);
+  for (const HeldNode& held : held_) motion_.set(held.node, to[held.node] - nodes_[held.node]);
   mesh_.interpolateGhosts(motion_);
   std::fill(proxy_motions_.begin(), proxy_motions_.end(), Vec3::Zero());
   const double share = contacts_.maxStep(nodes_, motion_, proxy_motions_, 1.0, kLeastRanges);
@@ -109,6 +110,22 @@ double ClothObjective::pinnedShare(const Field& to) {
 
 void ClothObjective::movePinned(const Field& to, double share) {
   for (int n = mesh_.free; n < mesh_.active(); ++n) nodes_.set(n, nodes_[n] + share * (to[n] - nodes_[n]));
+}
+
+bool ClothObjective::heldTurns() const {
+  return std::any_of(held_.begin(), held_.end(), [](const HeldNode& held) { return held.end != held.start; });
+}
+
+void ClothObjective::placeHeld(int probe, Field& nodes) const {
+  for (const HeldNode& held : held_) {
+    if (held.probe == probe) nodes.set(held.node, proxies_[probe] + held.end);
+  }
+}
+
+void ClothObjective::turnHeld(int probe, double made) {
+  for (HeldNode& held : held_) {
+    if (held.probe == probe) held.offset = partOfWay(held.start, held.end, made);
+  }
 }
 
 double ClothObjective::shareOfWay(const Field& to, const Vector& x) {
@@ -191,14 +208,16 @@ double ClothObjective::evaluate(const Vector& x, Vector& gradient) {
   const double coupling = evaluateProbes(gradient);
   packFree(gradient_, gradient);
   awake_.clearSleepers(gradient);
-  return energies_.head<5>().sum() + motion[0] + coupling;
+  return energies_.sum() + motion[0] + coupling;
 }
 
 /// Writes the proxies' part of the gradient, including forces on held nodes.
 /// @return energy and loss of the couplings [J]
 double ClothObjective::evaluateProbes(Vector& gradient) {
   for (Proxies* list : {&hold_forces_, &hold_torques_}) std::fill(list->begin(), list->end(), Vec3::Zero());
+  turn_work_ = 0.0;
   for (const HeldNode& held : held_) {
+    turn_work_ += gradient_[held.node].dot(held.offset - held.start);
     hold_forces_[held.probe] -= gradient_[held.node];
     hold_torques_[held.probe] -= held.offset.cross(gradient_[held.node]);
     gradient_.set(held.node, Vec3::Zero());
@@ -250,7 +269,8 @@ Sums ClothObjective::evaluateElements(int begin, int end) {
   sums[kStretch] = e.stretch;
   sums[kBend] = e.bend;
   sums[kShear] = e.shear;
-  sums[kContact] = c.contact;
+  sums[kSolids] = c.solids;
+  sums[kLayers] = c.layers;
   sums[kFriction] = c.friction;
   return sums;
 }
@@ -372,7 +392,9 @@ InternalEnergy::Energy ClothObjective::fabricEnergy() const {
   return {energies_[kStretch], energies_[kBend], energies_[kShear]};
 }
 
-double ClothObjective::contactEnergy() const { return energies_[kContact]; }
+double ClothObjective::contactEnergy() const { return energies_[kSolids] + energies_[kLayers]; }
+
+double ClothObjective::layerEnergy() const { return energies_[kLayers]; }
 
 double ClothObjective::frictionPotential() const { return energies_[kFriction]; }
 

@@ -106,12 +106,19 @@ class ClothObjective : public Objective {
   /// Places the pinned nodes [m]. Call evaluate() after it.
   void setPinned(const Field& nodes);
 
-  /// Share of the way of the pinned nodes to these positions [m] on which nothing is crossed while all
-  /// else stands still. @pre evaluate() at the current positions
-  double pinnedShare(const Field& to);
+  /// Share of the way of the pinned and the held nodes to these positions [m] on which nothing is crossed
+  /// while all else stands still. @pre evaluate() at the current positions
+  double prescribedShare(const Field& to);
 
   /// Moves the pinned nodes by a share of their way to these positions [m]. Call evaluate() after it.
   void movePinned(const Field& to, double share);
+
+  /// Tells whether what a probe holds turns in the step.
+  bool heldTurns() const;
+  /// Sets the nodes that a probe holds to where they end in the step if its proxy stays.
+  void placeHeld(int probe, Field& nodes) const;
+  /// Turns what a probe holds by a share of its way in the step. Call evaluate() after it.
+  void turnHeld(int probe, double made);
 
   /// Share of the straight way from the last evaluated point to other positions of all nodes and to the
   /// proxies of x on which no listed pair and no probe's sample is crossed.
@@ -182,6 +189,7 @@ class ClothObjective : public Objective {
   /// what it stores.
   InternalEnergy::Energy fabricEnergy() const;
   double contactEnergy() const;
+  double layerEnergy() const;  ///< part of contactEnergy(): of layers of the cloth
   double frictionPotential() const;
   double couplingEnergy() const;  ///< springs between devices and proxies
   double couplingEnergy(int probe) const;
@@ -193,6 +201,8 @@ class ClothObjective : public Objective {
   Vec3 pinForce() const;      ///< force of the pins on the cloth [N]
   /// Work of that force as the pins move from x⁰ to where they are [J].
   double pinWork() const;
+  /// Work of the probes on what they hold, by turning it [J].
+  double turnWork() const { return turn_work_; }
   /// Work of Newton's residual on the free nodes from x⁰ to where they are [J].
   double workUndone() const;
 
@@ -238,6 +248,7 @@ class ClothObjective : public Objective {
   Field nodes_, motion_, gradient_, diagonal_;
   BlockField blocks_;  ///< blocks for the Jacobi preconditioner
   Proxies proxies_, proxy_motions_, hold_forces_, hold_torques_;
+  double turn_work_ = 0.0;  ///< see turnWork() [J]
   Sums energies_ = Sums::Zero();
   Vector inverse_diagonal_, residual_weight_;
   BlockOrder unknown_order_;  ///< along the cloth: the unknowns are all x, all y, all z, and the proxies

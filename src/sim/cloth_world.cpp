@@ -56,9 +56,10 @@ void ClothWorld::takeStep(int length, StepReport& report) {
   solver_.startBudget();
   energy_.beginStep(solver_.objective());
   cloth_.beginStep(h, time() + h);
+  probes_.beginStep(h);
   contacts_.advance(h, cloth_.nodes());
   adapt(report);
-  grasps_.update(probes_, cloth_.mesh(), cloth_.state());
+  grasps_.update(probes_, cloth_.mesh(), cloth_.state(), h);
   report.minimizer = solver_.solve(grasps_.nodes());  // finds the contacts, too
   energy_.noteStart(solver_.start(), solidsMove());
   report.failed = hasFailed(report.minimizer);
@@ -173,9 +174,11 @@ void ClothWorld::accept(StepReport& report) {
   markStopped();
   contacts_.rememberFriction(cloth_.mesh(), cloth_.internal().nodeNormals());
   cloth_.move(solved, report.minimizer.motion_made == 1.0);
-  if (cloth_.pinsMove()) cloth_.advancePins(solver_.pinsMade());
+  if (cloth_.pinsMove()) cloth_.advancePins(solver_.shares());
+  for (int k = 0; k < probes_.count(); ++k) grasps_.turn(k, solver_.shares()[cloth_.pins() + k]);
   const double h = solved.timeStep(), pinned = cloth_.pinnedKineticEnergy();
-  energy_.notePinWork(solved.pinWork() + pinned - pinned_before, 2.0 * h * scene_.air_damping * pinned);
+  energy_.notePrescribedWork(solved.turnWork() + solved.pinWork() + pinned - pinned_before,
+                             2.0 * h * scene_.air_damping * pinned);
   const Vec3 momentum = cloth_.pinnedMomentum();
   const Vec3 pinned_force = (momentum - momentum_before) / h + scene_.air_damping * momentum;
   sleep_.update(cloth_.mesh(), cloth_.velocities(), solved.awake().flags(), driven_);

@@ -11,32 +11,37 @@ EnergyBalance::EnergyBalance(const Cloth& cloth, const ClothObjective& solved) {
 
 void EnergyBalance::beginStep(const ClothObjective& last) {
   created_by_mesh_ = returned_by_slip_ = 0.0;
-  pin_work_ = pin_drag_ = 0.0;
+  prescribed_work_ = pin_drag_ = 0.0;
   contact_before_ = last.contactEnergy();
+  layers_before_ = last.layerEnergy();
   friction_before_ = last.frictionPotential();
 }
 
 void EnergyBalance::noteStart(const StepSolver::Start& start, bool solids_move) {
   // Contact is sampled again in each step: what that adds to the contact energy, beside the work of
-  // ejecting cloth, must not become motion. If solids move, it cannot be told from their work. The same
-  // holds for elastic slip, which is more under a smaller normal force; the last step's potential also
-  // holds what slid, so a smaller one now says nothing.
+  // ejecting cloth, must not become motion. If solids move, what it adds there cannot be told from their
+  // work. The same holds for elastic slip, which is more under a smaller normal force; the last step's
+  // potential also holds what slid, so a smaller one now says nothing.
   friction_start_ = solids_move ? 0.0 : start.friction;
   const double slip = std::max(0.0, start.friction - friction_before_);
-  created_by_samples_ = solids_move ? 0.0 : start.contact - contact_before_ - ejection_work_ + slip;
+  created_by_samples_ = start.layers - layers_before_;
+  if (!solids_move)
+    created_by_samples_ +=
+        start.contact - start.layers - (contact_before_ - layers_before_) - ejection_work_ + slip;
   energy_before_ = start.energy - std::max(0.0, created());
 }
 
 double EnergyBalance::guard(double kinetic_before, double gravity_work, const ClothObjective& solved,
                             bool converged, Cloth& cloth) {
   const double spent = solved.storedAndLost(), kinetic = cloth.kineticEnergy();
-  double allowed = std::max(0.0, energy_before_ + kinetic_before + gravity_work + pin_work_ - spent);
+  double allowed = std::max(0.0, energy_before_ + kinetic_before + gravity_work + prescribed_work_ - spent);
   // The noise of cloth that nearly rests must fade.
   const bool moves = kinetic > 0.5 * cloth.mass() * Cloth::kSlow * Cloth::kSlow;
   if (converged && moves) allowed += balanceUndone(solved.workUndone(), kinetic - allowed);
   if (kinetic <= allowed) return 1.0;
   const double scale = cloth.limitKineticEnergy(allowed);
-  pin_work_ += (1.0 - scale * scale) * cloth.pinnedKineticEnergy();  // what moves the pins pays their share
+  prescribed_work_ +=
+      (1.0 - scale * scale) * cloth.pinnedKineticEnergy();  // what moves the pins pays their share
   return scale;
 }
 
@@ -69,7 +74,7 @@ void EnergyBalance::update(const Scene& scene, const ClothObjective& solved, con
     supplied_ += stiffness * (made.device - solved.proxy(k)).dot(made.device - before.device) +
                  options.coupling_damping * solved.timeStep() * slip.dot(made.device_velocity);
   }
-  supplied_ += contacts.workOfSolids() + ejection_work_ + pin_work_ + pin_drag_;
+  supplied_ += contacts.workOfSolids() + ejection_work_ + prescribed_work_ + pin_drag_;
   ejection_work_ = contacts.ejectionWork();
 }
 

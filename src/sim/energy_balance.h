@@ -30,9 +30,10 @@ class EnergyBalance {
   /// @param solids_move an obstacle moves or a probe turns in the step
   void noteStart(const StepSolver::Start& start, bool solids_move);
 
-  /// Records the work of moving pins in the step, on the cloth and on the air around what they hold [J].
-  void notePinWork(double work, double drag) {
-    pin_work_ = work;
+  /// Records the work of moving pins, and of probes that turn what they hold, in the step: on the cloth, and
+  /// of the pins on the air around them [J].
+  void notePrescribedWork(double work, double drag) {
+    prescribed_work_ = work;
     pin_drag_ = drag;
   }
 
@@ -66,11 +67,12 @@ class EnergyBalance {
   double initial_ = 0.0;             ///< energy at the start [J]
   double supplied_ = 0.0;            ///< initial_ plus work of devices, obstacles and pins [J]
   double undone_ = 0.0;              ///< work that converged solves left undone, not yet made good [J]
-  double pin_work_ = 0.0;            ///< in the current step [J]
+  double prescribed_work_ = 0.0;     ///< in the current step [J]
   double pin_drag_ = 0.0;            ///< in the current step [J]
   double created_by_mesh_ = 0.0;     ///< in the current step [J]
   double created_by_samples_ = 0.0;  ///< in the current step [J]
   double contact_before_ = 0.0;      ///< contact energy at the end of the last step [J]
+  double layers_before_ = 0.0;       ///< part of it: of layers of the cloth [J]
   double friction_before_ = 0.0;     ///< potential of friction at the end of the last step [J]
   double returned_by_slip_ = 0.0;    ///< in the current step [J]
   double friction_start_ = 0.0;      ///< potential of friction at x⁰, if no solid moves in the step [J]

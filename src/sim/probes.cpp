@@ -19,14 +19,14 @@ bool Probes::jumps(int k, const DeviceState& device, double time_step) const {
 void Probes::setDevice(int k, const DeviceState& device) {
   ProbeStep& step = steps_[k];
   Memory& memory = memories_[k];
-  memory.after = device.orientation.normalized();
+  memory.device = device.orientation.normalized();
   if (!step.present) {
     step.proxy = device.position;
     reports_[k].proxy = device.position;
     reports_[k].velocity = Vec3::Zero();
     memory.coupled.device = device.position;
     memory.has_been_clear = false;
-    memory.before = memory.after;
+    memory.before = memory.device;
   }
   step.present = true;
   step.device = device.position;
@@ -40,8 +40,12 @@ void Probes::remove(int k) {
   reports_[k] = ProbeReport();
 }
 
+void Probes::beginStep(double time_step) {
+  for (Memory& memory : memories_) memory.after = turnedTowards(memory.before, memory.device, time_step);
+}
+
 bool Probes::turns(int k) const {
-  return steps_[k].present && memories_[k].after.coeffs() != memories_[k].before.coeffs();
+  return steps_[k].present && memories_[k].device.coeffs() != memories_[k].before.coeffs();
 }
 
 const std::vector<ContactSet::Reach>& Probes::findTouching(const ActiveMesh& mesh, const Field& nodes,
@@ -109,8 +113,8 @@ void Probes::serialize(Archive& archive) {
 void Probes::Memory::serialize(Archive& archive) {
   archive("entered", has_been_clear);
   archive("closed", closed);
+  archive("orientation", device);
   archive("before", before);
-  archive("after", after);
   archive("coupled_device", coupled.device);
   archive("coupling", coupled.energy);
 }

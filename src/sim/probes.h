@@ -26,13 +26,21 @@ class Probes {
   /// @pre device is finite
   void setDevice(int probe, const DeviceState& device);
   void remove(int probe);
+
+  /// Starts a step of a length [s].
+  void beginStep(double time_step);
+
   void setClosed(int probe, bool closed) { memories_[probe].closed = closed; }
 
   const std::vector<ProbeStep>& steps() const { return steps_; }  ///< input of the next step
   const std::vector<ProbeReport>& reports() const { return reports_; }
   bool isPresent(int probe) const { return steps_[probe].present; }
   bool isClosed(int probe) const { return memories_[probe].closed; }
-  bool turns(int probe) const;  ///< tells whether it is present and turns in this step
+  /// Orientation at the start and at the end of the step.
+  const Quat& orientationBefore(int probe) const { return memories_[probe].before; }
+  const Quat& orientation(int probe) const { return memories_[probe].after; }
+  /// Tells whether it is present and has not yet the orientation of its device.
+  bool turns(int probe) const;
 
   /// Places the present probes for a search of contacts. A probe that appears within the cloth
   /// touches nothing until it has been clear of it once.
@@ -64,9 +72,10 @@ class Probes {
  private:
   /// State of a probe that is kept between steps.
   struct Memory {
-    bool has_been_clear = false;  ///< of the cloth, since it appeared
-    bool closed = false;          ///< holds the cloth that it touches
-    /// Orientation at the start and at the end of the current step.
+    bool has_been_clear = false;     ///< of the cloth, since it appeared
+    bool closed = false;             ///< holds the cloth that it touches
+    Quat device = Quat::Identity();  ///< orientation of the device
+    /// Orientation of the probe at the start and at the end of the current step.
     Quat before = Quat::Identity(), after = Quat::Identity();
     Coupled coupled;  ///< at the end of the last step
 

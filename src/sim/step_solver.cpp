@@ -92,24 +92,21 @@ bool StepSolver::crosses() const {
 }
 
 /// Leaves a part of the motion to the solution: on the straight way there no pair of layers can have met,
-/// listed or not, and Φ is not above Φ(x⁰) with the pins where they are then. It may end after the time
-/// budget.
+/// listed or not, and Φ is not above Φ(x⁰) with pins and held nodes where they are then. It may end after the
+/// time budget.
 void StepSolver::shortenMotion(MinimizerReport& report) {
   constexpr int kTrials = 10;
   const int size = objective_.size();
   report.why = Termination::OutOfReach;
   report.motion_made = 0.0;
   end_ = objective_.nodes();
-  objective_.setPinned(cloth_.nodes());
+  prescribe(0.0, end_);
   evaluateStart();
   double share = objective_.shareOfWay(end_, x_);
   motion_.head(size) = x_.head(size) - start_.head(size);
-  pinned_ = cloth_.nodes();
   for (int trial = 0; trial < kTrials; ++trial, share *= 0.5) {
-    for (int n = cloth_.mesh().free; n < cloth_.mesh().active(); ++n)
-      pinned_.set(n, cloth_.nodes()[n] + share * (end_[n] - cloth_.nodes()[n]));
-    objective_.setPinned(pinned_);
-    const double start = cloth_.pinsMove() ? objective_.evaluate(start_, gradient_) : start_values_.potential;
+    prescribe(share, end_);
+    const double start = isPrescribed() ? objective_.evaluate(start_, gradient_) : start_values_.potential;
     x_.head(size) = start_.head(size) + share * motion_.head(size);
     report.value_end = objective_.evaluate(x_, gradient_);
     if (!(report.value_end <= start)) continue;
@@ -118,7 +115,7 @@ void StepSolver::shortenMotion(MinimizerReport& report) {
     report.residual = objective_.residual(gradient_);
     report.motion_made = share;
     cost_.motion = objective_.motionCost();
-    for (double& made : pins_made_) made *= share;
+    for (double& made : shares_) made *= share;
     return;
   }
 }
@@ -153,45 +150,69 @@ void StepSolver::beginSolve(const std::vector<HeldNode>& held) {
   start_values_.potential = evaluateStart();
   start_values_.energy = objective_.storedAndLost();
   start_values_.contact = objective_.contactEnergy();
+  start_values_.layers = objective_.layerEnergy();
   start_values_.friction = objective_.frictionPotential();
-  if (cloth_.pinsMove()) movePins();
+  shares_.assign(cloth_.pins() + probes_.count(), 1.0);
+  if (isPrescribed()) movePrescribed();
   x_.head(objective_.size()) = start_.head(objective_.size());
 }
 
-/// Moves the pins to where they end in the step, or as near to it as nothing is crossed; the other
-/// nodes follow in the solve. A pin that something stops does not hold back the others, unless only another
-/// pin that moves is in its way.
-void StepSolver::movePins() {
-  pins_made_.assign(cloth_.pins(), 0.0);
-  pins_go_.assign(cloth_.pins(), 1);
+/// Moves the pins and turns what probes hold to where they end in the step, or as near to it as nothing is
+/// crossed; the other nodes follow in the solve. One that something stops does not hold back the others,
+/// unless only another one that moves is in its way.
+void StepSolver::movePrescribed() {
+  const int count = static_cast<int>(shares_.size());
+  shares_.assign(count, 0.0);
+  go_.assign(count, 1);
   bool more = true;
   while (more) {
     pinned_ = objective_.nodes();
-    for (int k = 0; k < cloth_.pins(); ++k) {
-      if (pins_go_[k]) cloth_.placePin(k, pinned_);
+    for (int k = 0; k < count; ++k) {
+      if (go_[k]) placePrescribed(k, pinned_);
     }
-    const double share = objective_.pinnedShare(pinned_);
-    for (int k = 0; k < cloth_.pins(); ++k) {
-      if (pins_go_[k]) pins_made_[k] += share * (1.0 - pins_made_[k]);
+    const double share = objective_.prescribedShare(pinned_);
+    for (int k = 0; k < count; ++k) {
+      if (go_[k]) shares_[k] += share * (1.0 - shares_[k]);
     }
-    more = share < 1.0 && stopPins();
+    more = share < 1.0 && stopPrescribed();
     objective_.movePinned(pinned_, share);
+    for (int k = 0; k < probes_.count(); ++k) objective_.turnHeld(k, shares_[cloth_.pins() + k]);
     start_values_.potential = objective_.evaluate(start_, gradient_);
   }
 }
 
-/// Stops the pins that could not reach their end if they moved alone. @return whether there are any, and
-/// others go on
-bool StepSolver::stopPins() {
+/// Stops the pins and held parts that could not reach their end if they moved alone. @return whether there
+/// are any, and others go on
+bool StepSolver::stopPrescribed() {
   bool stopped = false;
-  for (int k = 0; k < cloth_.pins(); ++k) {
-    if (!pins_go_[k]) continue;
+  for (int k = 0; k < static_cast<int>(go_.size()); ++k) {
+    if (!go_[k]) continue;
     end_ = objective_.nodes();
-    cloth_.placePin(k, end_);
-    pins_go_[k] = objective_.pinnedShare(end_) == 1.0;
-    stopped = stopped || !pins_go_[k];
+    placePrescribed(k, end_);
+    go_[k] = objective_.prescribedShare(end_) == 1.0;
+    stopped = stopped || !go_[k];
   }
-  return stopped && std::any_of(pins_go_.begin(), pins_go_.end(), [](char goes) { return goes != 0; });
+  return stopped && std::any_of(go_.begin(), go_.end(), [](char goes) { return goes != 0; });
+}
+
+/// Sets the nodes of a pin, or of what a probe holds, to where they end in the step.
+/// @param index entry of shares_
+void StepSolver::placePrescribed(int index, Field& nodes) const {
+  if (index < cloth_.pins()) {
+    cloth_.placePin(index, nodes);
+  } else {
+    objective_.placeHeld(index - cloth_.pins(), nodes);
+  }
+}
+
+/// Leaves a share of their way in the step to the pins and to what probes hold.
+/// @param end positions with the pins where they ended
+void StepSolver::prescribe(double share, const Field& end) {
+  pinned_ = cloth_.nodes();
+  for (int n = cloth_.mesh().free; n < cloth_.mesh().active(); ++n)
+    pinned_.set(n, pinned_[n] + share * (end[n] - pinned_[n]));
+  objective_.setPinned(pinned_);
+  for (int k = 0; k < probes_.count(); ++k) objective_.turnHeld(k, share * shares_[cloth_.pins() + k]);
 }
 
 /// Minimises over the awake nodes. After each solve everything is evaluated, and sleeping nodes

@@ -151,6 +151,37 @@ TEST_P(TortureWrung, WithFewIterations) {
 
 INSTANTIATE_TEST_SUITE_P(Iterations, TortureWrung, testing::Values(0, 3));
 
+class TortureTurned : public testing::TestWithParam<int> {};
+
+TEST_P(TortureTurned, ByAHandThatHolds) {
+  // A grip takes the middle of a sheet that is held at its corners, and turns about the normal there, three
+  // times in 0.4 s and faster than it may: the sheet winds up in folds.
+  constexpr double kRate = 47.0, kArm = 0.009;  // [rad/s], half the length of what the grip holds [m]
+  const int iterations = GetParam();
+  Torture sheet = tortureSheet("turned_grasp_" + std::to_string(iterations), fabricOf(5e-4, 500.0, 4e-6), 17,
+                               17, 0.1, 0.1);
+  setStrategy(sheet.scene, Strategy::Amrc, 2);
+  sheet.scene.cloth.pins = {{0, 0, 0, 0}, {16, 16, 0, 0}, {0, 0, 16, 16}, {16, 16, 16, 16}};
+  const ProbeOptions grip = gripper(0.01, 400.0);
+  sheet.scene.probes = {grip};
+  sheet.before = [grip](ClothWorld& world, long step) {
+    const double end = static_cast<double>(step + 1) * world.scene().solver.time_step;
+    const double height = 0.0055 - 0.25 * std::min(end, 0.01), turned = kRate * std::max(0.0, end - 0.02);
+    world.setGrasp(0, true);
+    world.setDevice(0, {Vec3(0.0, 0.0, height), Vec3::Zero(),
+                        Quat(Eigen::AngleAxisd(turned, Vec3::UnitZ())) * grip.orientation});
+  };
+  if (iterations > 0) sheet.scene.solver.minimizer.max_iterations = iterations;
+  sheet.scene.stop.time = lengthOf(0.4);
+  sheet.limits.thrown = 2.0 * kFastestTurn * kArm;
+  // What a thread from a corner to the grip winds up, over its length.
+  const double wound = kArm * kFastestTurn * (sheet.scene.stop.time - 0.02);
+  sheet.limits.strain = wound / (std::hypot(0.05, 0.05) - kArm);
+  tortureLayers(sheet);
+}
+
+INSTANTIATE_TEST_SUITE_P(Iterations, TortureTurned, testing::Values(0, 3));
+
 class TorturePile : public testing::TestWithParam<int> {};
 
 TEST_P(TorturePile, WithFewIterations) {

@@ -90,8 +90,8 @@ StateCase jointCost() {
             return did.touched > 20 && did.refined > 0; }};
 }
 
-/// Two probes: one grasps, lifts and releases; the other appears inside the cloth and is removed
-/// later.
+/// Two probes: one grasps, lifts, turns, first as fast as its device and then as fast as a hand, and
+/// releases; the other appears inside the cloth and is removed later.
 StateCase graspedSheet() {
   Scene scene = sheetScene(richFabric(), 17, 17, 0.08, 0.08);
   setStrategy(scene, Strategy::Amrc, 2);
@@ -102,7 +102,9 @@ StateCase graspedSheet() {
   scene.probes[1].name = "index";
   const auto drive = [](Simulation& simulation, int step) {
     const double t = step * kStep, down = std::min(t, 0.03), lifted = std::max(0.0, t - 0.05);
-    simulation.setDevice(1, {Vec3(0.02, 0.0, 0.012 - 0.4 * down + 0.3 * lifted), Vec3(0.0, 0.0, 0.1)});
+    const double turned = (step < 100 ? 0.0 : 2.0) + 10.0 * lifted;  // [rad]
+    simulation.setDevice(1, {Vec3(0.02, 0.0, 0.012 - 0.4 * down + 0.3 * lifted), Vec3(0.0, 0.0, 0.1),
+                             Quat(Eigen::AngleAxisd(turned, Vec3(0.6, 0.0, 0.8)))});
     if (step == 30) simulation.setGrasp(1, true);
     if (step == 110) simulation.setGrasp(1, false);
     if (step == 5) simulation.setDevice(0, {Vec3(-0.02, 0.01, 0.0), Vec3(0.0, 0.05, 0.0)});
@@ -419,7 +421,7 @@ std::string sealState(const std::vector<StateEntry>& entries) {
   hash.add(content.data(), content.size());
   std::string sealed = kMagic;
   put(sealed, std::uint32_t{0x01020304});
-  put(sealed, std::uint32_t{12});
+  put(sealed, std::uint32_t{13});
   put(sealed, static_cast<std::uint64_t>(content.size()));
   put(sealed, hash.value());
   return sealed + content;

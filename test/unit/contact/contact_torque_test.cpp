@@ -46,7 +46,7 @@ class PressedSheet {
     contacts.startProbe(0, proxy, orientation, orientation);
     contacts.collectProbes(mesh_, nodes_, std::vector<double>(mesh_.nodes(), 1e-3), {{0, 1e-3}});
     contacts.collectObstacles(mesh_, nodes_, std::vector<double>(mesh_.nodes(), 1e-3));
-    const double energy = contacts.evaluate(0, contacts.size(), nodes_).contact;
+    const double energy = contacts.evaluate(0, contacts.size(), nodes_).solids;
     return {energy, -contacts.proxyGradient(0), contacts.proxyTorque(0, nodes_)};
   }
 

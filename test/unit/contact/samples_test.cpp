@@ -37,7 +37,7 @@ Contact contactOf(const Grid& grid, const Obstacle& obstacle, double reach, cons
     nodes.set(n, place(grid.column(mesh.particle[n]), grid.row(mesh.particle[n])));
   contacts.collectProbes(mesh, nodes, std::vector<double>(mesh.nodes(), reach), {});
   contacts.collectObstacles(mesh, nodes, std::vector<double>(mesh.nodes(), reach));
-  return {contacts.evaluate(0, contacts.size(), nodes).contact, contacts.size()};
+  return {contacts.evaluate(0, contacts.size(), nodes).solids, contacts.size()};
 }
 
 struct Tilted {
