@@ -229,11 +229,12 @@ class ContactSet {
   /// Largest factor of d up to `most`, from `nodes`, the last evaluated point, at which no probe sample
   /// and no pair uses up more than 0.9 of its gap, nor a pair comes nearer than `least_ranges` times its
   /// range. A solve stays apart by the law, so the default only keeps distances from rounding to zero.
+  /// @param passing flags of probes whose samples set no limit, because they move with the cloth; none if empty
   double maxStep(const Field& nodes, const Field& d, const std::vector<Vec3>& d_proxies, double most,
-                 double least_ranges = 1e-6) {
-    const double step = std::min(most, forces_.maxStep(d, d_proxies));
-    return self_ ? self_->maxStep(nodes, d, step, least_ranges) : step;
-  }
+                 double least_ranges = 1e-6, const std::vector<char>& passing = {});
+
+  /// Rotation that takes a vector fixed to a probe from the end of the step back to its middle.
+  Eigen::Matrix3d toMiddle(int probe) const { return solids_.toMiddle(solids_.indexOf(probe)); }
 
   /// Ways of the nodes in the step if the fastest obstacle carried the cloth with it [m].
   /// @param x nodes at the start of the step [m]

@@ -34,6 +34,8 @@ ClothObjective::ClothObjective(const Scene& scene, const ActiveMesh& mesh, const
   }
   for (Proxies* list : {&proxies_, &proxy_motions_, &hold_forces_, &hold_torques_})
     list->assign(probes_.size(), Vec3::Zero());
+  turning_.assign(probes_.size(), 0);
+  middles_.assign(probes_.size(), Eigen::Matrix3d::Identity());
   held_.reserve(mesh.grid.particles());
   if (preconditioner_ == Preconditioner::Jacobi) blocks_.reserve(mesh.grid.particles());
   for (auto* list : {&start_, &inertial_, &nodes_, &motion_, &gradient_, &diagonal_}) {
@@ -60,6 +62,7 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
   held_ = held;
   present_ = 0;
   forPresent([this](int k) { probes_[k].unknown = present_++; });
+  for (const HeldNode& node : held_) middles_[node.probe] = contacts_.toMiddle(node.probe);
   start_ = positions;
   for (auto* list : {&gradient_, &diagonal_}) list->resize(mesh_.nodes());
   motion_.clear(mesh_.nodes());  // zero for pinned nodes
@@ -101,9 +104,11 @@ double ClothObjective::prescribedShare(const Field& to) {
   motion_.fill(0.0);
   for (int n = mesh_.free; n < mesh_.active(); ++n) motion_.set(n, to[n] - nodes_[n]);
   for (const HeldNode& held : held_) motion_.set(held.node, to[held.node] - nodes_[held.node]);
+  // They stand where they end already.
+  forPresent([this](int k) { turning_[k] = heldTurns(k); });
   mesh_.interpolateGhosts(motion_);
   std::fill(proxy_motions_.begin(), proxy_motions_.end(), Vec3::Zero());
-  const double share = contacts_.maxStep(nodes_, motion_, proxy_motions_, 1.0, kLeastRanges);
+  const double share = contacts_.maxStep(nodes_, motion_, proxy_motions_, 1.0, kLeastRanges, turning_);
   motion_.fill(0.0);
   return share;
 }
@@ -112,8 +117,9 @@ void ClothObjective::movePinned(const Field& to, double share) {
   for (int n = mesh_.free; n < mesh_.active(); ++n) nodes_.set(n, nodes_[n] + share * (to[n] - nodes_[n]));
 }
 
-bool ClothObjective::heldTurns() const {
-  return std::any_of(held_.begin(), held_.end(), [](const HeldNode& held) { return held.end != held.start; });
+bool ClothObjective::heldTurns(int probe) const {
+  return std::any_of(held_.begin(), held_.end(),
+                     [=](const HeldNode& held) { return held.probe == probe && held.end != held.start; });
 }
 
 void ClothObjective::placeHeld(int probe, Field& nodes) const {
@@ -217,7 +223,7 @@ double ClothObjective::evaluateProbes(Vector& gradient) {
   for (Proxies* list : {&hold_forces_, &hold_torques_}) std::fill(list->begin(), list->end(), Vec3::Zero());
   turn_work_ = 0.0;
   for (const HeldNode& held : held_) {
-    turn_work_ += gradient_[held.node].dot(held.offset - held.start);
+    turn_work_ += (middles_[held.probe] * gradient_[held.node]).dot(held.offset - held.start);
     hold_forces_[held.probe] -= gradient_[held.node];
     hold_torques_[held.probe] -= held.offset.cross(gradient_[held.node]);
     gradient_.set(held.node, Vec3::Zero());
@@ -393,6 +399,8 @@ InternalEnergy::Energy ClothObjective::fabricEnergy() const {
 }
 
 double ClothObjective::contactEnergy() const { return energies_[kSolids] + energies_[kLayers]; }
+
+double ClothObjective::solidEnergy() const { return energies_[kSolids]; }
 
 double ClothObjective::layerEnergy() const { return energies_[kLayers]; }
 

@@ -114,7 +114,7 @@ class ClothObjective : public Objective {
   void movePinned(const Field& to, double share);
 
   /// Tells whether what a probe holds turns in the step.
-  bool heldTurns() const;
+  bool heldTurns(int probe) const;
   /// Sets the nodes that a probe holds to where they end in the step if its proxy stays.
   void placeHeld(int probe, Field& nodes) const;
   /// Turns what a probe holds by a share of its way in the step. Call evaluate() after it.
@@ -189,7 +189,8 @@ class ClothObjective : public Objective {
   /// what it stores.
   InternalEnergy::Energy fabricEnergy() const;
   double contactEnergy() const;
-  double layerEnergy() const;  ///< part of contactEnergy(): of layers of the cloth
+  double layerEnergy() const;  ///< part of contactEnergy(): between layers of the cloth
+  double solidEnergy() const;  ///< the other part: between the cloth and solids
   double frictionPotential() const;
   double couplingEnergy() const;  ///< springs between devices and proxies
   double couplingEnergy(int probe) const;
@@ -201,7 +202,8 @@ class ClothObjective : public Objective {
   Vec3 pinForce() const;      ///< force of the pins on the cloth [N]
   /// Work of that force as the pins move from x⁰ to where they are [J].
   double pinWork() const;
-  /// Work of the probes on what they hold, by turning it [J].
+  /// Work of the probes on what they hold, by turning it [J]. As for ContactSet::workOfSolids(), its forces
+  /// count as fixed to the probe.
   double turnWork() const { return turn_work_; }
   /// Work of Newton's residual on the free nodes from x⁰ to where they are [J].
   double workUndone() const;
@@ -247,6 +249,9 @@ class ClothObjective : public Objective {
   std::vector<double> mass_, moving_mass_;
   Field nodes_, motion_, gradient_, diagonal_;
   BlockField blocks_;  ///< blocks for the Jacobi preconditioner
+  std::vector<char> turning_;  ///< scratch of prescribedShare(): probes that turn what they hold
+  /// Rotations of the probes that hold nodes, see ContactSet::toMiddle().
+  std::vector<Eigen::Matrix3d> middles_;
   Proxies proxies_, proxy_motions_, hold_forces_, hold_torques_;
   double turn_work_ = 0.0;  ///< see turnWork() [J]
   Sums energies_ = Sums::Zero();

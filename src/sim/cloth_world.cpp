@@ -56,10 +56,10 @@ void ClothWorld::takeStep(int length, StepReport& report) {
   solver_.startBudget();
   energy_.beginStep(solver_.objective());
   cloth_.beginStep(h, time() + h);
-  probes_.beginStep(h);
+  probes_.beginStep(scene_.probes, h);
   contacts_.advance(h, cloth_.nodes());
   adapt(report);
-  grasps_.update(probes_, cloth_.mesh(), cloth_.state(), h);
+  grasps_.update(probes_, cloth_.mesh(), cloth_.state());
   report.minimizer = solver_.solve(grasps_.nodes());  // finds the contacts, too
   energy_.noteStart(solver_.start(), solidsMove());
   report.failed = hasFailed(report.minimizer);
@@ -175,7 +175,6 @@ void ClothWorld::accept(StepReport& report) {
   contacts_.rememberFriction(cloth_.mesh(), cloth_.internal().nodeNormals());
   cloth_.move(solved, report.minimizer.motion_made == 1.0);
   if (cloth_.pinsMove()) cloth_.advancePins(solver_.shares());
-  for (int k = 0; k < probes_.count(); ++k) grasps_.turn(k, solver_.shares()[cloth_.pins() + k]);
   const double h = solved.timeStep(), pinned = cloth_.pinnedKineticEnergy();
   energy_.notePrescribedWork(solved.turnWork() + solved.pinWork() + pinned - pinned_before,
                              2.0 * h * scene_.air_damping * pinned);
@@ -187,7 +186,8 @@ void ClothWorld::accept(StepReport& report) {
                                         report.minimizer.why == Termination::Converged, cloth_);
   cloth_.commit(team_);
   force_error_.noteCloth(cloth_, feelsCloth(), adaptation_.decidesAt(ticks_));
-  probes_.accept(solved, contacts_, cloth_.mesh(), grasps_, force_error_);
+  probes_.accept(report.minimizer.motion_made, solved, contacts_, cloth_.mesh(), grasps_, force_error_);
+  grasps_.accept(probes_, cloth_.mesh(), solved.held());
   grasps_.noteTouched(probes_, contacts_, cloth_.mesh());
   support_force_ = contacts_.obstacleForce() + solved.pinForce() + pinned_force;
   report.max_penetration = contacts_.deepest();

@@ -6,7 +6,7 @@
 namespace haptic_cloth {
 
 Grasps::Grasps(int probes, const Grid& grid)
-    : particles_(grid.particles()), grips_(probes), touched_by_(probes) {
+    : particles_(grid.particles()), touched_by_(probes) {
   held_.reserve(particles_);
   nodes_.reserve(particles_);
   for (auto& list : touched_by_) list.reserve(particles_);
@@ -19,39 +19,35 @@ void Grasps::release(int k) {
   touched_by_[k].clear();
 }
 
-void Grasps::update(const Probes& probes, const ActiveMesh& mesh, const ParticleState& state,
-                    double time_step) {
+void Grasps::update(const Probes& probes, const ActiveMesh& mesh, const ParticleState& state) {
   const auto is_free = [&mesh](int particle) {
     return mesh.node[particle] >= 0 && mesh.node[particle] < mesh.free;
   };
   for (int k = 0; k < probes.count(); ++k) {
     const auto own = [k](const HeldParticle& held) { return held.probe == k; };
     if (!probes.isClosed(k) || std::any_of(held_.begin(), held_.end(), own)) continue;
-    Grip& grip = grips_[k];
-    grip.now = probes.orientationBefore(k);
+    const Quat& turned = probes.orientationBefore(k);
     for (const int particle : touched_by_[k]) {
       const auto same = [particle](const HeldParticle& held) { return held.particle == particle; };
       if (!is_free(particle) || std::any_of(held_.begin(), held_.end(), same)) continue;
-      const Vec3 arm = grip.now.conjugate() * (state.position[particle] - probes.steps()[k].proxy);
-      held_.push_back({particle, k, arm, grip.now * arm});
+      const Vec3 arm = turned.conjugate() * (state.position[particle] - probes.steps()[k].proxy);
+      held_.push_back({particle, k, arm, turned * arm});
     }
   }
-  for (int k = 0; k < probes.count(); ++k)
-    grips_[k].aim = turnedTowards(grips_[k].now, probes.orientation(k), time_step);
   nodes_.clear();
   for (const HeldParticle& held : held_) {
     if (!is_free(held.particle)) continue;
-    const Vec3 end = grips_[held.probe].aim * held.arm;
-    nodes_.push_back({mesh.node[held.particle], held.probe, held.offset, end, held.offset});
+    const Vec3& start = held.offset;
+    nodes_.push_back({mesh.node[held.particle], held.probe, held.arm, start, start, start});
   }
 }
 
-void Grasps::turn(int k, double made) {
-  Grip& grip = grips_[k];
+void Grasps::accept(const Probes& probes, const ActiveMesh& mesh, const std::vector<HeldNode>& nodes) {
+  auto ended = nodes.begin();  // in the order of held_
   for (HeldParticle& held : held_) {
-    if (held.probe == k) held.offset = partOfWay(held.offset, grip.aim * held.arm, made);
+    const bool is_node = ended != nodes.end() && ended->node == mesh.node[held.particle];
+    held.offset = is_node ? ended++->offset : probes.orientationBefore(held.probe) * held.arm;
   }
-  grip.now = made < 1.0 ? grip.now.slerp(made, grip.aim) : grip.aim;
 }
 
 bool Grasps::holds(int k) const {
@@ -81,7 +77,6 @@ void Grasps::serialize(Archive& archive) {
   archive.each("held_by", held_, &HeldParticle::probe);
   archive.each("held_arms", held_, &HeldParticle::arm);
   archive.each("held_offsets", held_, &HeldParticle::offset);
-  archive.each("grips", grips_, &Grip::now);
   for (const HeldParticle& held : held_) {
     const bool inside =
         held.particle >= 0 && held.particle < particles_ && held.probe >= 0 && held.probe < probes;

@@ -13,8 +13,8 @@
 namespace haptic_cloth {
 
 /// Which probe holds which particles. A closed probe that holds nothing grasps the particles that
-/// pressed on it at the end of the last step. A particle has at most one holder. What is held turns with the
-/// probe as far as nothing is in its way; later it catches up, as fast as a hand can turn.
+/// pressed on it at the end of the last step. A particle has at most one holder. What is held moves and turns
+/// with the probe.
 class Grasps {
  public:
   Grasps(int probes, const Grid& grid);
@@ -23,14 +23,13 @@ class Grasps {
   void release(int probe);
 
   /// Updates the grasps at the start of a step. Particles that left the mesh are not held in it.
-  /// @param time_step length of the step [s]
-  void update(const Probes& probes, const ActiveMesh& mesh, const ParticleState& state, double time_step);
+  void update(const Probes& probes, const ActiveMesh& mesh, const ParticleState& state);
 
   const std::vector<HeldNode>& nodes() const { return nodes_; }  ///< held in the current step
   bool holds(int probe) const;  ///< tells whether it holds a node in the current step
 
-  /// Ends a step. @param made share of its turn in the step that what a probe holds made [-]
-  void turn(int probe, double made);
+  /// Ends a step, after the probes. @param nodes nodes(), where they ended
+  void accept(const Probes& probes, const ActiveMesh& mesh, const std::vector<HeldNode>& nodes);
 
   /// Records what presses on the closed probes at the end of a step.
   void noteTouched(const Probes& probes, const ContactSet& contacts, const ActiveMesh& mesh);
@@ -40,19 +39,12 @@ class Grasps {
  private:
   struct HeldParticle {
     int particle, probe;
-    Vec3 arm;     ///< from the proxy, in axes that turn with the grip [m]
+    Vec3 arm;     ///< from the proxy, in axes that turn with the probe [m]
     Vec3 offset;  ///< from the proxy, at the start of the step [m]
-  };
-
-  /// Orientation of what a probe holds. It follows that of the probe.
-  struct Grip {
-    Quat now = Quat::Identity();  ///< at the start of the step
-    Quat aim = Quat::Identity();  ///< at its end, if nothing stops it
   };
 
   int particles_;  ///< number of particles of the finest grid
   std::vector<HeldParticle> held_;
-  std::vector<Grip> grips_;  ///< of the probes
   std::vector<HeldNode> nodes_;
   /// Particles that pressed on each probe, if closed, at the end of the last step.
   std::vector<std::vector<int>> touched_by_;

@@ -14,8 +14,9 @@ inline Vec3 partOfWay(const Vec3& start, const Vec3& end, double share) {
 /// [m].
 struct HeldNode {
   int node, probe;
+  Vec3 arm;     ///< offset in axes that turn with the probe
   Vec3 start;   ///< offset at the start of the step
-  Vec3 end;     ///< offset at its end, if nothing stops the turn of the probe
+  Vec3 end;     ///< offset where the turn of the probe leads
   Vec3 offset;  ///< offset now, on the straight way from start to end
 };
 

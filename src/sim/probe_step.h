@@ -24,13 +24,6 @@ struct ProbeStep {
   }
 };
 
-/// Orientation after a turn from one towards another that takes `time` [s], no faster than a hand turns. A
-/// device that turns at once, because its tracker lost it, must not throw cloth or pass through it.
-inline Quat turnedTowards(const Quat& from, const Quat& to, double time) {
-  const double angle = from.angularDistance(to), most = kFastestTurn * time;
-  return angle > most ? from.slerp(most / angle, to) : to;
-}
-
 using Proxies = std::vector<Vec3>;  ///< position or displacement for each probe of the scene [m]
 
 }  // namespace haptic_cloth

@@ -40,8 +40,20 @@ void Probes::remove(int k) {
   reports_[k] = ProbeReport();
 }
 
-void Probes::beginStep(double time_step) {
-  for (Memory& memory : memories_) memory.after = turnedTowards(memory.before, memory.device, time_step);
+void Probes::beginStep(const std::vector<ProbeOptions>& probes, double time_step) {
+  for (int k = 0; k < count(); ++k) {
+    const ProbeOptions& probe = probes[k];
+    const double extent = probe.radius + 0.5 * probe.length;
+    const double most = std::min(kFastestTurn * time_step, SolidSet::kShareOfWidth * probe.radius / extent);
+    const double angle = memories_[k].before.angularDistance(memories_[k].device);
+    memories_[k].after = memories_[k].device;
+    if (angle > most) limitTurn(k, most / angle);
+  }
+}
+
+void Probes::limitTurn(int k, double share) {
+  Memory& memory = memories_[k];
+  if (share < 1.0) memory.after = memory.before.slerp(share, memory.after);
 }
 
 bool Probes::turns(int k) const {
@@ -62,7 +74,7 @@ const std::vector<ContactSet::Reach>& Probes::findTouching(const ActiveMesh& mes
   return touching_;
 }
 
-void Probes::accept(const ClothObjective& solved, const ContactSet& contacts, const ActiveMesh& mesh,
+void Probes::accept(double made, const ClothObjective& solved, const ContactSet& contacts, const ActiveMesh& mesh,
                     const Grasps& grasps, ForceError& error) {
   for (int k = 0; k < count(); ++k) {
     if (!steps_[k].present) continue;
@@ -79,6 +91,7 @@ void Probes::accept(const ClothObjective& solved, const ContactSet& contacts, co
     report.grasps = grasps.holds(k);
     report.contact = report.grasps || contacts.probeTouched(k);
     steps_[k].proxy = report.proxy;
+    limitTurn(k, made);
     memories_[k].before = memories_[k].after;
   }
 }

@@ -27,8 +27,13 @@ class Probes {
   void setDevice(int probe, const DeviceState& device);
   void remove(int probe);
 
-  /// Starts a step of a length [s].
-  void beginStep(double time_step);
+  /// Starts a step: probes turn towards their devices, no faster than a hand, and no farther than moving
+  /// obstacles go in a step. A device whose tracker lost it must not throw cloth, nor a capsule pass through
+  /// it.
+  /// @param time_step length of the step [s]
+  void beginStep(const std::vector<ProbeOptions>& probes, double time_step);
+  /// Leaves a share of its turn in the step to a probe [-].
+  void limitTurn(int probe, double share);
 
   void setClosed(int probe, bool closed) { memories_[probe].closed = closed; }
 
@@ -49,8 +54,8 @@ class Probes {
   const std::vector<ContactSet::Reach>& findTouching(const ActiveMesh& mesh, const Field& nodes,
                                                      const std::vector<double>& reach, ContactSet& contacts);
 
-  /// Takes the results of a solved step.
-  void accept(const ClothObjective& solved, const ContactSet& contacts, const ActiveMesh& mesh,
+  /// Takes the results of a solved step. @param made share of the motion that was made [-]
+  void accept(double made, const ClothObjective& solved, const ContactSet& contacts, const ActiveMesh& mesh,
               const Grasps& grasps, ForceError& error);
 
   /// Ends a step whose solve failed: no motion, no force.

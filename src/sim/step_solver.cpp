@@ -63,13 +63,12 @@ void StepSolver::resize() {
 MinimizerReport StepSolver::solve(const std::vector<HeldNode>& held) {
   constexpr int kAttempts = 4;
   MinimizerReport report;
+  held_ = held;
   reach_.estimate();
   contacts_.forgetRough();
   bool apart = true;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    findContacts();
-    if (cloth_.integrator().secondOrder()) foreseeTouches(held);
-    beginSolve(held);
+    begin();
     const MinimizerReport last = joint_ ? minimizeJoint() : minimizeCondensed();
     report = attempt == 0 ? last : sum(report, last);
     if (last.why == Termination::NotFinite) break;
@@ -130,10 +129,10 @@ void StepSolver::findContacts() {
 }
 
 /// Tells the cloth which nodes may touch something in the step, or are held.
-void StepSolver::foreseeTouches(const std::vector<HeldNode>& held) {
+void StepSolver::foreseeTouches() {
   touched_.assign(cloth_.mesh().nodes(), 0);
   contacts_.markListed(touched_);
-  for (const HeldNode& node : held) touched_[node.node] = 1;
+  for (const HeldNode& node : held_) touched_[node.node] = 1;
   cloth_.mesh().markMasters(touched_);
   cloth_.expectJumps(touched_);
 }
@@ -144,9 +143,35 @@ double StepSolver::evaluateStart() {
   return objective_.evaluate(start_, gradient_);
 }
 
+/// Finds the contacts and starts a solve at x⁰. A probe and what it holds turn as one: where something stops
+/// the cloth, the probe turns no farther.
+void StepSolver::begin() {
+  constexpr int kTrials = 3;
+  for (int trial = 0; trial <= kTrials; ++trial) {
+    findContacts();
+    if (cloth_.integrator().secondOrder()) foreseeTouches();
+    beginSolve();
+    if (!limitTurns(trial < kTrials - 1)) return;
+  }
+}
+
+/// Limits the turns of the probes that hold what something stops: to where it came or, at last, to none.
+/// @return whether there are any
+bool StepSolver::limitTurns(bool partly) {
+  bool any = false;
+  for (int k = 0; k < probes_.count(); ++k) {
+    const double share = shares_[cloth_.pins() + k];
+    if (!objective_.heldTurns(k) || !(share < 1.0)) continue;
+    probes_.limitTurn(k, partly ? share : 0.0);
+    any = true;
+  }
+  return any;
+}
+
 /// Starts a solve at x⁰, with all nodes awake.
-void StepSolver::beginSolve(const std::vector<HeldNode>& held) {
-  objective_.begin(cloth_.nodes(), cloth_.velocities(), probes_.steps(), held);
+void StepSolver::beginSolve() {
+  for (HeldNode& node : held_) node.end = probes_.orientation(node.probe) * node.arm;
+  objective_.begin(cloth_.nodes(), cloth_.velocities(), probes_.steps(), held_);
   start_values_.potential = evaluateStart();
   start_values_.energy = objective_.storedAndLost();
   start_values_.contact = objective_.contactEnergy();
@@ -154,6 +179,10 @@ void StepSolver::beginSolve(const std::vector<HeldNode>& held) {
   start_values_.friction = objective_.frictionPotential();
   shares_.assign(cloth_.pins() + probes_.count(), 1.0);
   if (isPrescribed()) movePrescribed();
+  // A probe is where it ends already, so at x⁰ what it holds is not where it was on the probe.
+  if (turnsHeld())
+    start_values_.energy += objective_.solidEnergy() + objective_.frictionPotential() -
+                            (start_values_.contact - start_values_.layers + start_values_.friction);
   x_.head(objective_.size()) = start_.head(objective_.size());
 }
 
@@ -164,6 +193,7 @@ void StepSolver::movePrescribed() {
   const int count = static_cast<int>(shares_.size());
   shares_.assign(count, 0.0);
   go_.assign(count, 1);
+  for (int k = 0; k < probes_.count(); ++k) go_[cloth_.pins() + k] = objective_.heldTurns(k);
   bool more = true;
   while (more) {
     pinned_ = objective_.nodes();
@@ -179,6 +209,17 @@ void StepSolver::movePrescribed() {
     for (int k = 0; k < probes_.count(); ++k) objective_.turnHeld(k, shares_[cloth_.pins() + k]);
     start_values_.potential = objective_.evaluate(start_, gradient_);
   }
+}
+
+/// Tells whether pins or held nodes have a way of their own in the step.
+bool StepSolver::isPrescribed() const { return cloth_.pinsMove() || turnsHeld(); }
+
+/// Tells whether a probe turns what it holds.
+bool StepSolver::turnsHeld() const {
+  for (int k = 0; k < probes_.count(); ++k) {
+    if (objective_.heldTurns(k)) return true;
+  }
+  return false;
 }
 
 /// Stops the pins and held parts that could not reach their end if they moved alone. @return whether there

@@ -73,9 +73,12 @@ class StepSolver {
  private:
   void findContacts();
   double evaluateStart();
-  void foreseeTouches(const std::vector<HeldNode>& held);
-  void beginSolve(const std::vector<HeldNode>& held);
-  bool isPrescribed() const { return cloth_.pinsMove() || objective_.heldTurns(); }
+  void foreseeTouches();
+  void begin();
+  void beginSolve();
+  bool isPrescribed() const;
+  bool turnsHeld() const;
+  bool limitTurns(bool partly);
   void placePrescribed(int index, Field& nodes) const;
   void movePrescribed();
   bool stopPrescribed();
@@ -119,6 +122,7 @@ class StepSolver {
   Field pinned_;               ///< scratch: positions with pins and held nodes where they end [m]
   Field end_;                  ///< scratch: ends of motions, or motions [m]
   std::vector<char> touched_;  ///< scratch of foreseeTouches() and markCarried(): a flag for each node
+  std::vector<HeldNode> held_;  ///< nodes that probes hold in the step
   std::vector<double> shares_;
   std::vector<char> go_;  ///< what of it nothing has stopped in this step
   Vector x_, start_, motion_, gradient_, joint_x_;

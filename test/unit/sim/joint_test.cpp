@@ -30,7 +30,7 @@ class JointTest : public ObjectiveTest {
     const Vec3 proxy = objective_.probeSteps()[0].proxy;
     for (int n = 0; n < mesh_.free; ++n) {
       const Vec3 offset = nodes_[n] - proxy;
-      if (offset.norm() < 0.011) held.push_back({n, 0, offset, offset, offset});
+      if (offset.norm() < 0.011) held.push_back({n, 0, offset, offset, offset, offset});
     }
     ASSERT_GE(held.size(), 5u);
     objective_.begin(nodes_, velocities_, objective_.probeSteps(), held);
