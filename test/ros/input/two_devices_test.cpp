@@ -1,5 +1,5 @@
-/// The launch file for two devices: each driver moves its probe and feels it in its own axes, its button holds
-/// the cloth, and what it holds turns with it.
+/// The launch file for two devices: each driver moves its probe and feels it in its own axes, its button
+/// holds the cloth, and what it holds turns with it.
 #include <gtest/gtest.h>
 #include <haptic_cloth/ClothState.h>
 #include <ros/ros.h>
