@@ -229,7 +229,8 @@ class ContactSet {
   /// Largest factor of d up to `most`, from `nodes`, the last evaluated point, at which no probe sample
   /// and no pair uses up more than 0.9 of its gap, nor a pair comes nearer than `least_ranges` times its
   /// range. A solve stays apart by the law, so the default only keeps distances from rounding to zero.
-  /// @param passing flags of probes whose samples set no limit, because they move with the cloth; none if empty
+  /// @param passing flags of probes whose samples set no limit, because they move with the cloth; none if
+  /// empty
   double maxStep(const Field& nodes, const Field& d, const std::vector<Vec3>& d_proxies, double most,
                  double least_ranges = 1e-6, const std::vector<char>& passing = {});
 

@@ -248,7 +248,7 @@ class ClothObjective : public Objective {
   /// Both padded.
   std::vector<double> mass_, moving_mass_;
   Field nodes_, motion_, gradient_, diagonal_;
-  BlockField blocks_;  ///< blocks for the Jacobi preconditioner
+  BlockField blocks_;          ///< blocks for the Jacobi preconditioner
   std::vector<char> turning_;  ///< scratch of prescribedShare(): probes that turn what they hold
   /// Rotations of the probes that hold nodes, see ContactSet::toMiddle().
   std::vector<Eigen::Matrix3d> middles_;

@@ -5,8 +5,7 @@
 
 namespace haptic_cloth {
 
-Grasps::Grasps(int probes, const Grid& grid)
-    : particles_(grid.particles()), touched_by_(probes) {
+Grasps::Grasps(int probes, const Grid& grid) : particles_(grid.particles()), touched_by_(probes) {
   held_.reserve(particles_);
   nodes_.reserve(particles_);
   for (auto& list : touched_by_) list.reserve(particles_);

@@ -74,8 +74,8 @@ const std::vector<ContactSet::Reach>& Probes::findTouching(const ActiveMesh& mes
   return touching_;
 }
 
-void Probes::accept(double made, const ClothObjective& solved, const ContactSet& contacts, const ActiveMesh& mesh,
-                    const Grasps& grasps, ForceError& error) {
+void Probes::accept(double made, const ClothObjective& solved, const ContactSet& contacts,
+                    const ActiveMesh& mesh, const Grasps& grasps, ForceError& error) {
   for (int k = 0; k < count(); ++k) {
     if (!steps_[k].present) continue;
     ProbeReport& report = reports_[k];

@@ -118,10 +118,10 @@ class StepSolver {
   ContactReach reach_;
   Start start_values_;
   CostReport cost_;
-  Field forces_;               ///< negative forces on the nodes at rest, for sleep_ [N]
-  Field pinned_;               ///< scratch: positions with pins and held nodes where they end [m]
-  Field end_;                  ///< scratch: ends of motions, or motions [m]
-  std::vector<char> touched_;  ///< scratch of foreseeTouches() and markCarried(): a flag for each node
+  Field forces_;                ///< negative forces on the nodes at rest, for sleep_ [N]
+  Field pinned_;                ///< scratch: positions with pins and held nodes where they end [m]
+  Field end_;                   ///< scratch: ends of motions, or motions [m]
+  std::vector<char> touched_;   ///< scratch of foreseeTouches() and markCarried(): a flag for each node
   std::vector<HeldNode> held_;  ///< nodes that probes hold in the step
   std::vector<double> shares_;
   std::vector<char> go_;  ///< what of it nothing has stopped in this step
