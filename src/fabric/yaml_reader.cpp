@@ -157,7 +157,9 @@ YamlMap::YamlMap(const YamlValue& value, std::vector<std::string> known)
   for (const auto& entry : value_.node()) {
     const std::string name = entry.first.IsScalar() ? entry.first.Scalar() : describe(entry.first);
     if (std::find(known_.begin(), known_.end(), name) == known_.end()) {
-      value_.failAt(name, entry.first, "unknown key; known here: " + joined(known_));
+      const bool digits = name.find_first_not_of("0123456789") == std::string::npos;  // of {B: 0,04}
+      const std::string hint = digits ? "; decimals follow a point" : "";
+      value_.failAt(name, entry.first, "unknown key" + hint + "; known here: " + joined(known_));
     }
   }
   value_.entries();  // refuses a key that occurs twice

@@ -299,6 +299,8 @@ TEST_F(FabricFile, WrongBendingLawsAreNamed) {
       {base + "bending: {B: 1, 2HB: -1}\n", "cloth.yaml:5: bending.2HB = -1: must be >= 0"},
       {base + "bending: {B: 1, bias: {B: -1}}\n", "cloth.yaml:5: bending.bias.B = -1: must be >= 0"},
       {base + "bending: {B: 1, bias: {C: 1}}\n", "cloth.yaml:5: bending.bias.C: unknown key; known here: B"},
+      {base + "bending: {B: 1, bias: {B: 0,04}}\n",
+       "cloth.yaml:5: bending.bias.04: unknown key; decimals follow a point; known here: B"},
       {base + "bending: {warp: {B: 1}}\n", "cloth.yaml:5: bending.weft: is required beside warp"},
       {base + "bending: {warp: {B: 1}, weft: {B: 1}, 2HB: 1}\n",
        "cloth.yaml:5: bending.2HB = 1: must not stand beside warp and weft"},
