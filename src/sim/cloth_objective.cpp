@@ -104,7 +104,7 @@ double ClothObjective::prescribedShare(const Field& to) {
   motion_.fill(0.0);
   for (int n = mesh_.free; n < mesh_.active(); ++n) motion_.set(n, to[n] - nodes_[n]);
   for (const HeldNode& held : held_) motion_.set(held.node, to[held.node] - nodes_[held.node]);
-  // They stand where they end already.
+  // These probes have turned already; what they hold follows them.
   forPresent([this](int k) { turning_[k] = heldTurns(k); });
   mesh_.interpolateGhosts(motion_);
   std::fill(proxy_motions_.begin(), proxy_motions_.end(), Vec3::Zero());
