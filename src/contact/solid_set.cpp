@@ -28,6 +28,7 @@ Eigen::Matrix3d SolidSet::toMiddle(int solid) const {
 /// Limits the motion of obstacles: none may pass through the cloth within a step. An obstacle that
 /// is sent farther lags behind.
 void SolidSet::advance(const Field& cloth) {
+  constexpr double kShareOfWidth = 0.25;
   for (int k = 0; k < obstacles_; ++k) {
     Solid& solid = solids_[k];
     before_[k] = solid;

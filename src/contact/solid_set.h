@@ -11,10 +11,6 @@ namespace haptic_cloth {
 /// Obstacles first, then probes, each at the start and at the end of the current step.
 class SolidSet {
  public:
-  /// Way in a step of any point of a solid that is moved or turned, at most, over half its width. It must not
-  /// pass through cloth [-].
-  static constexpr double kShareOfWidth = 0.25;
-
   SolidSet(const std::vector<Obstacle>& obstacles, const std::vector<ProbeOptions>& probes);
 
   int size() const { return static_cast<int>(solids_.size()); }

@@ -9,11 +9,23 @@
 
 namespace haptic_cloth {
 
+namespace {
+
+/// Way of the points of a probe in a step by its turn, at most, over its radius: it must not pass cloth [-].
+constexpr double kShareOfRadius = 0.5;
+
+}  // namespace
+
 Probes::Probes(int count) : steps_(count), memories_(count), reports_(count) { touching_.reserve(count); }
 
 bool Probes::jumps(int k, const DeviceState& device, double time_step) const {
   const double elapsed = std::max(device.elapsed, time_step);
   return steps_[k].present && isJump((device.position - steps_[k].device).norm(), elapsed);
+}
+
+void Probes::setClosed(int k, bool closed) {
+  memories_[k].closed = closed;
+  if (!closed) memories_[k].slip.setIdentity();
 }
 
 void Probes::setDevice(int k, const DeviceState& device) {
@@ -44,9 +56,10 @@ void Probes::beginStep(const std::vector<ProbeOptions>& probes, double time_step
   for (int k = 0; k < count(); ++k) {
     const ProbeOptions& probe = probes[k];
     const double extent = probe.radius + 0.5 * probe.length;
-    const double most = std::min(kFastestTurn * time_step, SolidSet::kShareOfWidth * probe.radius / extent);
-    const double angle = memories_[k].before.angularDistance(memories_[k].device);
-    memories_[k].after = memories_[k].device;
+    const double most = std::min(kFastestTurn * time_step, kShareOfRadius * probe.radius / extent);
+    Memory& memory = memories_[k];
+    memory.after = memory.aim();
+    const double angle = memory.before.angularDistance(memory.after);
     if (angle > most) limitTurn(k, most / angle);
   }
 }
@@ -57,7 +70,7 @@ void Probes::limitTurn(int k, double share) {
 }
 
 bool Probes::turns(int k) const {
-  return steps_[k].present && memories_[k].device.coeffs() != memories_[k].before.coeffs();
+  return steps_[k].present && memories_[k].aim().coeffs() != memories_[k].before.coeffs();
 }
 
 const std::vector<ContactSet::Reach>& Probes::findTouching(const ActiveMesh& mesh, const Field& nodes,
@@ -87,13 +100,27 @@ void Probes::accept(double made, const ClothObjective& solved, const ContactSet&
     const double unbalanced = felt ? error.unbalancedForce(k, solved, mesh) : 0.0;
     report.force_error = error.estimate(k, moved.norm(), unbalanced, report.force, force);
     report.force = force;
-    report.torque = solved.holdTorque(k) + contacts.proxyTorque(k, solved.nodes());
+    limitTurn(k, made);
     report.grasps = grasps.holds(k);
+    const Vec3 torque = solved.holdTorque(k) + contacts.proxyTorque(k, solved.nodes());
+    report.torque = report.grasps ? feltTorque(k, torque) : torque;
     report.contact = report.grasps || contacts.probeTouched(k);
     steps_[k].proxy = report.proxy;
-    limitTurn(k, made);
-    memories_[k].before = memories_[k].after;
+    Memory& memory = memories_[k];
+    if (report.grasps && memory.after.coeffs() != memory.aim().coeffs())
+      memory.slip = (memory.device.conjugate() * memory.after).normalized();
+    memory.before = memory.after;
   }
+}
+
+/// Torque on the hand of a probe that holds cloth. Where the probe turns less than its device, a torque that
+/// drives the hand does as much work on it as on the probe.
+Vec3 Probes::feltTorque(int k, const Vec3& torque) const {
+  const Memory& memory = memories_[k];
+  const Eigen::AngleAxisd asked(memory.aim() * memory.before.conjugate());
+  const Eigen::AngleAxisd made(memory.after * memory.before.conjugate());
+  const bool slips = made.angle()<asked.angle(), drives = torque.dot(asked.axis())> 0.0;
+  return slips && drives ? Vec3(made.angle() / asked.angle() * torque) : torque;
 }
 
 void Probes::restore() {
@@ -127,6 +154,7 @@ void Probes::Memory::serialize(Archive& archive) {
   archive("entered", has_been_clear);
   archive("closed", closed);
   archive("orientation", device);
+  archive("slip", slip);
   archive("before", before);
   archive("coupled_device", coupled.device);
   archive("coupling", coupled.energy);

@@ -27,15 +27,15 @@ class Probes {
   void setDevice(int probe, const DeviceState& device);
   void remove(int probe);
 
-  /// Starts a step: probes turn towards their devices, no faster than a hand, and no farther than moving
-  /// obstacles go in a step. A device whose tracker lost it must not throw cloth, nor a capsule pass through
-  /// it.
+  /// Starts a step: probes turn towards their devices, no faster than a hand, and no farther than they pass
+  /// no cloth. An open probe that lags catches up. One that holds cloth slips on what its device holds: if it
+  /// caught up, it would do work that no hand had paid for.
   /// @param time_step length of the step [s]
   void beginStep(const std::vector<ProbeOptions>& probes, double time_step);
   /// Leaves a share of its turn in the step to a probe [-].
   void limitTurn(int probe, double share);
 
-  void setClosed(int probe, bool closed) { memories_[probe].closed = closed; }
+  void setClosed(int probe, bool closed);
 
   const std::vector<ProbeStep>& steps() const { return steps_; }  ///< input of the next step
   const std::vector<ProbeReport>& reports() const { return reports_; }
@@ -44,7 +44,7 @@ class Probes {
   /// Orientation at the start and at the end of the step.
   const Quat& orientationBefore(int probe) const { return memories_[probe].before; }
   const Quat& orientation(int probe) const { return memories_[probe].after; }
-  /// Tells whether it is present and has not yet the orientation of its device.
+  /// Tells whether it is present and its device turns it.
   bool turns(int probe) const;
 
   /// Places the present probes for a search of contacts. A probe that appears within the cloth
@@ -80,12 +80,17 @@ class Probes {
     bool has_been_clear = false;     ///< of the cloth, since it appeared
     bool closed = false;             ///< holds the cloth that it touches
     Quat device = Quat::Identity();  ///< orientation of the device
+    Quat slip = Quat::Identity();    ///< of a probe that holds cloth, in axes that turn with the device
     /// Orientation of the probe at the start and at the end of the current step.
     Quat before = Quat::Identity(), after = Quat::Identity();
     Coupled coupled;  ///< at the end of the last step
 
+    /// Orientation to which the device turns the probe.
+    Quat aim() const { return device * slip; }
     void serialize(Archive& archive);
   };
+
+  Vec3 feltTorque(int probe, const Vec3& torque) const;
 
   std::vector<ProbeStep> steps_;
   std::vector<Memory> memories_;

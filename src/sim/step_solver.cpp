@@ -151,18 +151,19 @@ void StepSolver::begin() {
     findContacts();
     if (cloth_.integrator().secondOrder()) foreseeTouches();
     beginSolve();
-    if (!limitTurns(trial < kTrials - 1)) return;
+    if (trial == kTrials || !limitTurns(trial < kTrials - 1)) return;
   }
 }
 
-/// Limits the turns of the probes that hold what something stops: to where it came or, at last, to none.
-/// @return whether there are any
+/// Limits the turns of the probes that hold what something stops: to nearly where it came or, at last, to
+/// none. @return whether there are any
 bool StepSolver::limitTurns(bool partly) {
+  constexpr double kShareOfWay = 0.9;  // a shorter turn goes another straight way
   bool any = false;
   for (int k = 0; k < probes_.count(); ++k) {
     const double share = shares_[cloth_.pins() + k];
     if (!objective_.heldTurns(k) || !(share < 1.0)) continue;
-    probes_.limitTurn(k, partly ? share : 0.0);
+    probes_.limitTurn(k, partly ? kShareOfWay * share : 0.0);
     any = true;
   }
   return any;

@@ -65,18 +65,19 @@ class Hand {
     work_reported_ = simulation_.energy().work;
   }
 
-  /// Turns the end about the axis of the strip, which it stays on, at an even rate. @param angle [rad]
-  void turnFrom(double start, double end, double time) {
+  /// Turns the end about the axis of the strip, which it stays on, at an even rate. @param start, end [rad]
+  /// @return work() then [J]
+  double turnFrom(double start, double end, double time) {
     const int steps = static_cast<int>(time / simulation_.scene().solver.time_step);
     for (int k = 1; k <= steps; ++k) turnTo(start + (end - start) * k / steps);
+    return work_;
   }
 
-  StepReport turnTo(double angle) {
+  void turnTo(double angle) {
     const Quat turn(Eigen::AngleAxisd(angle, Vec3::UnitX()));
-    const StepReport report = moveTo(centre_ + turn * above_, turn * kLying);
+    moveTo(centre_ + turn * above_, turn * kLying);
     work_ -= simulation_.probe().torque.x() * (angle - angle_);
     angle_ = angle;
-    return report;
   }
 
   /// Number of the first column that is held: it has kept its place on the probe.
@@ -89,7 +90,9 @@ class Hand {
   }
 
   Simulation& simulation() { return simulation_; }
-  double work() const { return work_; }  ///< of the hand, since it pulled [J]
+  double work() const { return work_; }        ///< of the hand, since it pulled [J]
+  double gained() const { return gained_; }    ///< largest fall of what is dissipated below its maximum [J]
+  double deepest() const { return deepest_; }  ///< cloth below a solid [m]
   double workReported() const { return simulation_.energy().work - work_reported_; }
   double stored() const {
     const EnergyReport e = simulation_.energy();
@@ -100,20 +103,23 @@ class Hand {
   static constexpr double kRounding = 1e-12;  ///< of positions in metres, turned some thousand times
 
  private:
-  StepReport moveTo(const Vec3& device, const Quat& orientation) {
+  void moveTo(const Vec3& device, const Quat& orientation) {
     const Vec3 moved = device - device_;
     device_ = device;
     simulation_.setDevice(0, {device, moved / simulation_.scene().solver.time_step, orientation});
     const StepReport report = simulation_.step();
     EXPECT_FALSE(report.failed);
     work_ -= simulation_.probe().force.dot(moved);
-    return report;
+    deepest_ = std::max(deepest_, report.max_penetration);
+    const double lost = simulation_.energy().dissipated;
+    gained_ = std::max(gained_, lost_ - lost);
+    lost_ = std::max(lost_, lost);
   }
 
   Simulation simulation_;
   std::vector<Vec3> positions_, offsets_;  ///< of the middle row: offsets from the proxy when it was taken
   Vec3 device_, above_, centre_;
-  double angle_ = 0.0, work_ = 0.0, work_reported_ = 0.0;
+  double angle_ = 0.0, work_ = 0.0, work_reported_ = 0.0, lost_ = 0.0, gained_ = 0.0, deepest_ = 0.0;
 };
 
 class TwistedStrip : public testing::TestWithParam<Strategy> {};
@@ -165,49 +171,45 @@ TEST_P(TwistedStrip, TakesTheWorkOfTheTorqueAndGivesItBack) {
 INSTANTIATE_TEST_SUITE_P(Strategies, TwistedStrip, testing::Values(Strategy::Finest, Strategy::Amrc),
                          [](const auto& info) { return name(info.param); });
 
-// Half a turn in one step would take every held particle straight through the axis.
-TEST(TurnedGrasp, FollowsAnOrientationThatJumpsAsFastAsAHandTurns) {
+// Half a turn in one step would take every held particle straight through the axis. The cloth turns as far as
+// a hand could, and slips for the rest.
+TEST(TurnedGrasp, SlipsWhereAnOrientationJumps) {
   Hand hand(heldStrip(Strategy::Finest));
   Simulation& simulation = hand.simulation();
-  const double h = simulation.scene().solver.time_step;
   const int held = hand.firstHeld();
   const ProbeReport start = simulation.probe();
-  const Quat turned = Quat(Eigen::AngleAxisd(3.0, Vec3::UnitX())) * kLying;
-  double turn = 0.0;
-  Vec3 last = particle(simulation, held, kRows / 2) - start.proxy;
-  const double arm = last.norm();
-  for (int k = 0; k < 200; ++k) {
-    simulation.setDevice(0, {start.device, Vec3::Zero(), turned});
+  const auto offset = [&] { return Vec3(particle(simulation, held, kRows / 2) - simulation.probe().proxy); };
+  const Vec3 before = offset();
+  for (int k = 0; k < 50; ++k) {
+    simulation.setDevice(0,
+                         {start.device, Vec3::Zero(), Quat(Eigen::AngleAxisd(3.0, Vec3::UnitX())) * kLying});
     ASSERT_FALSE(simulation.step().failed);
-    const Vec3 offset = particle(simulation, held, kRows / 2) - simulation.probe().proxy;
-    EXPECT_LE((offset - last).norm(), tolerance(kFastestTurn * h * arm + Hand::kRounding));
-    turn += std::atan2(last.cross(offset).x(), last.tail<2>().dot(offset.tail<2>()));
-    last = offset;
   }
-  EXPECT_NEAR(turn, 3.0, tolerance(1e-6));
-  EXPECT_EQ(simulation.crossings().pairs, 0);
+  const Vec3 now = offset();
+  const double turned = std::atan2(before.cross(now).x(), before.tail<2>().dot(now.tail<2>()));
+  EXPECT_NEAR(turned, kFastestTurn * simulation.scene().solver.time_step,
+              tolerance(Hand::kRounding / before.norm()));
 }
 
-// The end of a capsule may move by a quarter of its radius in a step (solid_set.h), here at 1.9 rad/s. A
-// capsule that turned faster than what it holds went through it, and the balance gained 0.8 J.
-TEST(TurnedGrasp, OfALongCapsuleCatchesUpWithAFastHand) {
-  constexpr double kRate = 15.0, kAngle = 1.0;  // [rad/s], [rad]
+// The points of a capsule move by at most half its radius in a step (probes.cpp), here at 7 rad/s, so the
+// grip of a faster hand slips. A capsule that caught up later worked without the hand, which got 27 mJ back
+// of 4 mJ. One that turned on without what it held went through it: the balance gained 0.8 J.
+TEST(TurnedGrasp, OfALongCapsuleGivesAFastHandNothing) {
+  constexpr double kAngle = 1.2;  // [rad]
   Scene scene = heldStrip(Strategy::Finest);
   scene.probes[0].length = 0.1;
   scene.solver.time_step = 4e-3;
-  Hand hand(scene);
-  const int held = hand.firstHeld();
-  double lost = hand.simulation().energy().dissipated;
-  const auto turn = [&](double angle) {
-    const StepReport report = hand.turnTo(angle);
-    const double now = hand.simulation().energy().dissipated;
-    EXPECT_GE(now, lost - tolerance(1e-9));  // a hundred-thousandth of the work
-    EXPECT_EQ(report.max_penetration, 0.0);
-    lost = now;
-  };
-  for (double angle = 0.0; angle < kAngle; angle += kRate * scene.solver.time_step) turn(angle);
-  for (int k = 0; k < 200; ++k) turn(kAngle);
-  EXPECT_EQ(hand.firstHeld(), held);
+  for (const double rate : {5.0, 15.0, 30.0}) {
+    Hand hand(scene);
+    const double there = hand.turnFrom(0.0, kAngle, kAngle / rate);
+    for (int k = 0; k < 100; ++k) hand.turnTo(kAngle);
+    hand.turnFrom(kAngle, 0.0, 2.0);
+    std::printf("%g rad/s: there %.3g, in all %.3g J, gained %.2g J\n", rate, there, hand.work(),
+                hand.gained());
+    EXPECT_GT(hand.work(), -tolerance(1e-3 * there)) << rate << " rad/s: the hand gains";
+    EXPECT_LT(hand.gained(), tolerance(1e-3 * there)) << rate << " rad/s";
+    EXPECT_EQ(hand.deepest(), 0.0) << rate << " rad/s";
+  }
 }
 
 // The end of a capsule above a taut sheet swings down to 11 mm below it, 9 mm in a step of a fast hand. The
@@ -321,7 +323,7 @@ class FoldedByTwo {
 };
 
 // The upper end turns into the lower one, which is held, waits there, and turns back. A capsule that turned
-// on through what it held gained its hand up to 5 mJ of 7 mJ, and the balance 0.5 J.
+// on through what it held gave its hand 12 mJ back of 7 mJ, and the balance 0.5 J.
 TEST(TurnedGrasp, GainsNothingFromATurnThatLayersStop) {
   constexpr double kAngle = 1.2;  // [rad]
   for (const double rate : {1.0, 4.0}) {
