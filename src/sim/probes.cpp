@@ -12,7 +12,7 @@ namespace haptic_cloth {
 namespace {
 
 /// Way of the points of a probe in a step by its turn, at most, over its radius: it must not pass cloth [-].
-constexpr double kShareOfRadius = 0.5;
+constexpr double kShareOfRadius = 0.25;
 
 }  // namespace
 

@@ -191,9 +191,9 @@ TEST(TurnedGrasp, SlipsWhereAnOrientationJumps) {
               tolerance(Hand::kRounding / before.norm()));
 }
 
-// The points of a capsule move by at most half its radius in a step (probes.cpp), here at 7 rad/s, so the
-// grip of a faster hand slips. A capsule that caught up later worked without the hand, which got 27 mJ back
-// of 4 mJ. One that turned on without what it held went through it: the balance gained 0.8 J.
+// The points of a capsule move by at most a quarter of its radius in a step (probes.cpp), here at 3.5 rad/s,
+// so the grip of a faster hand slips. A capsule that caught up later worked without the hand, which got 27 mJ
+// back of 4 mJ. One that turned on without what it held went through it: the balance gained 0.8 J.
 TEST(TurnedGrasp, OfALongCapsuleGivesAFastHandNothing) {
   constexpr double kAngle = 1.2;  // [rad]
   Scene scene = heldStrip(Strategy::Finest);
