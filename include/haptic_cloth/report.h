@@ -79,7 +79,8 @@ struct ProbeReport {
   /// steps [N]. 0 if there was no force in this step and the one before; after a failed step at
   /// least the force that was lost.
   double force_error = 0.0;
-  /// Torque of the cloth on the probe about its proxy [N·m].
+  /// Torque of the cloth on the probe about its proxy [N·m]. Where a probe that grasps turns less than its
+  /// device, and the torque drives the hand, it is reduced: it works on the hand as much as on the probe.
   Vec3 torque = Vec3::Zero();
   /// A sample of the cloth presses on the probe, or the probe grasps; false after a failed step.
   bool contact = false;
