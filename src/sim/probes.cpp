@@ -38,7 +38,7 @@ void Probes::setDevice(int k, const DeviceState& device) {
     reports_[k].velocity = Vec3::Zero();
     memory.coupled.device = device.position;
     memory.has_been_clear = false;
-    memory.before = memory.device;
+    memory.before = reports_[k].orientation = memory.device;
   }
   step.present = true;
   step.device = device.position;
@@ -109,7 +109,7 @@ void Probes::accept(double made, const ClothObjective& solved, const ContactSet&
     Memory& memory = memories_[k];
     if (report.grasps && memory.after.coeffs() != memory.aim().coeffs())
       memory.slip = (memory.device.conjugate() * memory.after).normalized();
-    memory.before = memory.after;
+    memory.before = report.orientation = memory.after;
   }
 }
 
@@ -148,6 +148,7 @@ void Probes::serialize(Archive& archive) {
   archive.each("probe_torque", reports_, &ProbeReport::torque);
   archive.each("probe_contact", reports_, &ProbeReport::contact);
   archive.each("probe_grasps", reports_, &ProbeReport::grasps);
+  for (int k = 0; k < count(); ++k) reports_[k].orientation = memories_[k].before;
 }
 
 void Probes::Memory::serialize(Archive& archive) {

@@ -110,7 +110,7 @@ void DisplayThread::publishProxies(const DisplayFrame& frame) {
   for (std::size_t k = 0; k < frame.probes.size(); ++k) {
     const ProbeView& probe = frame.probes[k];
     if (!probe.report.present) continue;
-    proxy.pose = toPose(probe.report.proxy, probe.orientation);
+    proxy.pose = toPose(probe.report.proxy, probe.report.orientation);
     sources_.probes[k].proxy().publish(proxy);
   }
 }

@@ -206,7 +206,7 @@ void MarkerBuilder::updateQuality(const DisplayFrame& frame, const std::vector<V
 void MarkerBuilder::updateProbe(const ProbeMarkers& markers, const ProbeView& probe, const Vec3& force) {
   const ProbeReport& report = probe.report;
   markers.device.place(markers_, {report.device, probe.orientation});
-  markers.proxy.place(markers_, {report.proxy, probe.orientation});
+  markers.proxy.place(markers_, {report.proxy, report.orientation});
   for (const SolidMarkers& solid : {markers.device, markers.proxy}) solid.show(markers_, report.present);
   markers.proxy.paint(markers_, graspColor(probe.grasp));
   Marker& arrow = markers_.markers[markers.arrow];

@@ -185,6 +185,8 @@ TEST(TurnedGrasp, SlipsWhereAnOrientationJumps) {
                          {start.device, Vec3::Zero(), Quat(Eigen::AngleAxisd(3.0, Vec3::UnitX())) * kLying});
     ASSERT_FALSE(simulation.step().failed);
   }
+  EXPECT_NEAR(simulation.probe().orientation.angularDistance(kLying),
+              kFastestTurn * simulation.scene().solver.time_step, tolerance(1e-9));
   const Vec3 now = offset();
   const double turned = std::atan2(before.cross(now).x(), before.tail<2>().dot(now.tail<2>()));
   EXPECT_NEAR(turned, kFastestTurn * simulation.scene().solver.time_step,

@@ -222,7 +222,7 @@ TEST_F(MarkersTest, CapsulesAndObstaclesStandWhereTheyAre) {
   ProbeView& finger = frame_.probes[1];
   finger.report.present = true;
   finger.report.proxy = Vec3(0.1, 0.2, 0.3);
-  finger.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitX());
+  finger.report.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitX());
   const Pose moved{Vec3(1, 2, 3), Quat(Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitX()))};
   frame_.obstacles[0] = moved;
   MarkerBuilder builder(scene_, "world", MarkerOptions());
