@@ -180,7 +180,7 @@ std::vector<Vec3> forcesAlongPath(Simulation simulation, int length) {
 
 /// A probe pushes a strip into a fold. Criterion: the table in docs/guide/speed_and_accuracy.md says 3 % up
 /// to 50 iterations, 5 to 9 % with 20 and 15 to 25 % with 10, root mean square on three paths of vector code.
-/// Solves that end so early depend on the order of sums: half as much again is allowed for.
+/// Solves that a limit ends depend on the order of sums: half as much again is allowed for.
 TEST(Rungs, CostTheForceOfAFoldWhatTheGuideSays) {
   Scene scene = loadScene(HAPTIC_CLOTH_SOURCE_DIR "/bench/scenes/fold_probe.yaml");
   Scene exact = scene;
@@ -202,6 +202,7 @@ TEST(Rungs, CostTheForceOfAFoldWhatTheGuideSays) {
     const int iterations = rungs[r].solver.minimizer.max_iterations;
     const double limit = iterations <= 10   ? 0.4
                          : iterations <= 20 ? 0.15
+                         : iterations <= 50 ? 0.045
                                             : 0.03,
                  error = std::sqrt(squared / mean);
     record({"rungs of the ladder, a probe pushes a strip into a fold", "rms error of the force [%]", "amrc",
