@@ -70,15 +70,6 @@ ContactSet::Energy ContactSet::evaluate(int begin, int end, const Field& nodes) 
   return {solids.contact, layers.contact, solids.friction + layers.friction};
 }
 
-double ContactSet::maxStep(const Field& nodes, const Field& d, const std::vector<Vec3>& d_proxies,
-                           double most, double least_ranges, const std::vector<char>& passing) {
-  double step = most;
-  for (int k = 0; k < static_cast<int>(d_proxies.size()); ++k) {
-    if (passing.empty() || !passing[k]) step = std::min(step, forces_.maxStep(k, d, d_proxies));
-  }
-  return self_ ? self_->maxStep(nodes, d, step, least_ranges) : step;
-}
-
 bool ContactSet::carry(const Field& x, Field& ways) const {
   constexpr double kLeastWay = 0.5;  // [ranges of the law]
   int fastest = -1;

@@ -232,7 +232,10 @@ class ContactSet {
   /// @param passing flags of probes whose samples set no limit, because they move with the cloth; none if
   /// empty
   double maxStep(const Field& nodes, const Field& d, const std::vector<Vec3>& d_proxies, double most,
-                 double least_ranges = 1e-6, const std::vector<char>& passing = {});
+                 double least_ranges = 1e-6, const std::vector<char>& passing = {}) {
+    const double step = std::min(most, forces_.maxStep(d, d_proxies, passing));
+    return self_ ? self_->maxStep(nodes, d, step, least_ranges) : step;
+  }
 
   /// Rotation that takes a vector fixed to a probe from the end of the step back to its middle.
   Eigen::Matrix3d toMiddle(int probe) const { return solids_.toMiddle(solids_.indexOf(probe)); }

@@ -79,13 +79,15 @@ double SampleForces::quadraticForm(int begin, int end, const Field& d, const std
   return sum;
 }
 
-double SampleForces::maxStep(int probe, const Field& d, const std::vector<Vec3>& d_proxies) const {
+double SampleForces::maxStep(const Field& d, const std::vector<Vec3>& d_proxies,
+                             const std::vector<char>& passing) const {
   // The distance is convex, so its tangent bounds it along the step. A probe that is pressed hard goes below
   // the firm gap, where the law is linear: there all directions would end at next to nothing.
   constexpr double kShareOfGap = 0.9;
   double step = 1e300;
   forGroups(0, samples_.size(), [&](int solid, int first, int last) {
-    if (solid != solids_.indexOf(probe)) return;
+    const int probe = solid - solids_.obstacles();
+    if (probe < 0 || (!passing.empty() && passing[probe])) return;
     step = std::min(step, kernels().largestStep(packs_.data(), first, last, kShareOfGap, law_.firmGap(),
                                                 d.arrays(), d_proxies[probe].data()));
   });

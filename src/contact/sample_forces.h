@@ -35,9 +35,9 @@ class SampleForces {
   double quadraticForm(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
                        bool whole_motion) const;
 
-  /// Largest factor of d from the last evaluated point at which no sample of a probe uses up more than
-  /// 0.9 of its gap.
-  double maxStep(int probe, const Field& d, const std::vector<Vec3>& d_proxies) const;
+  /// Largest factor of d from the last evaluated point at which no probe sample uses up more than
+  /// 0.9 of its gap. @param passing as for ContactSet::maxStep()
+  double maxStep(const Field& d, const std::vector<Vec3>& d_proxies, const std::vector<char>& passing) const;
 
   /// Stores how the gradient of each sample changes along d at `nodes`, the last evaluated point.
   /// The change includes the curvature of the solids.

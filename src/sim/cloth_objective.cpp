@@ -62,7 +62,11 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
   held_ = held;
   present_ = 0;
   forPresent([this](int k) { probes_[k].unknown = present_++; });
-  for (const HeldNode& node : held_) middles_[node.probe] = contacts_.toMiddle(node.probe);
+  std::fill(turning_.begin(), turning_.end(), 0);
+  for (const HeldNode& node : held_) {
+    turning_[node.probe] |= node.end != node.start;
+    middles_[node.probe] = contacts_.toMiddle(node.probe);
+  }
   start_ = positions;
   for (auto* list : {&gradient_, &diagonal_}) list->resize(mesh_.nodes());
   motion_.clear(mesh_.nodes());  // zero for pinned nodes
@@ -104,10 +108,9 @@ double ClothObjective::prescribedShare(const Field& to) {
   motion_.fill(0.0);
   for (int n = mesh_.free; n < mesh_.active(); ++n) motion_.set(n, to[n] - nodes_[n]);
   for (const HeldNode& held : held_) motion_.set(held.node, to[held.node] - nodes_[held.node]);
-  // These probes have turned already; what they hold follows them.
-  forPresent([this](int k) { turning_[k] = heldTurns(k); });
   mesh_.interpolateGhosts(motion_);
   std::fill(proxy_motions_.begin(), proxy_motions_.end(), Vec3::Zero());
+  // A probe that turns what it holds has turned already, and the cloth follows it.
   const double share = contacts_.maxStep(nodes_, motion_, proxy_motions_, 1.0, kLeastRanges, turning_);
   motion_.fill(0.0);
   return share;
@@ -115,11 +118,6 @@ double ClothObjective::prescribedShare(const Field& to) {
 
 void ClothObjective::movePinned(const Field& to, double share) {
   for (int n = mesh_.free; n < mesh_.active(); ++n) nodes_.set(n, nodes_[n] + share * (to[n] - nodes_[n]));
-}
-
-bool ClothObjective::heldTurns(int probe) const {
-  return std::any_of(held_.begin(), held_.end(),
-                     [=](const HeldNode& held) { return held.probe == probe && held.end != held.start; });
 }
 
 void ClothObjective::placeHeld(int probe, Field& nodes) const {

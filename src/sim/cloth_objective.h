@@ -114,7 +114,7 @@ class ClothObjective : public Objective {
   void movePinned(const Field& to, double share);
 
   /// Tells whether what a probe holds turns in the step.
-  bool heldTurns(int probe) const;
+  bool heldTurns(int probe) const { return turning_[probe] != 0; }
   /// Sets the nodes that a probe holds to where they end in the step if its proxy stays.
   void placeHeld(int probe, Field& nodes) const;
   /// Turns what a probe holds by a share of its way in the step. Call evaluate() after it.
@@ -249,7 +249,7 @@ class ClothObjective : public Objective {
   std::vector<double> mass_, moving_mass_;
   Field nodes_, motion_, gradient_, diagonal_;
   BlockField blocks_;          ///< blocks for the Jacobi preconditioner
-  std::vector<char> turning_;  ///< scratch of prescribedShare(): probes that turn what they hold
+  std::vector<char> turning_;  ///< flags of the probes that turn what they hold
   /// Rotations of the probes that hold nodes, see ContactSet::toMiddle().
   std::vector<Eigen::Matrix3d> middles_;
   Proxies proxies_, proxy_motions_, hold_forces_, hold_torques_;

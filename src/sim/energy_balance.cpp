@@ -40,8 +40,8 @@ double EnergyBalance::guard(double kinetic_before, double gravity_work, const Cl
   if (converged && moves) allowed += balanceUndone(solved.workUndone(), kinetic - allowed);
   if (kinetic <= allowed) return 1.0;
   const double scale = cloth.limitKineticEnergy(allowed);
-  prescribed_work_ +=
-      (1.0 - scale * scale) * cloth.pinnedKineticEnergy();  // what moves the pins pays their share
+  // What moves the pins pays their share.
+  prescribed_work_ += (1.0 - scale * scale) * cloth.pinnedKineticEnergy();
   return scale;
 }
 

@@ -119,8 +119,8 @@ Vec3 Probes::feltTorque(int k, const Vec3& torque) const {
   const Memory& memory = memories_[k];
   const Eigen::AngleAxisd asked(memory.aim() * memory.before.conjugate());
   const Eigen::AngleAxisd made(memory.after * memory.before.conjugate());
-  const bool slips = made.angle()<asked.angle(), drives = torque.dot(asked.axis())> 0.0;
-  return slips && drives ? Vec3(made.angle() / asked.angle() * torque) : torque;
+  const bool follows = made.angle() >= asked.angle(), resists = torque.dot(asked.axis()) <= 0.0;
+  return follows || resists ? torque : Vec3(made.angle() / asked.angle() * torque);
 }
 
 void Probes::restore() {

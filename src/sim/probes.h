@@ -27,9 +27,9 @@ class Probes {
   void setDevice(int probe, const DeviceState& device);
   void remove(int probe);
 
-  /// Starts a step: probes turn towards their devices, no faster than a hand, and no farther than they pass
-  /// no cloth. An open probe that lags catches up. One that holds cloth slips on what its device holds: if it
-  /// caught up, it would do work that no hand had paid for.
+  /// Starts a step: probes turn towards their devices, no faster than a hand, and not so far that they could
+  /// pass through cloth in the step. An open probe that lags catches up. The grip of one that holds cloth
+  /// slips: if it caught up, it would do work that no hand had paid for.
   /// @param time_step length of the step [s]
   void beginStep(const std::vector<ProbeOptions>& probes, double time_step);
   /// Leaves a share of its turn in the step to a probe [-].
@@ -80,7 +80,7 @@ class Probes {
     bool has_been_clear = false;     ///< of the cloth, since it appeared
     bool closed = false;             ///< holds the cloth that it touches
     Quat device = Quat::Identity();  ///< orientation of the device
-    Quat slip = Quat::Identity();    ///< of a probe that holds cloth, in axes that turn with the device
+    Quat slip = Quat::Identity();    ///< of the grip, in axes that turn with the device
     /// Orientation of the probe at the start and at the end of the current step.
     Quat before = Quat::Identity(), after = Quat::Identity();
     Coupled coupled;  ///< at the end of the last step

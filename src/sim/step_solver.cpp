@@ -416,7 +416,6 @@ bool StepSolver::balanceNetForce(double& value, int trials, double most_residual
 /// @return Φ at the guess; gradient_ is its gradient
 double StepSolver::chooseInitialGuess() {
   constexpr double kHeldBack = 0.9;  // share of the inertial motion
-  constexpr double kNetShare = 0.3;  // of the residual, below which a solve makes good the net force as well
   const int size = objective_.size();
   const double at_rest =
       objective_.awake().all() ? start_values_.potential : objective_.evaluate(start_, gradient_);
@@ -427,13 +426,20 @@ double StepSolver::chooseInitialGuess() {
   if (held_back) goAlongDirections(1.0, model.fall_with_inertia, directions_[0]);
   const bool carried = touches && goWithObstacle(directions_[1]);
   double value = objective_.evaluate(x_, gradient_);
-  const double net = objective_.netForce().norm() / (cloth_.mass() * objective_.accelerationUnit());
-  if (objective_.allFree() && net > kNetShare * objective_.residual(gradient_)) balanceNetForce(value);
+  if (objective_.allFree() && netForceStandsOut()) balanceNetForce(value);
   if (held_back) value = takeIfLower(directions_[0], value);
   if (carried) value = takeIfLower(directions_[1], value);
   if (value <= at_rest) return value;
   x_.head(size) = start_.head(size);
   return objective_.evaluate(x_, gradient_);
+}
+
+/// Tells whether the net force is a large part of the residual. A solve makes good a small one along with the
+/// rest. @pre the last evaluation was at a point with gradient_
+bool StepSolver::netForceStandsOut() const {
+  constexpr double kShare = 0.3;
+  const double net = objective_.netForce().norm() / (cloth_.mass() * objective_.accelerationUnit());
+  return net > kShare * objective_.residual(gradient_);
 }
 
 /// Makes another guess x_ if Φ is lower there. @param value Φ at x_, the last evaluated point

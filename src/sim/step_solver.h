@@ -100,6 +100,7 @@ class StepSolver {
     double fall_with_inertia;  ///< the factor of gravity's direction if that of inertia's is one
   };
   double chooseInitialGuess();
+  bool netForceStandsOut() const;
   double takeIfLower(Vector& other, double value);
   bool goWithObstacle(Vector& x);
   void goAlongDirections(double inertial, double fall, Vector& x);

@@ -174,7 +174,7 @@ TEST_P(TortureTurned, ByAHandThatHolds) {
   if (iterations > 0) sheet.scene.solver.minimizer.max_iterations = iterations;
   sheet.scene.stop.time = lengthOf(0.4);
   sheet.limits.thrown = 2.0 * kFastestTurn * kArm;
-  // What a thread from a corner to the grip winds up, over its length.
+  // A thread from a corner to the grip is wound up at most so far, over its length.
   const double wound = kArm * kFastestTurn * (sheet.scene.stop.time - 0.02);
   sheet.limits.strain = wound / (std::hypot(0.05, 0.05) - kArm);
   tortureLayers(sheet);

@@ -43,6 +43,20 @@ Scene heldStrip(Strategy strategy) {
   return scene;
 }
 
+/// Watches whether the balance of energy gains.
+class Watch {
+ public:
+  void note(const Simulation& simulation) {
+    const double lost = simulation.energy().dissipated;
+    gained_ = std::max(gained_, lost_ - lost);
+    lost_ = std::max(lost_, lost);
+  }
+  double gained() const { return gained_; }  ///< largest fall of what is dissipated below its maximum [J]
+
+ private:
+  double lost_ = 0.0, gained_ = 0.0;
+};
+
 /// A hand that holds the end of a strip, and what it does.
 class Hand {
  public:
@@ -52,10 +66,7 @@ class Hand {
     while (!simulation_.probe().grasps && device_.z() > 0.0) moveTo(device_ - Vec3(0.0, 0.0, 2e-5), kLying);
     EXPECT_TRUE(simulation_.probe().grasps);
     simulation_.positions(positions_);
-    for (int i = 0; i < kColumns; ++i) {
-      const Vec3 offset = at(i) - simulation_.probe().proxy;
-      offsets_.push_back(offset);
-    }
+    for (int i = 0; i < kColumns; ++i) offsets_.push_back(at(i) - simulation_.probe().proxy);
     const Vec3 axis(device_.x(), 0.0, 0.0), pull(0.006, 0.0, 0.0);
     above_ = device_ - axis;
     for (int k = 1; k <= 300; ++k) moveTo(axis + k / 300.0 * pull + above_, kLying);
@@ -90,8 +101,8 @@ class Hand {
   }
 
   Simulation& simulation() { return simulation_; }
-  double work() const { return work_; }        ///< of the hand, since it pulled [J]
-  double gained() const { return gained_; }    ///< largest fall of what is dissipated below its maximum [J]
+  double work() const { return work_; }  ///< of the hand, since it pulled [J]
+  double gained() const { return watch_.gained(); }
   double deepest() const { return deepest_; }  ///< cloth below a solid [m]
   double workReported() const { return simulation_.energy().work - work_reported_; }
   double stored() const {
@@ -111,15 +122,14 @@ class Hand {
     EXPECT_FALSE(report.failed);
     work_ -= simulation_.probe().force.dot(moved);
     deepest_ = std::max(deepest_, report.max_penetration);
-    const double lost = simulation_.energy().dissipated;
-    gained_ = std::max(gained_, lost_ - lost);
-    lost_ = std::max(lost_, lost);
+    watch_.note(simulation_);
   }
 
   Simulation simulation_;
   std::vector<Vec3> positions_, offsets_;  ///< of the middle row: offsets from the proxy when it was taken
   Vec3 device_, above_, centre_;
-  double angle_ = 0.0, work_ = 0.0, work_reported_ = 0.0, lost_ = 0.0, gained_ = 0.0, deepest_ = 0.0;
+  double angle_ = 0.0, work_ = 0.0, work_reported_ = 0.0, deepest_ = 0.0;
+  Watch watch_;
 };
 
 class TwistedStrip : public testing::TestWithParam<Strategy> {};
@@ -287,13 +297,11 @@ class FoldedByTwo {
     for (const int k : {0, 1})
       simulation_.setDevice(k, {hands_[k].position, Vec3::Zero(), hands_[k].orientation});
     ASSERT_FALSE(simulation_.step().failed);
-    const double lost = simulation_.energy().dissipated;
-    gained_ = std::max(gained_, lost_ - lost);
-    lost_ = std::max(lost_, lost);
+    watch_.note(simulation_);
   }
 
   Simulation& simulation() { return simulation_; }
-  double gained() const { return gained_; }  ///< largest fall of what is dissipated below its maximum [J]
+  double gained() const { return watch_.gained(); }
 
  private:
   static constexpr double kReach = 0.052, kAbove = 0.0084;  // [m]
@@ -321,7 +329,7 @@ class FoldedByTwo {
 
   Simulation simulation_;
   std::array<Pose, 2> hands_;
-  double lost_ = 0.0, gained_ = 0.0;
+  Watch watch_;
 };
 
 // The upper end turns into the lower one, which is held, waits there, and turns back. A capsule that turned
