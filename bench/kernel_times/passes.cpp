@@ -109,7 +109,7 @@ void addNodes(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
          return cloth.gradient().coordinate(0)[0];
        }});
   passes.push_back({"packing", "value", 0.0, 4.0 * n.unknowns * sizeof(double), [&cloth] {
-                      Proxies proxies(cloth.scene().probes.size(), Vec3::Zero());
+                      Proxies proxies(cloth.scene().probes.size());
                       cloth.objective().unpack(cloth.point(), cloth.gradient(), proxies);
                       cloth.objective().packFree(cloth.gradient(), cloth.scratch());
                       return cloth.scratch()[0];
@@ -138,7 +138,7 @@ void addAlong(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
                     range(patches, end)});
   passes.push_back({"contact, quadratic form", "along", -1.0,
                     n.samples * static_cast<double>(sizeof(SamplePack)) / kPack, [&cloth, &d] {
-                      const Proxies still(cloth.scene().probes.size(), Vec3::Zero());
+                      const Proxies still(cloth.scene().probes.size());
                       return cloth.contacts().quadraticForm(0, cloth.contacts().size(), d, still, false);
                     }});
   passes.push_back(
@@ -147,7 +147,7 @@ void addAlong(ClothCase& cloth, const Counts& n, std::vector<Pass>& passes) {
                                               cloth.motion().arrays());
        }});
   passes.push_back({"unpacking", "along", 0.0, 2.0 * n.unknowns * sizeof(double), [&cloth] {
-                      Proxies proxies(cloth.scene().probes.size(), Vec3::Zero());
+                      Proxies proxies(cloth.scene().probes.size());
                       cloth.objective().unpack(cloth.direction(), cloth.gradient(), proxies);
                       return cloth.gradient().coordinate(0)[0];
                     }});

@@ -85,7 +85,7 @@ bool ContactSet::carry(const Field& x, Field& ways) const {
   return true;
 }
 
-double ContactSet::quadraticForm(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
+double ContactSet::quadraticForm(int begin, int end, const Field& d, const Proxies& d_proxies,
                                  bool whole_motion) const {
   const int samples = samples_.size();
   const double sum =
@@ -169,13 +169,19 @@ Vec3 ContactSet::proxyGradient(int probe) const {
 Vec3 ContactSet::proxyTorque(int probe, const Field& nodes) const {
   const Vec3& proxy = solids_[solids_.indexOf(probe)].position();
   Vec3 sum = Vec3::Zero();
-  forSamples(probe, [&](int k) { sum += (samples_[k].of(nodes) - proxy).cross(forces_.gradient()[k]); });
+  forSamples(probe, [&](int k) { sum += forces_.torque(k, samples_[k].of(nodes) - proxy); });
   return sum;
 }
 
 Vec3 ContactSet::proxyDiagonal(int probe) const {
   Vec3 sum = Vec3::Zero();
   forSamples(probe, [&](int k) { sum += forces_.block(k).head<3>(); });
+  return sum;
+}
+
+Vec3 ContactSet::turnDiagonal(int probe) const {
+  Vec3 sum = Vec3::Zero();
+  forSamples(probe, [&](int k) { sum += aroundArm(forces_.block(k), forces_.slipLever(k)).diagonal(); });
   return sum;
 }
 

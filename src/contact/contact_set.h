@@ -63,8 +63,9 @@ class ContactSet {
     solids_.startProbe(probe, proxy, before, after);
   }
 
-  /// Moves the proxy of a probe for the next evaluation [m].
+  /// Moves the proxy of a probe for the next evaluation [m], or turns it from its orientation at the start.
   void placeProbe(int probe, const Vec3& proxy) { solids_.placeProbe(probe, proxy); }
+  void turnProbe(int probe, const Mat3& turn) { solids_.turnProbe(probe, turn); }
 
   /// Must follow a change of the mesh.
   void rebuild(const ActiveMesh& mesh) {
@@ -179,8 +180,7 @@ class ContactSet {
   /// @param d_proxies directions of all probes
   /// @param whole_motion friction of probes as over the whole of d, even if its beginning is stiffer:
   /// sliding cloth does not stick
-  double quadraticForm(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
-                       bool whole_motion) const;
+  double quadraticForm(int begin, int end, const Field& d, const Proxies& d_proxies, bool whole_motion) const;
 
   /// Add the energy gradient [N] at nodes begin..end, and the diagonal of H⁺ [N/m] at all nodes.
   void addGradient(int begin, int end, Field& gradient) const {
@@ -196,7 +196,7 @@ class ContactSet {
 
   /// Stores how the gradient of each sample changes along d at `nodes`, the last evaluated point.
   /// The change includes the curvature of the solids. addChange() and proxyChange() collect it.
-  void linearise(int begin, int end, const Field& nodes, const Field& d, const std::vector<Vec3>& d_proxies) {
+  void linearise(int begin, int end, const Field& nodes, const Field& d, const Proxies& d_proxies) {
     forces_.linearise(begin, end, nodes, d, d_proxies);
   }
   void addChange(int begin, int end, Field& change) const {
@@ -209,7 +209,9 @@ class ContactSet {
   /// Torque of the cloth on a probe about its proxy, at the last evaluation [N·m].
   /// @param nodes positions of that evaluation [m]
   Vec3 proxyTorque(int probe, const Field& nodes) const;
+  /// Diagonals of the stiffness against a shift of the proxy [N/m], and against its turn [N·m].
   Vec3 proxyDiagonal(int probe) const;
+  Vec3 turnDiagonal(int probe) const;
 
   /// Stiffness of contact against a motion of the cloth as a whole at the last evaluation [N/m].
   Block stiffness() const;
@@ -229,16 +231,11 @@ class ContactSet {
   /// Largest factor of d up to `most`, from `nodes`, the last evaluated point, at which no probe sample
   /// and no pair uses up more than 0.9 of its gap, nor a pair comes nearer than `least_ranges` times its
   /// range. A solve stays apart by the law, so the default only keeps distances from rounding to zero.
-  /// @param passing flags of probes whose samples set no limit, because they move with the cloth; none if
-  /// empty
-  double maxStep(const Field& nodes, const Field& d, const std::vector<Vec3>& d_proxies, double most,
-                 double least_ranges = 1e-6, const std::vector<char>& passing = {}) {
-    const double step = std::min(most, forces_.maxStep(d, d_proxies, passing));
+  double maxStep(const Field& nodes, const Field& d, const Proxies& d_proxies, double most,
+                 double least_ranges = 1e-6) {
+    const double step = std::min(most, forces_.maxStep(d, d_proxies));
     return self_ ? self_->maxStep(nodes, d, step, least_ranges) : step;
   }
-
-  /// Rotation that takes a vector fixed to a probe from the end of the step back to its middle.
-  Eigen::Matrix3d toMiddle(int probe) const { return solids_.toMiddle(solids_.indexOf(probe)); }
 
   /// Ways of the nodes in the step if the fastest obstacle carried the cloth with it [m].
   /// @param x nodes at the start of the step [m]

@@ -44,8 +44,21 @@ void SampleForces::rebuild() {
 
 SampleContext SampleForces::context(int solid) const {
   const Vec3 from = solids_.origin(solid);
+  return {solids_[solid].lanes(),  turnOf(solid), {from.x(), from.y(), from.z()},
+          !solids_.isProbe(solid), law_.range(),  slip_};
+}
+
+SolidMotion SampleForces::motion(int solid, const Proxies& d_proxies) const {
+  const auto [shift, spin] = solids_.motion(solid, d_proxies);
   return {
-      solids_[solid].lanes(), {from.x(), from.y(), from.z()}, !solids_.isProbe(solid), law_.range(), slip_};
+      {shift.x(), shift.y(), shift.z()}, {spin.x(), spin.y(), spin.z()}, !spin.isZero(0.0), turnOf(solid)};
+}
+
+TurnLanes SampleForces::turnOf(int solid) const {
+  const Mat3 turned = solids_.turned(solid);
+  TurnLanes turn{turned != Mat3::Identity(), {}};
+  Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(turn.rotation) = turned;
+  return turn;
 }
 
 /// Calls visit(solid, first pack, last pack) for each group's part of samples begin..end.
@@ -68,34 +81,31 @@ ContactEnergy SampleForces::evaluate(int begin, int end, const Field& nodes) {
   return energy;
 }
 
-double SampleForces::quadraticForm(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
+double SampleForces::quadraticForm(int begin, int end, const Field& d, const Proxies& d_proxies,
                                    bool whole_motion) const {
   double sum = 0.0;
   forGroups(begin, end, [&](int solid, int first, int last) {
-    const Vec3 moved = solids_.motion(solid, d_proxies);
-    sum += kernels().sampleQuadraticForm(packs_.data(), first, last, d.arrays(), moved.data(), slip_,
-                                         whole_motion && solids_.isProbe(solid));
+    sum += kernels().sampleQuadraticForm(packs_.data(), first, last, d.arrays(), motion(solid, d_proxies),
+                                         slip_, whole_motion && solids_.isProbe(solid));
   });
   return sum;
 }
 
-double SampleForces::maxStep(const Field& d, const std::vector<Vec3>& d_proxies,
-                             const std::vector<char>& passing) const {
+double SampleForces::maxStep(const Field& d, const Proxies& d_proxies) const {
   // The distance is convex, so its tangent bounds it along the step. A probe that is pressed hard goes below
   // the firm gap, where the law is linear: there all directions would end at next to nothing.
   constexpr double kShareOfGap = 0.9;
   double step = 1e300;
   forGroups(0, samples_.size(), [&](int solid, int first, int last) {
-    const int probe = solid - solids_.obstacles();
-    if (probe < 0 || (!passing.empty() && passing[probe])) return;
+    if (!solids_.isProbe(solid)) return;
     step = std::min(step, kernels().largestStep(packs_.data(), first, last, kShareOfGap, law_.firmGap(),
-                                                d.arrays(), d_proxies[probe].data()));
+                                                d.arrays(), motion(solid, d_proxies)));
   });
   return step;
 }
 
 void SampleForces::linearise(int begin, int end, const Field& nodes, const Field& d,
-                             const std::vector<Vec3>& d_proxies) {
+                             const Proxies& d_proxies) {
   // The change of the normal is a central difference: solids have flat faces, round edges and
   // corners. The difference is taken over a length far below any radius.
   constexpr double kNudge = 1e-7;  // [m]
@@ -106,7 +116,7 @@ void SampleForces::linearise(int begin, int end, const Field& nodes, const Field
     change_.set(k, Vec3::Zero());
     if (pack.normal_stiffness[l] == 0.0 && pack.tangent_stiffness[l] == 0.0) continue;
     const Vec3 position = sample.of(nodes);
-    const Vec3 moved = sample.of(d) - solids_.motion(sample.solid, d_proxies);
+    const Vec3 moved = sample.of(d) - solids_.motion(sample.solid, d_proxies).position;
     const Solid& solid = solids_[sample.solid];
     change_.set(k, pack.normal_stiffness[l] * normal(k).dot(moved) * normal(k));
     const double length = moved.norm();
@@ -124,6 +134,15 @@ void SampleForces::linearise(int begin, int end, const Field& nodes, const Field
 Vec3 SampleForces::friction(int sample) const {
   const int l = sample % kPack;
   return pack(sample).tangent_stiffness[l] * laneOf(pack(sample).slip, l);
+}
+
+Vec3 SampleForces::torque(int sample, const Vec3& lever) const {
+  const Vec3 friction = this->friction(sample);
+  return lever.cross(gradient_[sample] - friction) + slipLever(sample).cross(friction);
+}
+
+Vec3 SampleForces::slipLever(int sample) const {
+  return solids_.turned(samples_[sample].solid) * slipOrigin(samples_[sample]);
 }
 
 Vec3 SampleForces::normal(int sample) const { return laneOf(pack(sample).normal, sample % kPack); }

@@ -32,16 +32,15 @@ class SampleForces {
   /// Quadratic form d · H⁺ d of samples begin..end at the last evaluation.
   /// @param d_proxies directions of all probes
   /// @param whole_motion friction of probes as over the whole of d, even if its beginning is stiffer
-  double quadraticForm(int begin, int end, const Field& d, const std::vector<Vec3>& d_proxies,
-                       bool whole_motion) const;
+  double quadraticForm(int begin, int end, const Field& d, const Proxies& d_proxies, bool whole_motion) const;
 
   /// Largest factor of d from the last evaluated point at which no probe sample uses up more than
-  /// 0.9 of its gap. @param passing as for ContactSet::maxStep()
-  double maxStep(const Field& d, const std::vector<Vec3>& d_proxies, const std::vector<char>& passing) const;
+  /// 0.9 of its gap.
+  double maxStep(const Field& d, const Proxies& d_proxies) const;
 
   /// Stores how the gradient of each sample changes along d at `nodes`, the last evaluated point.
-  /// The change includes the curvature of the solids.
-  void linearise(int begin, int end, const Field& nodes, const Field& d, const std::vector<Vec3>& d_proxies);
+  /// The change includes the curvature of the solids. @pre no solid turns along d
+  void linearise(int begin, int end, const Field& nodes, const Field& d, const Proxies& d_proxies);
 
   /// Energy gradient by the samples' positions, and its change along a direction [N].
   const Field& gradient() const { return gradient_; }
@@ -52,6 +51,12 @@ class SampleForces {
   Block block(int sample) const;
   /// Friction of a sample at the last evaluation [N].
   Vec3 friction(int sample) const;
+  /// Torque of a sample on its solid about the solid's origin at the last evaluation [N·m]: minus the change
+  /// of its energy as the solid turns. Friction acts where the slip counts from.
+  /// @param lever its place from the origin [m]
+  Vec3 torque(int sample, const Vec3& lever) const;
+  /// Where the slip of a sample counts from, as its solid has turned, from the solid's origin [m].
+  Vec3 slipLever(int sample) const;
   bool touches(int sample) const { return pack(sample).normal_stiffness[sample % kPack] > 0.0; }
 
  private:
@@ -59,6 +64,8 @@ class SampleForces {
   Vec3 normal(int sample) const;
   Vec3 slipOrigin(const ContactSample& sample) const { return sample.start - slip_ * sample.elastic_slip; }
   SampleContext context(int solid) const;
+  SolidMotion motion(int solid, const Proxies& d_proxies) const;
+  TurnLanes turnOf(int solid) const;
   template <class Visit>
   void forGroups(int begin, int end, const Visit& visit) const;
 

@@ -15,11 +15,26 @@ HAPTIC_CLOTH_INLINE Lanes3 at(const SamplePack& pack, int l, const ConstArrays& 
   return sum;
 }
 
+/// Where slip counts from, relative to the origin of a solid that has turned.
+HAPTIC_CLOTH_INLINE Lanes3 startOf(const SamplePack& pack, int l, const TurnLanes& turn) {
+  const Lanes3 s = load3(pack.start, l);
+  if (!turn.turned) return s;
+  const double* r = turn.rotation;
+  return {r[0] * s.x + r[1] * s.y + r[2] * s.z, r[3] * s.x + r[4] * s.y + r[5] * s.z,
+          r[6] * s.x + r[7] * s.y + r[8] * s.z};
+}
+
 /// Motion of the samples relative to their solid.
 HAPTIC_CLOTH_INLINE Lanes3 against(const SamplePack& pack, int l, const ConstArrays& d,
-                                   const double* d_origin) {
+                                   const SolidMotion& moves) {
   const Lanes3 moved = at(pack, l, d);
-  return {moved.x - d_origin[0], moved.y - d_origin[1], moved.z - d_origin[2]};
+  const double *shift = moves.shift, *spin = moves.spin;
+  const Lanes3 slides{moved.x - shift[0], moved.y - shift[1], moved.z - shift[2]};
+  if (!moves.spins) return slides;
+  const Lanes3 lever = startOf(pack, l, moves.turn);
+  return {slides.x - (spin[1] * lever.z - spin[2] * lever.y),
+          slides.y - (spin[2] * lever.x - spin[0] * lever.z),
+          slides.z - (spin[0] * lever.y - spin[1] * lever.x)};
 }
 
 HAPTIC_CLOTH_INLINE void storeNothing(SamplePack& pack, int l, double range, const MutableArrays& slots,
@@ -79,7 +94,7 @@ ContactEnergy evaluateSamples(SamplePack* packs, int begin, int end, const Sampl
     SamplePack& pack = packs[p];
     for (int l = 0; l < kPack; l += kLanes) {
       const int slot = first + kPack * (p - begin) + l;
-      const Lanes3 position = at(pack, l, x), start = load3(pack.start, l);
+      const Lanes3 position = at(pack, l, x), start = startOf(pack, l, context.turn);
       const Lanes3 moved{position.x - context.origin[0] - start.x, position.y - context.origin[1] - start.y,
                          position.z - context.origin[2] - start.z};
       const Lanes clearance = larger(load(pack.clearance + l), Lanes{});
@@ -94,14 +109,14 @@ ContactEnergy evaluateSamples(SamplePack* packs, int begin, int end, const Sampl
 }
 
 double sampleQuadraticForm(const SamplePack* packs, int begin, int end, const ConstArrays& d,
-                           const double* d_origin, double slip, bool whole_motion) {
+                           const SolidMotion& moves, double slip, bool whole_motion) {
   Lanes sum{};
   for (int p = begin; p < end; ++p) {
     const SamplePack& pack = packs[p];
     for (int l = 0; l < kPack; l += kLanes) {
       const Lanes across = load(pack.normal_stiffness + l), along = load(pack.tangent_stiffness + l);
       if (allLess(larger(across, along), all(1e-300))) continue;  // no contact
-      const Lanes3 moved = against(pack, l, d, d_origin);
+      const Lanes3 moved = against(pack, l, d, moves);
       const Lanes normal = dot(load3(pack.normal, l), moved), start = dot(load3(pack.start_normal, l), moved);
       const Lanes square = larger(dot(moved, moved) - start * start, Lanes{});
       const FrictionForm friction =
@@ -114,12 +129,12 @@ double sampleQuadraticForm(const SamplePack* packs, int begin, int end, const Co
 }
 
 double largestStep(const SamplePack* packs, int begin, int end, double share, double firm,
-                   const ConstArrays& d, const double* d_origin) {
+                   const ConstArrays& d, const SolidMotion& moves) {
   Lanes step = all(1e300);
   for (int p = begin; p < end; ++p) {
     const SamplePack& pack = packs[p];
     for (int l = 0; l < kPack; l += kLanes) {
-      const Lanes closing = -dot(load3(pack.normal, l), against(pack, l, d, d_origin));
+      const Lanes closing = -dot(load3(pack.normal, l), against(pack, l, d, moves));
       const Lanes gap = load(pack.gap + l), nearer = smaller(smaller(gap, closing), load(pack.area + l));
       step = smaller(step, ifPositive(nearer, larger(share * gap, all(firm)) / closing, all(1e300)));
     }

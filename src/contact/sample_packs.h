@@ -26,9 +26,24 @@ struct alignas(64) SamplePack {
   bool at_nodes;
 };
 
+/// Rotation by which a solve has turned a solid since its samples were started.
+struct TurnLanes {
+  bool turned;         ///< false: it is the identity
+  double rotation[9];  ///< by rows
+};
+
+/// How a solid moves along a direction.
+struct SolidMotion {
+  double shift[3];  ///< of its origin [m]
+  double spin[3];   ///< angular [rad]
+  bool spins;       ///< false: `spin` is zero
+  TurnLanes turn;
+};
+
 /// Values that all samples of one solid share in a step.
 struct SampleContext {
   SolidLanes solid;
+  TurnLanes turn;
   double origin[3];  ///< origin of `start`: zero, or the proxy of a probe [m]
   bool skip;         ///< samples within their clearance may be skipped
   double range;      ///< of the contact law: gap at which contact begins [m]
@@ -44,7 +59,7 @@ struct ContactEnergy {
 //   evaluateSamples      energy of packs begin..end; the gradients by the samples' positions go to
 //                        slots first, ..., kPack for each pack.
 //   sampleQuadraticForm  quadratic form d · H⁺ d of packs begin..end at the last evaluation [J].
-//                        `d_origin` is the motion of the solid, `slip` that of SampleContext. With
+//                        `moves` is that of the solid, `slip` that of SampleContext. With
 //                        `whole_motion`, friction counts as over the whole of d: its force changes to
 //                        at most its limit, however stiff it is. Without, it counts at least as at the
 //                        beginning of d.

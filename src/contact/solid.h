@@ -27,7 +27,8 @@ class Solid {
   double friction() const { return friction_; }
 
   void place(const Vec3& position) { position_ = position; }
-  void turn(const Quat& orientation) { rotation_ = orientation.toRotationMatrix(); }
+  void turn(const Quat& orientation) { turn(Mat3(orientation.toRotationMatrix())); }
+  void turn(const Mat3& rotation) { rotation_ = rotation; }
   const Vec3& position() const { return position_; }
   const Eigen::Matrix3d& rotation() const { return rotation_; }
 

@@ -8,7 +8,8 @@ namespace haptic_cloth {
 SolidSet::SolidSet(const std::vector<Obstacle>& obstacles, const std::vector<ProbeOptions>& probes)
     : obstacles_(static_cast<int>(obstacles.size())),
       solids_(obstacles.begin(), obstacles.end()),
-      paths_(obstacles.size(), 0.0) {
+      paths_(obstacles.size(), 0.0),
+      turns_(probes.size(), Mat3::Identity()) {
   for (const Obstacle& obstacle : obstacles) targets_.push_back(obstacle.pose);
   for (const ProbeOptions& probe : probes) solids_.emplace_back(probe);
   before_ = solids_;
@@ -75,6 +76,7 @@ void SolidSet::startProbe(int probe, const Vec3& proxy, const Quat& before, cons
   for (Solid* solid : {&now, &then}) solid->place(proxy);
   now.turn(after);
   then.turn(before);
+  turns_[probe].setIdentity();
 }
 
 void SolidSet::serialize(Archive& archive) {

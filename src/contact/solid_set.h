@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "contact/proxy.h"
 #include "contact/solid.h"
 #include "mesh/field.h"
 
@@ -32,8 +33,8 @@ class SolidSet {
   Vec3 origin(int solid) const { return isProbe(solid) ? solids_[solid].position() : Vec3::Zero(); }
 
   /// Part of a direction that moves a solid. @param d_proxies directions of all probes
-  Vec3 motion(int solid, const std::vector<Vec3>& d_proxies) const {
-    return isProbe(solid) ? d_proxies[solid - obstacles_] : Vec3::Zero();
+  Proxy motion(int solid, const Proxies& d_proxies) const {
+    return isProbe(solid) ? d_proxies[solid - obstacles_] : Proxy();
   }
 
   /// Moves the obstacles one step towards their targets. @param cloth positions of its nodes [m]
@@ -49,11 +50,21 @@ class SolidSet {
     return now.position() + now.rotation() * (then.rotation().transpose() * (x - then.position())) - x;
   }
 
-  /// Places a probe at the start of a step: its proxy [m], and its orientation at start and end.
+  /// Places a probe at the start of a step: its proxy [m], and its orientation at start and end. If the solve
+  /// turns it, too, both are that of the start.
   void startProbe(int probe, const Vec3& proxy, const Quat& before, const Quat& after);
 
   /// Moves the proxy of a probe for the next evaluation [m].
   void placeProbe(int probe, const Vec3& proxy) { solids_[indexOf(probe)].place(proxy); }
+
+  /// Turns a probe from its orientation at the start of the step for the next evaluation.
+  void turnProbe(int probe, const Mat3& turn) {
+    solids_[indexOf(probe)].turn(turn * before_[indexOf(probe)].rotation());
+    turns_[probe] = turn;
+  }
+
+  /// Rotation by which the solve has turned a solid.
+  Mat3 turned(int solid) const { return isProbe(solid) ? turns_[solid - obstacles_] : Mat3::Identity(); }
 
   /// Saves or loads poses and targets of the obstacles; probes are placed in each step.
   void serialize(Archive& archive);
@@ -66,6 +77,7 @@ class SolidSet {
   std::vector<Solid> before_;  ///< at its start
   std::vector<Pose> targets_;  ///< poses of the obstacles
   std::vector<double> paths_;  ///< of the obstacles, see pathLength() [m]
+  std::vector<Mat3> turns_;    ///< of the probes, see turned()
 };
 
 }  // namespace haptic_cloth

@@ -44,6 +44,17 @@ inline Vec3 product(const Block& m, const Vec3& v) {
           m[4] * v.x() + m[3] * v.y() + m[2] * v.z()};
 }
 
+/// [a] with [a] v = a × v
+inline Mat3 crossMatrix(const Vec3& a) {
+  return (Mat3() << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0).finished();
+}
+
+/// Stiffness against turns of a spring at the end of an arm [N·m]. @param spring its stiffness [N/m]
+inline Mat3 aroundArm(const Block& spring, const Vec3& arm) {
+  const Mat3 cross = crossMatrix(arm);
+  return cross.transpose() * matrix(spring) * cross;
+}
+
 /// Inverse; zero if the matrix is not positive definite.
 inline Block inverse(const Block& m) {
   Block cofactors;

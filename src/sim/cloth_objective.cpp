@@ -30,12 +30,13 @@ ClothObjective::ClothObjective(const Scene& scene, const ActiveMesh& mesh, const
       probes_(scene.probes.size()),
       awake_(mesh, internal, contacts) {
   for (const ProbeOptions& probe : scene.probes) {
-    couplings_.push_back({probe.coupling_stiffness, probe.coupling_damping});
+    // On an arc its points leave the straight way by at most a tenth of the radius.
+    const double most_turn = std::sqrt(0.2 * probe.radius / (probe.radius + 0.5 * probe.length));
+    couplings_.push_back(
+        {probe.coupling_stiffness, probe.coupling_damping, turnRadiusSquared(probe), most_turn});
   }
-  for (Proxies* list : {&proxies_, &proxy_motions_, &hold_forces_, &hold_torques_})
-    list->assign(probes_.size(), Vec3::Zero());
-  turning_.assign(probes_.size(), 0);
-  middles_.assign(probes_.size(), Eigen::Matrix3d::Identity());
+  for (Proxies* list : {&proxies_, &proxy_motions_}) list->assign(probes_.size(), Proxy());
+  for (auto* list : {&hold_forces_, &hold_torques_}) list->assign(probes_.size(), Vec3::Zero());
   held_.reserve(mesh.grid.particles());
   if (preconditioner_ == Preconditioner::Jacobi) blocks_.reserve(mesh.grid.particles());
   for (auto* list : {&start_, &inertial_, &nodes_, &motion_, &gradient_, &diagonal_}) {
@@ -60,13 +61,11 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
                            const std::vector<ProbeStep>& probes, const std::vector<HeldNode>& held) {
   probes_ = probes;
   held_ = held;
-  present_ = 0;
-  forPresent([this](int k) { probes_[k].unknown = present_++; });
-  std::fill(turning_.begin(), turning_.end(), 0);
-  for (const HeldNode& node : held_) {
-    turning_[node.probe] |= node.end != node.start;
-    middles_[node.probe] = contacts_.toMiddle(node.probe);
-  }
+  probe_unknowns_ = 0;
+  forPresent([this](int k) {
+    probes_[k].unknown = probe_unknowns_;
+    probe_unknowns_ += probes_[k].unknowns();
+  });
   start_ = positions;
   for (auto* list : {&gradient_, &diagonal_}) list->resize(mesh_.nodes());
   motion_.clear(mesh_.nodes());  // zero for pinned nodes
@@ -75,9 +74,9 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
     inertial_.set(n, positions[n] + integrator_.inertialMotion(n, velocities[n]));
   }
   nodes_ = positions;
-  for (std::size_t k = 0; k < probes_.size(); ++k) proxies_[k] = probes_[k].proxy;
-  for (Proxies* list : {&proxy_motions_, &hold_forces_, &hold_torques_})
-    std::fill(list->begin(), list->end(), Vec3::Zero());
+  for (std::size_t k = 0; k < probes_.size(); ++k) proxies_[k] = {probes_[k].proxy, Vec3::Zero()};
+  std::fill(proxy_motions_.begin(), proxy_motions_.end(), Proxy());
+  for (auto* list : {&hold_forces_, &hold_torques_}) std::fill(list->begin(), list->end(), Vec3::Zero());
   mass_.assign(padded(mesh_.nodes()), 0.0);
   moving_mass_ = mass_;
   std::copy(mesh_.mass.begin(), mesh_.mass.end(), mass_.begin());
@@ -96,22 +95,24 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
   for (const int c : {1, 2}) {
     residual_weight_.segment(c * mesh_.free, mesh_.free) = residual_weight_.head(mesh_.free);
   }
-  forPresent(
-      [&](int k) { residual_weight_.segment<3>(proxyAt(probes_[k])).setConstant(weight(proxy_mass(k))); });
+  forPresent([&](int k) {
+    const int at = proxyAt(probes_[k]);
+    residual_weight_.segment<3>(at).setConstant(weight(proxy_mass(k)));
+    if (probes_[k].turns)
+      residual_weight_.segment<3>(at + 3).setConstant(weight(proxy_mass(k) * couplings_[k].square));
+  });
   unknown_order_.set(std::array{0, mesh_.free, 2 * mesh_.free}, size());
   awake_.begin();
 }
 
-double ClothObjective::prescribedShare(const Field& to) {
+double ClothObjective::pinnedShare(const Field& to) {
   constexpr double kLeastRanges = 0.02;  // no law holds back what is prescribed
   if (!limitsSteps()) return 1.0;
   motion_.fill(0.0);
   for (int n = mesh_.free; n < mesh_.active(); ++n) motion_.set(n, to[n] - nodes_[n]);
-  for (const HeldNode& held : held_) motion_.set(held.node, to[held.node] - nodes_[held.node]);
   mesh_.interpolateGhosts(motion_);
-  std::fill(proxy_motions_.begin(), proxy_motions_.end(), Vec3::Zero());
-  // A probe that turns what it holds has turned already, and the cloth follows it.
-  const double share = contacts_.maxStep(nodes_, motion_, proxy_motions_, 1.0, kLeastRanges, turning_);
+  std::fill(proxy_motions_.begin(), proxy_motions_.end(), Proxy());
+  const double share = contacts_.maxStep(nodes_, motion_, proxy_motions_, 1.0, kLeastRanges);
   motion_.fill(0.0);
   return share;
 }
@@ -120,21 +121,13 @@ void ClothObjective::movePinned(const Field& to, double share) {
   for (int n = mesh_.free; n < mesh_.active(); ++n) nodes_.set(n, nodes_[n] + share * (to[n] - nodes_[n]));
 }
 
-void ClothObjective::placeHeld(int probe, Field& nodes) const {
-  for (const HeldNode& held : held_) {
-    if (held.probe == probe) nodes.set(held.node, proxies_[probe] + held.end);
-  }
-}
-
-void ClothObjective::turnHeld(int probe, double made) {
-  for (HeldNode& held : held_) {
-    if (held.probe == probe) held.offset = partOfWay(held.start, held.end, made);
-  }
-}
-
 double ClothObjective::shareOfWay(const Field& to, const Vector& x) {
   for (int n = 0; n < mesh_.nodes(); ++n) motion_.set(n, to[n] - nodes_[n]);
-  forPresent([&](int k) { proxy_motions_[k] = x.segment<3>(proxyAt(probes_[k])) - proxies_[k]; });
+  forPresent([&](int k) {
+    const int at = proxyAt(probes_[k]);
+    proxy_motions_[k].position = x.segment<3>(at) - proxies_[k].position;
+    if (probes_[k].turns) proxy_motions_[k].turn = x.segment<3>(at + 3) - proxies_[k].turn;
+  });
   const double share = contacts_.maxStep(nodes_, motion_, proxy_motions_, 1.0);
   motion_.fill(0.0);
   return share;
@@ -146,14 +139,22 @@ void ClothObjective::setPinned(const Field& nodes) {
 
 void ClothObjective::serialize(Archive& archive) {
   archive.each("present", probes_, &ProbeStep::present);
+  archive.each("turns", probes_, &ProbeStep::turns);
   archive.each("devices", probes_, &ProbeStep::device);
-  archive("proxies", proxies_);
+  archive.each("aims", probes_, &ProbeStep::aim);
+  archive.each("orientations", probes_, &ProbeStep::orientation);
+  archive.each("proxies", proxies_, &Proxy::position);
+  archive.each("proxy_turns", proxies_, &Proxy::turn);
   archive("energies", energies_);
 }
 
 void ClothObjective::pack(const Field& nodes, Vector& x) const {
   packFree(nodes, x);
-  forPresent([&](int k) { x.segment<3>(proxyAt(probes_[k])) = probes_[k].proxy; });
+  forPresent([&](int k) {
+    const int at = proxyAt(probes_[k]);
+    x.segment<3>(at) = probes_[k].proxy;
+    if (probes_[k].turns) x.segment<3>(at + 3).setZero();
+  });
 }
 
 void ClothObjective::packFree(const Field& nodes, Vector& x) const {
@@ -174,7 +175,11 @@ void ClothObjective::unpack(const Vector& values, Field& nodes, Proxies& proxies
     }
   };
   team_.forRange(mesh_.free, copy, 3.0 * Team::kEntry);
-  forPresent([&](int k) { proxies[k] = values.segment<3>(proxyAt(probes_[k])); });
+  forPresent([&](int k) {
+    const int at = proxyAt(probes_[k]);
+    proxies[k].position = values.segment<3>(at);
+    if (probes_[k].turns) proxies[k].turn = values.segment<3>(at + 3);
+  });
   mesh_.interpolateGhosts(nodes);
 }
 
@@ -185,8 +190,8 @@ Motion ClothObjective::motion() const {
 
 double ClothObjective::evaluate(const Vector& x, Vector& gradient) {
   unpack(x, nodes_, proxies_);
-  carryHeld(proxies_, true, nodes_);
   placeProbes();
+  placeHeld(proxies_, nodes_);
   contacts_.noteMotion(nodes_);
   energies_ = team_.sum(
       awake_.elements().size(),
@@ -218,18 +223,18 @@ double ClothObjective::evaluate(const Vector& x, Vector& gradient) {
 /// Writes the proxies' part of the gradient, including forces on held nodes.
 /// @return energy and loss of the couplings [J]
 double ClothObjective::evaluateProbes(Vector& gradient) {
-  for (Proxies* list : {&hold_forces_, &hold_torques_}) std::fill(list->begin(), list->end(), Vec3::Zero());
-  turn_work_ = 0.0;
+  for (auto* list : {&hold_forces_, &hold_torques_}) std::fill(list->begin(), list->end(), Vec3::Zero());
   for (const HeldNode& held : held_) {
-    turn_work_ += (middles_[held.probe] * gradient_[held.node]).dot(held.offset - held.start);
     hold_forces_[held.probe] -= gradient_[held.node];
     hold_torques_[held.probe] -= held.offset.cross(gradient_[held.node]);
     gradient_.set(held.node, Vec3::Zero());
   }
   double value = 0.0;
   forPresent([&](int k) {
-    gradient.segment<3>(proxyAt(probes_[k])) = proxyGradient(k);
-    value += couplingEnergy(k) + 0.5 * couplings_[k].damping * timeStep() * slip(k).squaredNorm();
+    const int at = proxyAt(probes_[k]);
+    gradient.segment<3>(at) = proxyGradient(k);
+    if (probes_[k].turns) gradient.segment<3>(at + 3) = turnGradient(k);
+    value += couplingEnergy(k) + couplingLoss(k);
   });
   return value;
 }
@@ -240,21 +245,56 @@ void ClothObjective::forcesAtRest(Field& forces) const {
     forces.add(n, moving_mass_[n] * inertia() * (inertial_[n] - start_[n]));
 }
 
-void ClothObjective::carryHeld(const Proxies& proxies, bool offsets, Field& nodes) const {
+void ClothObjective::placeHeld(const Proxies& proxies, Field& nodes) const {
   if (held_.empty()) return;
-  for (const HeldNode& held : held_) {
-    nodes.set(held.node, offsets ? Vec3(proxies[held.probe] + held.offset) : proxies[held.probe]);
-  }
+  for (const HeldNode& held : held_) nodes.set(held.node, proxies[held.probe].position + held.offset);
   mesh_.interpolateGhosts(nodes);
 }
 
+void ClothObjective::moveHeld(const Proxies& directions, Field& motion) const {
+  if (held_.empty()) return;
+  for (const HeldNode& held : held_) {
+    const Proxy& moves = directions[held.probe];
+    motion.set(held.node, moves.position + moves.turn.cross(held.offset));
+  }
+  mesh_.interpolateGhosts(motion);
+}
+
+/// Places the probes and turns them with what they hold.
 void ClothObjective::placeProbes() {
-  forPresent([this](int k) { contacts_.placeProbe(k, proxies_[k]); });
+  forPresent([this](int k) {
+    contacts_.placeProbe(k, proxies_[k].position);
+    if (!probes_[k].turns) return;
+    const Mat3 turned = rotationBy(proxies_[k].turn).toRotationMatrix();
+    contacts_.turnProbe(k, turned);
+    for (HeldNode& held : held_) {
+      if (held.probe == k) held.offset = turned * held.start;
+    }
+  });
 }
 
 /// Velocity of the proxy minus that of its device [m/s].
 Vec3 ClothObjective::slip(int probe) const {
-  return (proxies_[probe] - probes_[probe].proxy) / timeStep() - probes_[probe].device_velocity;
+  return (proxies_[probe].position - probes_[probe].proxy) / timeStep() - probes_[probe].device_velocity;
+}
+
+/// Angular velocity of the proxy minus that of its aim; zero if its turn is not solved for [rad/s].
+Vec3 ClothObjective::turnSlip(int probe) const {
+  if (!probes_[probe].turns) return Vec3::Zero();
+  return (proxies_[probe].turn - probes_[probe].aim_turn) / timeStep();
+}
+
+Quat ClothObjective::orientation(int probe) const {
+  return rotationBy(proxies_[probe].turn) * probes_[probe].orientation;
+}
+
+/// Gradient of Φ by the turn of a proxy [N·m].
+Vec3 ClothObjective::turnGradient(int probe) const {
+  const Coupling& coupling = couplings_[probe];
+  const Vec3 away = turnBetween(probes_[probe].aim, orientation(probe));
+  return spinPerTurn(proxies_[probe].turn).transpose() *
+             (coupling.square * coupling.stiffness * away - torque(probe)) +
+         coupling.square * coupling.damping * turnSlip(probe);
 }
 
 Vec3 ClothObjective::couplingGradient(int probe, const Vec3& proxy) const {
@@ -289,13 +329,25 @@ double ClothObjective::gatherNodes(int begin, int end) {
 
 void ClothObjective::setMotion(const Vector& d) {
   unpack(d, motion_, proxy_motions_);
-  carryHeld(proxy_motions_, false, motion_);
+  forPresent([this](int k) {
+    if (probes_[k].turns) proxy_motions_[k].turn = spinPerTurn(proxies_[k].turn) * proxy_motions_[k].turn;
+  });
+  moveHeld(proxy_motions_, motion_);
+}
+
+/// Largest factor of the direction in proxy_motions_, up to `most`, that turns no probe too far at once.
+double ClothObjective::turnLimit(double most) const {
+  forPresent([&](int k) {
+    const double turn = proxy_motions_[k].turn.norm();
+    if (turn * most > couplings_[k].most_turn) most = couplings_[k].most_turn / turn;
+  });
+  return most;
 }
 
 Objective::Along ClothObjective::along(const Vector& d, double slope) {
   setMotion(d);
   const double form = formAlongMotion(false, true).sum(), step = newtonStep(slope, form);
-  return {form, limitsSteps() ? contacts_.maxStep(nodes_, motion_, proxy_motions_, step) : step};
+  return {form, limitsSteps() ? contacts_.maxStep(nodes_, motion_, proxy_motions_, turnLimit(step)) : step};
 }
 
 ClothObjective::QuadraticForm ClothObjective::quadraticForm(const Vector& d, bool deforms) {
@@ -306,7 +358,7 @@ ClothObjective::QuadraticForm ClothObjective::quadraticForm(const Vector& d, boo
 double ClothObjective::maxStep(const Vector& d, double most) {
   if (!limitsSteps()) return most;
   setMotion(d);
-  return contacts_.maxStep(nodes_, motion_, proxy_motions_, most);
+  return contacts_.maxStep(nodes_, motion_, proxy_motions_, turnLimit(most));
 }
 
 ClothObjective::QuadraticForm ClothObjective::formAlongMotion(bool whole_motion, bool deforms) {
@@ -334,14 +386,22 @@ ClothObjective::QuadraticForm ClothObjective::formAlongMotion(bool whole_motion,
       },
       Team::kEntry);
   double others = elements[1] + moving[0];
-  forPresent([&](int k) { others += couplingStiffness(k) * proxy_motions_[k].squaredNorm(); });
+  forPresent([&](int k) {
+    const Proxy& moves = proxy_motions_[k];
+    others +=
+        couplingStiffness(k) * moves.position.squaredNorm() + turnStiffness(k) * moves.turn.squaredNorm();
+  });
   return {elements[0], others};
 }
 
 void ClothObjective::fitMultilevel() {
   proxy_unknowns_.clear();
-  forPresent([this](int k) { proxy_unknowns_.push_back({k, proxyAt(probes_[k]), couplingStiffness(k)}); });
-  multilevel_->fit(internal_, contacts_, integrator_, awake_.flags(), held_, proxy_unknowns_);
+  forPresent([this](int k) {
+    const ProbeStep& probe = probes_[k];
+    proxy_unknowns_.push_back(
+        {k, proxyAt(probe), probe.turns, couplingStiffness(k), turnStiffness(k), proxies_[k].position});
+  });
+  multilevel_->fit(internal_, contacts_, integrator_, awake_.flags(), nodes_, held_, proxy_unknowns_);
 }
 
 void ClothObjective::fitPreconditioner() {
@@ -355,13 +415,20 @@ void ClothObjective::fitPreconditioner() {
     mesh_.handOverGhosts(diagonal_, 0.25);
   }
   forPresent([this](int k) {
-    Vec3 diagonal = Vec3::Constant(couplingStiffness(k));
-    if (preconditioner_ == Preconditioner::Jacobi) diagonal += contacts_.proxyDiagonal(k);
-    for (const HeldNode& held : held_) {
-      if (held.probe == k)
-        diagonal += (diagonal_[held.node].array() + mesh_.mass[held.node] * inertia(held.node)).matrix();
+    Vec3 shift = Vec3::Constant(couplingStiffness(k)), turn = Vec3::Constant(turnStiffness(k));
+    if (preconditioner_ == Preconditioner::Jacobi) {
+      shift += contacts_.proxyDiagonal(k);
+      turn += contacts_.turnDiagonal(k);
     }
-    inverse_diagonal_.segment<3>(proxyAt(probes_[k])) = diagonal.cwiseInverse();
+    for (const HeldNode& held : held_) {
+      if (held.probe != k) continue;
+      const Vec3 spring = diagonal_[held.node].array() + mesh_.mass[held.node] * inertia(held.node);
+      shift += spring;
+      turn += aroundArm((Block() << spring, Vec3::Zero()).finished(), held.offset).diagonal();
+    }
+    const int at = proxyAt(probes_[k]);
+    inverse_diagonal_.segment<3>(at) = shift.cwiseInverse();
+    if (probes_[k].turns) inverse_diagonal_.segment<3>(at + 3) = turn.cwiseInverse();
   });
   for (int n = 0; n < mesh_.free; ++n) {
     diagonal_.set(n, (diagonal_[n].array() + mesh_.mass[n] * inertia(n)).inverse());
@@ -405,11 +472,23 @@ double ClothObjective::layerEnergy() const { return energies_[kLayers]; }
 double ClothObjective::frictionPotential() const { return energies_[kFriction]; }
 
 Vec3 ClothObjective::proxyGradient(int probe) const {
-  return couplingGradient(probe, proxies_[probe]) + contacts_.proxyGradient(probe) - hold_forces_[probe];
+  return couplingGradient(probe, proxies_[probe].position) + contacts_.proxyGradient(probe) -
+         hold_forces_[probe];
 }
 
 double ClothObjective::couplingEnergy(int probe) const {
-  return 0.5 * couplings_[probe].stiffness * (proxies_[probe] - probes_[probe].device).squaredNorm();
+  const ProbeStep& step = probes_[probe];
+  const Coupling& coupling = couplings_[probe];
+  double square = (proxies_[probe].position - step.device).squaredNorm();
+  if (step.turns) square += coupling.square * turnBetween(step.aim, orientation(probe)).squaredNorm();
+  return 0.5 * coupling.stiffness * square;
+}
+
+/// Potential of the damper of a coupling [J].
+double ClothObjective::couplingLoss(int probe) const {
+  const Coupling& coupling = couplings_[probe];
+  const double square = slip(probe).squaredNorm() + coupling.square * turnSlip(probe).squaredNorm();
+  return 0.5 * coupling.damping * timeStep() * square;
 }
 
 double ClothObjective::couplingEnergy() const {
@@ -421,7 +500,7 @@ double ClothObjective::couplingEnergy() const {
 /// Potential of friction and coupling dampers [J].
 double ClothObjective::lossPotential() const {
   double loss = energies_[kFriction];
-  forPresent([&](int k) { loss += 0.5 * couplings_[k].damping * timeStep() * slip(k).squaredNorm(); });
+  forPresent([&](int k) { loss += couplingLoss(k); });
   return loss;
 }
 

@@ -25,13 +25,15 @@ namespace haptic_cloth {
 /// [m/s²].
 double referenceAcceleration(const Vec3& gravity);
 
-/// Incremental potential of one step over the free nodes X and the proxies y:
+/// Incremental potential of one step over the free nodes X, the proxies y and their turns ω:
 ///
-///     Φ(X, y) = Σ ½ m i |x - x̄|² - m g · (x - x⁰)                      motion, air, gravity
+///     Φ(X, y, ω) = Σ ½ m i |x - x̄|² - m g · (x - x⁰)                   motion, air, gravity
 ///             + Σ A ψ_s(ε) + Σ A ψ_b(κ) + Σ A (ψ_h(γ) + B_t κ_xy²)     internal energy
 ///             + contact and friction
 ///             + Σ ½ k |y - device|² + ½ (b/h) |y - y⁰ - h v_device|²   probes
+///             + Σ r² (½ k |θ(ω)|² + ½ (b/h) |ω - ω_device|²)           turns of probes
 ///
+/// θ is the angle between proxy and device, r² is turnRadiusSquared().
 /// x̄ is where inertia alone carries a node and i its inertia [1/s²], both by TimeIntegrator. The
 /// gradient of Φ is the negative of Newton's residual [N].
 class ClothObjective : public Objective {
@@ -40,10 +42,13 @@ class ClothObjective : public Objective {
                  InternalEnergy& internal, ContactSet& contacts, Team& team);
 
   /// Upper bound of size().
-  int capacity() const { return 3 * (mesh_.grid.particles() + static_cast<int>(probes_.size())); }
+  int capacity() const { return 3 * mesh_.grid.particles() + 6 * static_cast<int>(probes_.size()); }
 
   /// Changes take effect with the next begin().
-  void setCoupling(int probe, double stiffness, double damping) { couplings_[probe] = {stiffness, damping}; }
+  void setCoupling(int probe, double stiffness, double damping) {
+    couplings_[probe].stiffness = stiffness;
+    couplings_[probe].damping = damping;
+  }
 
   /// Starts a step from positions and velocities of the nodes, hanging ones included. All nodes are
   /// awake.
@@ -67,7 +72,7 @@ class ClothObjective : public Objective {
   /// Gradient of all nodes at the last evaluated point [N].
   const Field& gradient() const { return gradient_; }
 
-  int size() const override { return 3 * (mesh_.free + present_); }
+  int size() const override { return 3 * mesh_.free + probe_unknowns_; }
   const BlockOrder& order() const override { return unknown_order_; }
   double evaluate(const Vector& x, Vector& gradient) override;
   Along along(const Vector& d, double slope) override;
@@ -106,19 +111,12 @@ class ClothObjective : public Objective {
   /// Places the pinned nodes [m]. Call evaluate() after it.
   void setPinned(const Field& nodes);
 
-  /// Share of the way of the pinned and the held nodes to these positions [m] on which nothing is crossed
-  /// while all else stands still. @pre evaluate() at the current positions
-  double prescribedShare(const Field& to);
+  /// Share of the way of the pinned nodes to these positions [m] on which nothing is crossed while all else
+  /// stands still. @pre evaluate() at the current positions
+  double pinnedShare(const Field& to);
 
   /// Moves the pinned nodes by a share of their way to these positions [m]. Call evaluate() after it.
   void movePinned(const Field& to, double share);
-
-  /// Tells whether what a probe holds turns in the step.
-  bool heldTurns(int probe) const { return turning_[probe] != 0; }
-  /// Sets the nodes that a probe holds to where they end in the step if its proxy stays.
-  void placeHeld(int probe, Field& nodes) const;
-  /// Turns what a probe holds by a share of its way in the step. Call evaluate() after it.
-  void turnHeld(int probe, double made);
 
   /// Share of the straight way from the last evaluated point to other positions of all nodes and to the
   /// proxies of x on which no listed pair and no probe's sample is crossed.
@@ -133,9 +131,10 @@ class ClothObjective : public Objective {
   /// Node values and proxies from unknowns; hanging nodes follow their masters.
   void unpack(const Vector& values, Field& nodes, Proxies& proxies) const;
 
-  /// Moves held nodes with their proxy: to their `offsets` from it or, for directions, by the same
-  /// vector.
-  void carryHeld(const Proxies& proxies, bool offsets, Field& nodes) const;
+  /// Places held nodes by their proxy, as it had turned at the last evaluation.
+  void placeHeld(const Proxies& proxies, Field& nodes) const;
+  /// Moves held nodes with their proxy along a direction.
+  void moveHeld(const Proxies& directions, Field& motion) const;
   const std::vector<HeldNode>& held() const { return held_; }
 
   /// Gradient of the energy of motion, air and gravity at a node at x [N]. Its derivative is
@@ -153,6 +152,8 @@ class ClothObjective : public Objective {
   double couplingStiffness(int probe) const {
     return couplings_[probe].stiffness + couplings_[probe].damping / timeStep();
   }
+  /// Stiffness of the coupling against a turn of the proxy [N·m].
+  double turnStiffness(int probe) const { return couplings_[probe].square * couplingStiffness(probe); }
 
   /// Saves or loads results of the last step that are queried later; begin() does not read them.
   void serialize(Archive& archive);
@@ -171,19 +172,23 @@ class ClothObjective : public Objective {
 
   /// Values at the last evaluated point:
   const Field& nodes() const { return nodes_; }
-  const Vec3& proxy(int probe) const { return proxies_[probe]; }
+  const Vec3& proxy(int probe) const { return proxies_[probe].position; }
+  /// Turn of a proxy in the step, a rotation vector [rad], and its orientation; both zero or as at the start
+  /// for one whose turn is not solved for.
+  const Vec3& turn(int probe) const { return proxies_[probe].turn; }
+  Quat orientation(int probe) const;
   const std::vector<ProbeStep>& probeSteps() const { return probes_; }  ///< as given to begin()
 
   /// First index of a probe's proxy in x.
-  int proxyAt(const ProbeStep& probe) const { return 3 * (mesh_.free + probe.unknown); }
+  int proxyAt(const ProbeStep& probe) const { return 3 * mesh_.free + probe.unknown; }
 
   /// Gradient for a proxy at the last evaluated point: what is left over of coupling, contact and held nodes
   /// [N].
   Vec3 proxyGradient(int probe) const;
 
-  /// Force of the held nodes on a probe [N], and its torque about the proxy [N·m].
-  Vec3 holdForce(int probe) const { return hold_forces_[probe]; }
-  Vec3 holdTorque(int probe) const { return hold_torques_[probe]; }
+  /// Force of the cloth on a probe [N], and its torque about the proxy [N·m].
+  Vec3 force(int probe) const { return hold_forces_[probe] - contacts_.proxyGradient(probe); }
+  Vec3 torque(int probe) const { return hold_torques_[probe] + contacts_.proxyTorque(probe, nodes_); }
 
   /// Energies at the last evaluated point [J]; for a fabric with memory its part of Φ, which is not
   /// what it stores.
@@ -202,22 +207,25 @@ class ClothObjective : public Objective {
   Vec3 pinForce() const;      ///< force of the pins on the cloth [N]
   /// Work of that force as the pins move from x⁰ to where they are [J].
   double pinWork() const;
-  /// Work of the probes on what they hold, by turning it [J]. As for ContactSet::workOfSolids(), its forces
-  /// count as fixed to the probe.
-  double turnWork() const { return turn_work_; }
   /// Work of Newton's residual on the free nodes from x⁰ to where they are [J].
   double workUndone() const;
 
  private:
   struct Coupling {
     double stiffness, damping;  ///< [N/m], [N·s/m]
+    double square;              ///< turnRadiusSquared() [m²]
+    double most_turn;           ///< in one iteration [rad]
   };
 
   template <class Visit>
   void forPresent(const Visit& visit) const;
   Vec3 slip(int probe) const;
+  Vec3 turnSlip(int probe) const;
+  double couplingLoss(int probe) const;
+  Vec3 turnGradient(int probe) const;
+  double turnLimit(double most) const;
   double lossPotential() const;
-  bool limitsSteps() const { return present_ > 0 || contacts_.meetsItself(); }
+  bool limitsSteps() const { return probe_unknowns_ > 0 || contacts_.meetsItself(); }
   void placeProbes();
   void fitMultilevel();
   double evaluateProbes(Vector& gradient);
@@ -241,19 +249,16 @@ class ClothObjective : public Objective {
 
   std::vector<ProbeStep> probes_;
   std::vector<HeldNode> held_;
-  int present_ = 0;  ///< number of present probes
+  int probe_unknowns_ = 0;  ///< of the present probes
   AwakeSet awake_;
   Field start_, inertial_;  ///< x⁰ and inertial positions of the nodes [m]
   /// Mass of all nodes; for free nodes mass times inertia(node)/inertia(), zero for others [kg].
   /// Both padded.
   std::vector<double> mass_, moving_mass_;
   Field nodes_, motion_, gradient_, diagonal_;
-  BlockField blocks_;          ///< blocks for the Jacobi preconditioner
-  std::vector<char> turning_;  ///< flags of the probes that turn what they hold
-  /// Rotations of the probes that hold nodes, see ContactSet::toMiddle().
-  std::vector<Eigen::Matrix3d> middles_;
-  Proxies proxies_, proxy_motions_, hold_forces_, hold_torques_;
-  double turn_work_ = 0.0;  ///< see turnWork() [J]
+  BlockField blocks_;  ///< blocks for the Jacobi preconditioner
+  Proxies proxies_, proxy_motions_;
+  std::vector<Vec3> hold_forces_, hold_torques_;  ///< of the held nodes on the probes [N], [N·m]
   Sums energies_ = Sums::Zero();
   Vector inverse_diagonal_, residual_weight_;
   BlockOrder unknown_order_;  ///< along the cloth: the unknowns are all x, all y, all z, and the proxies

@@ -29,7 +29,7 @@ ClothWorld::ClothWorld(const Scene& scene)
       cloth_(scene_),
       team_(scene_.solver.threads),
       contacts_(cloth_.grid(), scene_.obstacles, scene_.probes, contactOptions(scene_), team_),
-      probes_(static_cast<int>(scene_.probes.size())),
+      probes_(scene_),
       grasps_(probes_.count(), cloth_.grid()),
       adaptation_(scene_.adapt, cloth_.grid()),
       turns_(scene_.cloth.fabric, cloth_.grid(), scene_.gravity),
@@ -56,7 +56,7 @@ void ClothWorld::takeStep(int length, StepReport& report) {
   solver_.startBudget();
   energy_.beginStep(solver_.objective());
   cloth_.beginStep(h, time() + h);
-  probes_.beginStep(scene_.probes, h);
+  probes_.beginStep(h);
   contacts_.advance(h, cloth_.nodes());
   adapt(report);
   grasps_.update(probes_, cloth_.mesh(), cloth_.state());
@@ -144,13 +144,13 @@ TurnEstimate::View ClothWorld::turnView() {
           usual * usual / scene_.adapt.refine_above};
 }
 
-/// Tells whether an obstacle moves or a probe turns in this step.
+/// Tells whether an obstacle moves in this step, or a probe turns whose turn is not solved for.
 bool ClothWorld::solidsMove() const {
   for (int k = 0; k < contacts_.obstacles(); ++k) {
     if (contacts_.obstacleSpeed(k) > 0.0) return true;
   }
   for (int k = 0; k < probes_.count(); ++k) {
-    if (probes_.turns(k)) return true;
+    if (probes_.turnsAsPrescribed(k)) return true;
   }
   return false;
 }
@@ -174,10 +174,9 @@ void ClothWorld::accept(StepReport& report) {
   markStopped();
   contacts_.rememberFriction(cloth_.mesh(), cloth_.internal().nodeNormals());
   cloth_.move(solved, report.minimizer.motion_made == 1.0);
-  if (cloth_.pinsMove()) cloth_.advancePins(solver_.shares());
+  if (cloth_.pinsMove()) cloth_.advancePins(solver_.pinsMade());
   const double h = solved.timeStep(), pinned = cloth_.pinnedKineticEnergy();
-  energy_.notePrescribedWork(solved.turnWork() + solved.pinWork() + pinned - pinned_before,
-                             2.0 * h * scene_.air_damping * pinned);
+  energy_.notePinWork(solved.pinWork() + pinned - pinned_before, 2.0 * h * scene_.air_damping * pinned);
   const Vec3 momentum = cloth_.pinnedMomentum();
   const Vec3 pinned_force = (momentum - momentum_before) / h + scene_.air_damping * momentum;
   sleep_.update(cloth_.mesh(), cloth_.velocities(), solved.awake().flags(), driven_);
@@ -186,8 +185,7 @@ void ClothWorld::accept(StepReport& report) {
                                         report.minimizer.why == Termination::Converged, cloth_);
   cloth_.commit(team_);
   force_error_.noteCloth(cloth_, feelsCloth(), adaptation_.decidesAt(ticks_));
-  probes_.accept(report.minimizer.motion_made, solved, contacts_, cloth_.mesh(), grasps_, force_error_);
-  grasps_.accept(probes_, cloth_.mesh(), solved.held());
+  probes_.accept(solved, contacts_, cloth_.mesh(), grasps_, force_error_);
   grasps_.noteTouched(probes_, contacts_, cloth_.mesh());
   support_force_ = contacts_.obstacleForce() + solved.pinForce() + pinned_force;
   report.max_penetration = contacts_.deepest();

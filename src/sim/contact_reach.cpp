@@ -8,6 +8,9 @@
 namespace haptic_cloth {
 namespace {
 
+/// Largest distance of the surface of a probe from its proxy [m].
+double extent(const ProbeOptions& probe) { return probe.radius + 0.5 * probe.length; }
+
 /// Tells whether a motion is within reach; widens a reach that it nearly uses up.
 bool isWithin(const Vec3& motion, double& reach) {
   const double squared = motion.squaredNorm();
@@ -48,8 +51,11 @@ void ContactReach::estimate() {
     const ProbeStep& probe = probes_.steps()[k];
     // Cloth usually keeps holding back a proxy whose device is far ahead. The reach therefore leaves out
     // most of that distance: if the cloth lets go, the step is solved again.
-    const double ahead = (probe.device - probe.proxy).norm();
-    proxies_[k] = std::min(ahead, scene_.probes[k].radius) + 2.0 * h * probes_.reports()[k].velocity.norm();
+    const ProbeOptions& options = scene_.probes[k];
+    const double turn = probe.turns ? turnBetween(probe.orientation, probe.aim).norm() : 0.0;
+    const double ahead = (probe.device - probe.proxy).norm() + extent(options) * turn;
+    const double speed = probes_.reports()[k].velocity.norm() + extent(options) * probes_.spin(k).norm();
+    proxies_[k] = std::min(ahead, options.radius) + 2.0 * h * speed;
   }
 }
 
@@ -82,7 +88,8 @@ bool ContactReach::coversProxies(const ClothObjective& solved) {
   bool all = true;
   for (int k = 0; k < probes_.count(); ++k) {
     if (!probes_.isPresent(k)) continue;
-    const double moved = (solved.proxy(k) - probes_.steps()[k].proxy).norm();
+    const double moved = (solved.proxy(k) - probes_.steps()[k].proxy).norm() +
+                         extent(scene_.probes[k]) * solved.turn(k).norm();
     all = all && !(moved > proxies_[k]);
     proxies_[k] = std::max(proxies_[k], 2.0 * moved);
   }

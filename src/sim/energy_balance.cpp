@@ -11,7 +11,7 @@ EnergyBalance::EnergyBalance(const Cloth& cloth, const ClothObjective& solved) {
 
 void EnergyBalance::beginStep(const ClothObjective& last) {
   created_by_mesh_ = returned_by_slip_ = 0.0;
-  prescribed_work_ = pin_drag_ = 0.0;
+  pin_work_ = pin_drag_ = 0.0;
   contact_before_ = last.contactEnergy();
   layers_before_ = last.layerEnergy();
   friction_before_ = last.frictionPotential();
@@ -34,14 +34,13 @@ void EnergyBalance::noteStart(const StepSolver::Start& start, bool solids_move) 
 double EnergyBalance::guard(double kinetic_before, double gravity_work, const ClothObjective& solved,
                             bool converged, Cloth& cloth) {
   const double spent = solved.storedAndLost(), kinetic = cloth.kineticEnergy();
-  double allowed = std::max(0.0, energy_before_ + kinetic_before + gravity_work + prescribed_work_ - spent);
+  double allowed = std::max(0.0, energy_before_ + kinetic_before + gravity_work + pin_work_ - spent);
   // The noise of cloth that nearly rests must fade.
   const bool moves = kinetic > 0.5 * cloth.mass() * Cloth::kSlow * Cloth::kSlow;
   if (converged && moves) allowed += balanceUndone(solved.workUndone(), kinetic - allowed);
   if (kinetic <= allowed) return 1.0;
   const double scale = cloth.limitKineticEnergy(allowed);
-  // What moves the pins pays their share.
-  prescribed_work_ += (1.0 - scale * scale) * cloth.pinnedKineticEnergy();
+  pin_work_ += (1.0 - scale * scale) * cloth.pinnedKineticEnergy();  // what moves the pins pays their share
   return scale;
 }
 
@@ -59,6 +58,21 @@ double EnergyBalance::balanceUndone(double work, double excess) {
   return kept;
 }
 
+namespace {
+
+/// Work of a device by its turn, over turnRadiusSquared() [J/m²]. As for its way, the spring starts the step
+/// with the energy that it has between the aim before and the proxy then.
+double workOfTurn(const ProbeOptions& options, const ProbeStep& made, const Quat& aim_before,
+                  const ClothObjective& solved, int probe) {
+  const double h = solved.timeStep();
+  const Vec3 slip = (made.aim_turn - solved.turn(probe)) / h;
+  return options.coupling_stiffness * (0.5 * turnBetween(aim_before, made.orientation).squaredNorm() +
+                                       turnBetween(solved.orientation(probe), made.aim).dot(made.aim_turn)) +
+         options.coupling_damping * slip.dot(made.aim_turn);
+}
+
+}  // namespace
+
 void EnergyBalance::update(const Scene& scene, const ClothObjective& solved, const ContactSet& contacts,
                            Probes& probes) {
   returned_by_slip_ = std::max(0.0, friction_start_ - solved.frictionPotential());
@@ -73,8 +87,10 @@ void EnergyBalance::update(const Scene& scene, const ClothObjective& solved, con
     const Vec3 slip = made.device_velocity - probes.reports()[k].velocity;
     supplied_ += stiffness * (made.device - solved.proxy(k)).dot(made.device - before.device) +
                  options.coupling_damping * solved.timeStep() * slip.dot(made.device_velocity);
+    if (made.turns)
+      supplied_ += turnRadiusSquared(options) * workOfTurn(options, made, before.aim, solved, k);
   }
-  supplied_ += contacts.workOfSolids() + ejection_work_ + prescribed_work_ + pin_drag_;
+  supplied_ += contacts.workOfSolids() + ejection_work_ + pin_work_ + pin_drag_;
   ejection_work_ = contacts.ejectionWork();
 }
 

@@ -27,13 +27,12 @@ class EnergyBalance {
   void noteMeshChange(double created) { created_by_mesh_ = created; }
 
   /// Records the values where the solve of the step started.
-  /// @param solids_move an obstacle moves or a probe turns in the step
+  /// @param solids_move an obstacle moves in the step, or a probe turns as prescribed
   void noteStart(const StepSolver::Start& start, bool solids_move);
 
-  /// Records the work of moving pins, and of probes that turn what they hold, in the step: on the cloth, and
-  /// of the pins on the air around them [J].
-  void notePrescribedWork(double work, double drag) {
-    prescribed_work_ = work;
+  /// Records the work of moving pins in the step: on the cloth, and on the air around them [J].
+  void notePinWork(double work, double drag) {
+    pin_work_ = work;
     pin_drag_ = drag;
   }
 
@@ -67,7 +66,7 @@ class EnergyBalance {
   double initial_ = 0.0;             ///< energy at the start [J]
   double supplied_ = 0.0;            ///< initial_ plus work of devices, obstacles and pins [J]
   double undone_ = 0.0;              ///< work that converged solves left undone, not yet made good [J]
-  double prescribed_work_ = 0.0;     ///< in the current step [J]
+  double pin_work_ = 0.0;            ///< in the current step [J]
   double pin_drag_ = 0.0;            ///< in the current step [J]
   double created_by_mesh_ = 0.0;     ///< in the current step [J]
   double created_by_samples_ = 0.0;  ///< in the current step [J]

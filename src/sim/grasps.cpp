@@ -25,27 +25,19 @@ void Grasps::update(const Probes& probes, const ActiveMesh& mesh, const Particle
   for (int k = 0; k < probes.count(); ++k) {
     const auto own = [k](const HeldParticle& held) { return held.probe == k; };
     if (!probes.isClosed(k) || std::any_of(held_.begin(), held_.end(), own)) continue;
-    const Quat& turned = probes.orientationBefore(k);
+    const Quat& turned = probes.orientation(k);
     for (const int particle : touched_by_[k]) {
       const auto same = [particle](const HeldParticle& held) { return held.particle == particle; };
       if (!is_free(particle) || std::any_of(held_.begin(), held_.end(), same)) continue;
       const Vec3 arm = turned.conjugate() * (state.position[particle] - probes.steps()[k].proxy);
-      held_.push_back({particle, k, arm, turned * arm});
+      held_.push_back({particle, k, arm});
     }
   }
   nodes_.clear();
   for (const HeldParticle& held : held_) {
     if (!is_free(held.particle)) continue;
-    const Vec3& start = held.offset;
-    nodes_.push_back({mesh.node[held.particle], held.probe, held.arm, start, start, start});
-  }
-}
-
-void Grasps::accept(const Probes& probes, const ActiveMesh& mesh, const std::vector<HeldNode>& nodes) {
-  auto ended = nodes.begin();  // in the order of held_
-  for (HeldParticle& held : held_) {
-    const bool is_node = ended != nodes.end() && ended->node == mesh.node[held.particle];
-    held.offset = is_node ? ended++->offset : probes.orientationBefore(held.probe) * held.arm;
+    const Vec3 offset = probes.orientation(held.probe) * held.arm;
+    nodes_.push_back({mesh.node[held.particle], held.probe, offset, offset});
   }
 }
 
@@ -75,7 +67,6 @@ void Grasps::serialize(Archive& archive) {
   archive.each("held_particles", held_, &HeldParticle::particle);
   archive.each("held_by", held_, &HeldParticle::probe);
   archive.each("held_arms", held_, &HeldParticle::arm);
-  archive.each("held_offsets", held_, &HeldParticle::offset);
   for (const HeldParticle& held : held_) {
     const bool inside =
         held.particle >= 0 && held.particle < particles_ && held.probe >= 0 && held.probe < probes;

@@ -28,9 +28,6 @@ class Grasps {
   const std::vector<HeldNode>& nodes() const { return nodes_; }  ///< held in the current step
   bool holds(int probe) const;  ///< tells whether it holds a node in the current step
 
-  /// Ends a step, after the probes. @param nodes nodes(), where they ended
-  void accept(const Probes& probes, const ActiveMesh& mesh, const std::vector<HeldNode>& nodes);
-
   /// Records what presses on the closed probes at the end of a step.
   void noteTouched(const Probes& probes, const ContactSet& contacts, const ActiveMesh& mesh);
 
@@ -39,8 +36,7 @@ class Grasps {
  private:
   struct HeldParticle {
     int particle, probe;
-    Vec3 arm;     ///< from the proxy, in axes that turn with the probe [m]
-    Vec3 offset;  ///< from the proxy, at the start of the step [m]
+    Vec3 arm;  ///< from the proxy, in axes that turn with the probe [m]
   };
 
   int particles_;  ///< number of particles of the finest grid

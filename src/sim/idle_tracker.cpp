@@ -10,7 +10,7 @@ namespace haptic_cloth {
 bool IdleTracker::isIdle(const Probes& probes, const ContactSet& contacts) const {
   if (!idle_ || contacts.obstaclesMove() || !devicesStay(probes)) return false;
   for (int k = 0; k < probes.count(); ++k) {
-    const bool moves = probes.turns(k) || !probes.steps()[k].device_velocity.isZero(0.0);
+    const bool moves = probes.turnsAsPrescribed(k) || !probes.steps()[k].device_velocity.isZero(0.0);
     if (probes.isPresent(k) && (probes.isClosed(k) || moves)) return false;
   }
   return true;
@@ -18,9 +18,11 @@ bool IdleTracker::isIdle(const Probes& probes, const ContactSet& contacts) const
 
 void IdleTracker::note(const StepReport& report, const Probes& probes, double sleep_speed) {
   const auto& reports = probes.reports();
-  const bool proxies_rest = std::all_of(reports.begin(), reports.end(), [&](const ProbeReport& probe) {
-    return !probe.present || probe.velocity.norm() < sleep_speed;
-  });
+  const bool proxies_rest = std::all_of(reports.begin(), reports.end(),
+                                        [&](const ProbeReport& probe) {
+                                          return !probe.present || probe.velocity.norm() < sleep_speed;
+                                        }) &&
+                            probes.fastestTurn() < sleep_speed;
   const bool changed = !devicesStay(probes) || report.refined > 0 || report.coarsened > 0 || report.failed;
   constexpr int kEnough = SleepTracker::kSteps;  // the mesh has had time to adapt
   quiet_ = report.awake_particles == 0 && proxies_rest && !changed ? std::min(quiet_, kEnough - 1) + 1 : 0;
@@ -42,7 +44,8 @@ void IdleTracker::forget() {
 bool IdleTracker::devicesStay(const Probes& probes) const {
   return std::equal(probes.steps().begin(), probes.steps().end(), probes_.begin(), probes_.end(),
                     [](const ProbeStep& now, const ProbeStep& then) {
-                      return now.present == then.present && now.device == then.device;
+                      return now.present == then.present && now.device == then.device &&
+                             now.device_orientation.coeffs() == then.device_orientation.coeffs();
                     });
 }
 
@@ -52,6 +55,7 @@ void IdleTracker::serialize(Archive& archive) {
   archive.length("idle.count", probes_, count_);
   archive.each("idle.present", probes_, &ProbeStep::present);
   archive.each("idle.devices", probes_, &ProbeStep::device);
+  archive.each("idle.orientations", probes_, &ProbeStep::device_orientation);
   archive("idle.residual", residual_);
 }
 

@@ -13,9 +13,10 @@ JointObjective::JointObjective(ClothObjective& step, const ActiveMesh& mesh, con
   weight_.reserve(mesh.grid.particles());
   inverse_diagonal_.resize(capacity());
   proxy_weight_.assign(step.probeSteps().size(), 0.0);
-  for (Proxies* list : {&proxies_, &proxy_motions_, &proxy_residuals_, &hold_}) {
-    list->assign(step.probeSteps().size(), Vec3::Zero());
+  for (Proxies* list : {&proxies_, &proxy_motions_, &proxy_residuals_}) {
+    list->assign(step.probeSteps().size(), Proxy());
   }
+  hold_.assign(step.probeSteps().size(), Vec3::Zero());
 }
 
 template <class Visit>
@@ -40,15 +41,15 @@ void JointObjective::begin(const Vector& start, const Vector& positions, Vector&
   }
   forPresent([this](int k, int) { proxy_weight_[k] = 1.0 / proxy_weight_[k]; });
   step_.unpack(start, nodes_, proxies_);
-  step_.carryHeld(proxies_, true, nodes_);
+  step_.placeHeld(proxies_, nodes_);
   elements_.begin(nodes_, unknowns.data() + step_.size());
   unknowns.head(step_.size()) = positions.head(step_.size());
 }
 
 double JointObjective::evaluate(const Vector& x, Vector& gradient) {
   step_.unpack(x, nodes_, proxies_);
-  step_.carryHeld(proxies_, true, nodes_);
-  forPresent([this](int k, int) { contacts_.placeProbe(k, proxies_[k]); });
+  step_.placeHeld(proxies_, nodes_);
+  forPresent([this](int k, int) { contacts_.placeProbe(k, proxies_[k].position); });
   evaluateElements(x.data() + step_.size());
   costs_.motion = residualForces();
   double* by_force = gradient.data() + step_.size();
@@ -95,12 +96,13 @@ double JointObjective::residualForces() {
   })[0];
   // A proxy has no mass; it answers over a step like the mass h² times its coupling stiffness.
   forPresent([&](int k, int) {
-    const Vec3 force = step_.couplingGradient(k, proxies_[k]) + contacts_.proxyGradient(k) + hold_[k];
-    proxy_residuals_[k] = proxy_weight_[k] * force;
-    cost += 0.5 * force.dot(proxy_residuals_[k]);
+    const Vec3 force =
+        step_.couplingGradient(k, proxies_[k].position) + contacts_.proxyGradient(k) + hold_[k];
+    proxy_residuals_[k].position = proxy_weight_[k] * force;
+    cost += 0.5 * force.dot(proxy_residuals_[k].position);
   });
   mesh_.interpolateGhosts(residual_);
-  step_.carryHeld(proxy_residuals_, false, residual_);
+  step_.moveHeld(proxy_residuals_, residual_);
   return cost;
 }
 
@@ -126,13 +128,14 @@ void JointObjective::gatherGradient(Vector& gradient) {
   step_.packFree(gradient_, gradient);
   forPresent([&](int k, int at) {
     gradient.segment<3>(at) =
-        step_.couplingStiffness(k) * proxy_residuals_[k] + contacts_.proxyChange(k) + hold_[k];
+        step_.couplingStiffness(k) * proxy_residuals_[k].position + contacts_.proxyChange(k) + hold_[k];
+    if (step_.probeSteps()[k].turns) gradient.segment<3>(at + 3).setZero();
   });
 }
 
 Objective::Along JointObjective::along(const Vector& d, double slope) {
   step_.unpack(d, motion_, proxy_motions_);
-  step_.carryHeld(proxy_motions_, false, motion_);
+  step_.moveHeld(proxy_motions_, motion_);
   const double form = changeOfForces(d.data() + step_.size());
   return {form, contacts_.maxStep(nodes_, motion_, proxy_motions_, newtonStep(slope, form))};
 }
@@ -160,7 +163,8 @@ double JointObjective::changeOfForces(const double* d_forces) {
     return sums;
   })[0];
   forPresent([&](int k, int) {
-    const Vec3 change = step_.couplingStiffness(k) * proxy_motions_[k] + contacts_.proxyChange(k) + hold_[k];
+    const Vec3 change =
+        step_.couplingStiffness(k) * proxy_motions_[k].position + contacts_.proxyChange(k) + hold_[k];
     quadratic_form += proxy_weight_[k] * change.squaredNorm();
   });
   return quadratic_form;
@@ -192,6 +196,7 @@ void JointObjective::fitPreconditioner() {
       force += stiffness_[held.node];
     }
     inverse_diagonal_.segment<3>(at) = (laws + proxy_weight_[k] * force.cwiseAbs2()).cwiseInverse();
+    if (step_.probeSteps()[k].turns) inverse_diagonal_.segment<3>(at + 3).setZero();
   });
   for (int n = 0; n < mesh_.free; ++n) diagonal_.set(n, diagonal_[n].cwiseInverse());
   for (const HeldNode& held : step_.held()) diagonal_.set(held.node, Vec3::Zero());

@@ -12,7 +12,8 @@ namespace haptic_cloth {
 /// E^n = Σ h²/(2m) |residual of Newton's law|² [J], with the unknown forces instead of those of the
 /// laws, plus the costs of JointEnergy. Contact, friction, air and probe act as in ClothObjective,
 /// which provides the step. Held nodes move with the proxy of their probe, which carries their
-/// forces and inertia. The gradient of the condensed cost vanishes where E = 0, and vice versa.
+/// forces and inertia; proxies do not turn in the solve. The gradient of the condensed cost vanishes where E
+/// = 0, and vice versa.
 class JointObjective : public Objective {
  public:
   /// @param step the step to be solved, after its begin()
@@ -57,7 +58,7 @@ class JointObjective : public Objective {
   /// 1/(stiffness of the coupling + inertia of the held mass) for each probe [m/N].
   std::vector<double> proxy_weight_;
   Proxies proxies_, proxy_motions_, proxy_residuals_;
-  Proxies hold_;  ///< forces on held nodes, or their change, handed to the proxy [N]
+  std::vector<Vec3> hold_;  ///< forces on held nodes, or their change, handed to the proxy [N]
   Vector inverse_diagonal_;
 };
 

@@ -32,7 +32,7 @@ MultilevelPreconditioner::MultilevelPreconditioner(const ActiveMesh& mesh, int p
   touch_.reserve(particles);
   hat_inverse_.reserve(hats_.hatCapacity());
   springs_.reserve(particles);
-  proxies_.reserve(probes);
+  bodies_.reserve(probes);
   values_.reserve(hats_.pointCapacity());
   corrections_.reserve(hats_.hatCapacity());
 }
@@ -41,14 +41,14 @@ void MultilevelPreconditioner::resize() { hats_.rebuild(mesh_); }
 
 void MultilevelPreconditioner::fit(const InternalEnergy& internal, const ContactSet& contacts,
                                    const TimeIntegrator& integrator, const std::vector<char>& awake,
-                                   const std::vector<HeldNode>& held,
+                                   const Field& nodes, const std::vector<HeldNode>& held,
                                    const std::vector<ProxyUnknown>& proxies) {
   for (Blocks* list : {&between_, &points_}) list->assign(hats_.points(), Block::Zero());
   addElements(internal);
-  addContacts(contacts, proxies);
+  addContacts(contacts, nodes, proxies);
   for (int n = 0; n < mesh_.nodes(); ++n) points_[n] += isotropic(integrator.inertia(n) * mesh_.mass[n]);
   invertNodes(awake, held);
-  for (Proxy& proxy : proxies_) bind(proxy);
+  for (Body& body : bodies_) bind(body);
   invertHats();
 }
 
@@ -75,25 +75,26 @@ void MultilevelPreconditioner::addElements(const InternalEnergy& internal) {
   team_.forRange(mesh_.active(), copy, kOwn);
 }
 
-void MultilevelPreconditioner::addContacts(const ContactSet& contacts,
+void MultilevelPreconditioner::addContacts(const ContactSet& contacts, const Field& nodes,
                                            const std::vector<ProxyUnknown>& proxies) {
   contacts.addSprings(ContactSet::kObstacles, points_);
   handOver(mesh_, points_);
   springs_.clear();
-  proxies_.clear();
+  bodies_.clear();
   for (const ProxyUnknown& unknown : proxies) {
-    Proxy proxy{unknown.probe, unknown.at, static_cast<int>(springs_.size()), 0,
-                isotropic(unknown.stiffness)};
+    Body body{unknown.probe, unknown.at, unknown.turns ? 6 : 3, static_cast<int>(springs_.size()), 0, {}};
+    body.inverse.setZero();
+    body.inverse.diagonal() << Vec3::Constant(unknown.stiffness), Vec3::Constant(unknown.turn_stiffness);
     touch_.assign(mesh_.nodes(), Block::Zero());
     contacts.addSprings(unknown.probe, touch_);
     handOver(mesh_, touch_);
     for (int n = 0; n < mesh_.free; ++n) {
       if (touch_[n].isZero(0.0)) continue;
       points_[n] += touch_[n];
-      springs_.push_back({n, touch_[n]});
+      springs_.push_back({n, touch_[n], unknown.turns ? Vec3(nodes[n] - unknown.position) : Vec3::Zero()});
     }
-    proxy.springs_end = static_cast<int>(springs_.size());
-    proxies_.push_back(proxy);
+    body.springs_end = static_cast<int>(springs_.size());
+    bodies_.push_back(body);
   }
 }
 
@@ -109,21 +110,32 @@ void MultilevelPreconditioner::invertNodes(const std::vector<char>& awake,
   team_.forRange(mesh_.free, invert, kInverse);
   for (const HeldNode& node : held) {
     node_inverse_.set(node.node, Block::Zero());
-    for (Proxy& proxy : proxies_) {
-      if (proxy.probe == node.probe) proxy.inverse += between_[node.node] + points_[node.node];
+    for (Body& body : bodies_) {
+      if (body.probe != node.probe) continue;
+      addSpring(between_[node.node] + points_[node.node], body.unknowns == 6 ? node.offset : Vec3::Zero(),
+                body.inverse);
     }
   }
 }
 
-/// Eliminates the touched nodes from the proxy's block and inverts it.
-void MultilevelPreconditioner::bind(Proxy& proxy) const {
-  for (int k = proxy.springs; k < proxy.springs_end; ++k) {
+/// Adds the stiffness of a spring at the end of an arm to that against shifts and turns.
+void MultilevelPreconditioner::addSpring(const Block& stiffness, const Vec3& arm, BodyMatrix& sum) {
+  const Mat3 s = matrix(stiffness), cross = crossMatrix(arm), coupled = s * cross;
+  sum.topLeftCorner<3, 3>() += s;
+  sum.topRightCorner<3, 3>() -= coupled;
+  sum.bottomLeftCorner<3, 3>() -= coupled.transpose();
+  sum.bottomRightCorner<3, 3>() += cross.transpose() * coupled;
+}
+
+/// Eliminates the touched nodes from the block of the proxy and inverts it.
+void MultilevelPreconditioner::bind(Body& body) const {
+  for (int k = body.springs; k < body.springs_end; ++k) {
     const Spring& spring = springs_[k];
     // The Schur complement S - S D⁻¹ S is symmetric, like S and D.
     const Mat3 s = matrix(spring.stiffness);
-    proxy.inverse += block(s - s * matrix(node_inverse_[spring.node]) * s);
+    addSpring(block(s - s * matrix(node_inverse_[spring.node]) * s), spring.arm, body.inverse);
   }
-  proxy.inverse = inverse(proxy.inverse);
+  body.inverse = BodyMatrix(body.inverse.llt().solve(BodyMatrix::Identity()));
 }
 
 void MultilevelPreconditioner::invertHats() {
@@ -165,7 +177,7 @@ void MultilevelPreconditioner::apply(const Vector& gradient, Vector& z) {
                                z.data());
       },
       kOwn);
-  for (const Proxy& proxy : proxies_) applyProxy(proxy, gradient, z);
+  for (const Body& body : bodies_) applyBody(body, gradient, z);
 }
 
 /// Replaces the gradient in values_ by the sum of the corrections of all hats. Values that children
@@ -192,17 +204,22 @@ void MultilevelPreconditioner::applyHats() {
 }
 
 /// Solves for a proxy and the nodes that it touches: forward over the nodes, the proxy, and back.
-void MultilevelPreconditioner::applyProxy(const Proxy& proxy, const Vector& gradient, Vector& z) const {
-  Vec3 force = gradient.segment<3>(proxy.at);
-  for (int k = proxy.springs; k < proxy.springs_end; ++k) {
+void MultilevelPreconditioner::applyBody(const Body& body, const Vector& gradient, Vector& z) const {
+  Eigen::Matrix<double, 6, 1> force = Eigen::Matrix<double, 6, 1>::Zero();
+  force.head(body.unknowns) = gradient.segment(body.at, body.unknowns);
+  for (int k = body.springs; k < body.springs_end; ++k) {
     const Spring& spring = springs_[k];
-    force += product(spring.stiffness, product(node_inverse_[spring.node], entry(gradient, spring.node)));
+    const Vec3 pushes =
+        product(spring.stiffness, product(node_inverse_[spring.node], entry(gradient, spring.node)));
+    force.head<3>() += pushes;
+    force.tail<3>() += spring.arm.cross(pushes);
   }
-  const Vec3 moved = product(proxy.inverse, force);
-  z.segment<3>(proxy.at) = moved;
-  for (int k = proxy.springs; k < proxy.springs_end; ++k) {
+  const Eigen::Matrix<double, 6, 1> moved = body.inverse * force;
+  z.segment(body.at, body.unknowns) = moved.head(body.unknowns);
+  for (int k = body.springs; k < body.springs_end; ++k) {
     const Spring& spring = springs_[k];
-    const Vec3 follows = product(node_inverse_[spring.node], product(spring.stiffness, moved));
+    const Vec3 there = moved.head<3>() + moved.tail<3>().cross(spring.arm);
+    const Vec3 follows = product(node_inverse_[spring.node], product(spring.stiffness, there));
     for (int c = 0; c < 3; ++c) z[c * mesh_.free + spring.node] += follows[c];
   }
 }

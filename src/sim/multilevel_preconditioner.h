@@ -19,8 +19,11 @@ namespace haptic_cloth {
 /// Unknowns of one proxy.
 struct ProxyUnknown {
   int probe;
-  int at;            ///< index of its first unknown
-  double stiffness;  ///< stiffness of its coupling [N/m]
+  int at;                 ///< index of its first unknown
+  bool turns;             ///< its turn follows its position
+  double stiffness;       ///< of its coupling [N/m]
+  double turn_stiffness;  ///< of its coupling [N·m]
+  Vec3 position;          ///< [m]
 };
 
 /// Preconditioner with two additive parts.
@@ -44,14 +47,15 @@ class MultilevelPreconditioner {
 
   /// Builds the blocks from the last evaluation.
   /// @param integrator gives the inertia of the nodes
+  /// @param nodes positions of that evaluation [m]
   /// @param awake one flag for each node; only free nodes that are awake and not held are solved
   /// for
   void fit(const InternalEnergy& internal, const ContactSet& contacts, const TimeIntegrator& integrator,
-           const std::vector<char>& awake, const std::vector<HeldNode>& held,
+           const std::vector<char>& awake, const Field& nodes, const std::vector<HeldNode>& held,
            const std::vector<ProxyUnknown>& proxies);
 
   /// Applies it to a gradient, with unknowns as in ClothObjective: all x of the free nodes, all y,
-  /// all z, then the proxies.
+  /// all z, then the proxies, of each its position and perhaps its turn.
   void apply(const Vector& gradient, Vector& z);
 
  private:
@@ -64,16 +68,20 @@ class MultilevelPreconditioner {
   struct Spring {
     int node;
     Block stiffness;  ///< [N/m]
+    Vec3 arm;         ///< of the node, from the proxy; zero if that does not turn [m]
   };
-  struct Proxy {
-    int probe, at;
+  using BodyMatrix = Eigen::Matrix<double, 6, 6>;
+  /// Proxy with the nodes that it touches. A shift comes before a turn.
+  struct Body {
+    int probe, at, unknowns;
     int springs, springs_end;
-    Block inverse;  ///< [m/N]; holds the stiffness [N/m] before bind()
+    BodyMatrix inverse;  ///< holds the stiffness before bind()
   };
 
   void addElements(const InternalEnergy& internal);
-  void addContacts(const ContactSet& contacts, const std::vector<ProxyUnknown>& proxies);
-  void bind(Proxy& proxy) const;
+  void addContacts(const ContactSet& contacts, const Field& nodes, const std::vector<ProxyUnknown>& proxies);
+  static void addSpring(const Block& stiffness, const Vec3& arm, BodyMatrix& sum);
+  void bind(Body& body) const;
   void invertNodes(const std::vector<char>& awake, const std::vector<HeldNode>& held);
   void invertHats();
   void invertHat(int k);
@@ -81,7 +89,7 @@ class MultilevelPreconditioner {
   Vec3 entry(const Vector& gradient, int node) const {
     return {gradient[node], gradient[mesh_.free + node], gradient[2 * mesh_.free + node]};
   }
-  void applyProxy(const Proxy& proxy, const Vector& gradient, Vector& z) const;
+  void applyBody(const Body& body, const Vector& gradient, Vector& z) const;
 
   const ActiveMesh& mesh_;
   Team& team_;
@@ -96,7 +104,7 @@ class MultilevelPreconditioner {
   std::vector<HatBlock> hat_inverse_;  ///< hats; zero if they do not move [m/N]
   Blocks touch_;                       ///< blocks of one proxy's contacts at the nodes [N/m]
   std::vector<Spring> springs_;
-  std::vector<Proxy> proxies_;
+  std::vector<Body> bodies_;
   std::vector<HatValue> values_, corrections_;  ///< at the points; of the hats
 };
 

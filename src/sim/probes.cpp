@@ -1,6 +1,7 @@
 #include "sim/probes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "sim/cloth_objective.h"
@@ -11,12 +12,27 @@ namespace haptic_cloth {
 
 namespace {
 
-/// Way of the points of a probe in a step by its turn, at most, over its radius: it must not pass cloth [-].
-constexpr double kShareOfRadius = 0.25;
+/// Largest angle between a probe and the orientation to which its coupling turns it [rad].
+constexpr double kLargestAngle = 0.5;
+
+/// Largest turn of an open sphere in a step [rad].
+constexpr double kLargestTurn = 0.25;
+
+/// Turns by at most `most` [rad] towards an orientation.
+Quat towards(const Quat& from, const Quat& to, double most) {
+  const double angle = from.angularDistance(to);
+  return angle > most ? from.slerp(most / angle, to) : to;
+}
 
 }  // namespace
 
-Probes::Probes(int count) : steps_(count), memories_(count), reports_(count) { touching_.reserve(count); }
+Probes::Probes(const Scene& scene)
+    : scene_(scene),
+      steps_(scene.probes.size()),
+      memories_(scene.probes.size()),
+      reports_(scene.probes.size()) {
+  touching_.reserve(count());
+}
 
 bool Probes::jumps(int k, const DeviceState& device, double time_step) const {
   const double elapsed = std::max(device.elapsed, time_step);
@@ -31,14 +47,16 @@ void Probes::setClosed(int k, bool closed) {
 void Probes::setDevice(int k, const DeviceState& device) {
   ProbeStep& step = steps_[k];
   Memory& memory = memories_[k];
-  memory.device = device.orientation.normalized();
+  memory.elapsed = device.elapsed;
+  step.device_orientation = device.orientation.normalized();
   if (!step.present) {
     step.proxy = device.position;
     reports_[k].proxy = device.position;
     reports_[k].velocity = Vec3::Zero();
     memory.coupled.device = device.position;
+    memory.coupled.aim = step.orientation = reports_[k].orientation = step.device_orientation;
+    memory.spin.setZero();
     memory.has_been_clear = false;
-    memory.before = reports_[k].orientation = memory.device;
   }
   step.present = true;
   step.device = device.position;
@@ -52,26 +70,38 @@ void Probes::remove(int k) {
   reports_[k] = ProbeReport();
 }
 
-void Probes::beginStep(const std::vector<ProbeOptions>& probes, double time_step) {
+void Probes::beginStep(double time_step) {
   for (int k = 0; k < count(); ++k) {
-    const ProbeOptions& probe = probes[k];
-    const double extent = probe.radius + 0.5 * probe.length;
-    const double most = std::min(kFastestTurn * time_step, kShareOfRadius * probe.radius / extent);
+    ProbeStep& step = steps_[k];
     Memory& memory = memories_[k];
-    memory.after = memory.aim();
-    const double angle = memory.before.angularDistance(memory.after);
-    if (angle > most) limitTurn(k, most / angle);
+    step.turns = couplingTurns(k);
+    step.aim = towards(memory.coupled.aim, target(k), kFastestTurn * std::max(memory.elapsed, time_step));
+    step.aim = towards(step.orientation, step.aim, step.turns ? kLargestAngle : kLargestTurn);
+    step.aim_turn = turnBetween(memory.coupled.aim, step.aim);
+    memory.elapsed = 0.0;
+    if (memory.closed) memory.slip = (step.device_orientation.conjugate() * step.aim).normalized();
   }
 }
 
-void Probes::limitTurn(int k, double share) {
-  Memory& memory = memories_[k];
-  if (share < 1.0) memory.after = memory.before.slerp(share, memory.after);
+double Probes::fastestTurn() const {
+  double fastest = 0.0;
+  for (int k = 0; k < count(); ++k) {
+    if (steps_[k].present)
+      fastest = std::max(fastest, std::sqrt(turnRadiusSquared(scene_.probes[k])) * spin(k).norm());
+  }
+  return fastest;
 }
 
-bool Probes::turns(int k) const {
-  return steps_[k].present && memories_[k].aim().coeffs() != memories_[k].before.coeffs();
+bool Probes::turnsAsPrescribed(int k) const {
+  const ProbeStep& step = steps_[k];
+  return step.present && !couplingTurns(k) && target(k).coeffs() != step.orientation.coeffs();
 }
+
+/// Tells whether the coupling turns a probe, rather than its device: a capsule, or what holds cloth.
+bool Probes::couplingTurns(int k) const { return scene_.probes[k].length > 0.0 || isClosed(k); }
+
+/// Orientation to which its device turns a probe in the end.
+Quat Probes::target(int k) const { return (steps_[k].device_orientation * memories_[k].slip).normalized(); }
 
 const std::vector<ContactSet::Reach>& Probes::findTouching(const ActiveMesh& mesh, const Field& nodes,
                                                            const std::vector<double>& reach,
@@ -80,50 +110,39 @@ const std::vector<ContactSet::Reach>& Probes::findTouching(const ActiveMesh& mes
   for (int k = 0; k < count(); ++k) {
     Memory& memory = memories_[k];
     if (!steps_[k].present) continue;
-    contacts.startProbe(k, steps_[k].proxy, memory.before, memory.after);
+    const ProbeStep& step = steps_[k];
+    contacts.startProbe(k, step.proxy, step.orientation, step.turns ? step.orientation : step.aim);
     if (!memory.has_been_clear) memory.has_been_clear = contacts.isClear(mesh, nodes, k);
     if (memory.has_been_clear) touching_.push_back({k, reach[k]});
   }
   return touching_;
 }
 
-void Probes::accept(double made, const ClothObjective& solved, const ContactSet& contacts,
-                    const ActiveMesh& mesh, const Grasps& grasps, ForceError& error) {
+void Probes::accept(const ClothObjective& solved, const ContactSet& contacts, const ActiveMesh& mesh,
+                    const Grasps& grasps, ForceError& error) {
   for (int k = 0; k < count(); ++k) {
     if (!steps_[k].present) continue;
     ProbeReport& report = reports_[k];
     report.proxy = solved.proxy(k);
     const Vec3 moved = report.proxy - steps_[k].proxy;
     report.velocity = moved / solved.timeStep();
-    const Vec3 force = solved.holdForce(k) - contacts.proxyGradient(k);
+    const Vec3 force = solved.force(k);
     const bool felt = !report.force.isZero(0.0) || !force.isZero(0.0);
     const double unbalanced = felt ? error.unbalancedForce(k, solved, mesh) : 0.0;
     report.force_error = error.estimate(k, moved.norm(), unbalanced, report.force, force);
     report.force = force;
-    limitTurn(k, made);
+    report.torque = solved.torque(k);
     report.grasps = grasps.holds(k);
-    const Vec3 torque = solved.holdTorque(k) + contacts.proxyTorque(k, solved.nodes());
-    report.torque = report.grasps ? feltTorque(k, torque) : torque;
     report.contact = report.grasps || contacts.probeTouched(k);
+    report.orientation = steps_[k].turns ? solved.orientation(k).normalized() : steps_[k].aim;
+    memories_[k].spin = solved.turn(k) / solved.timeStep();
     steps_[k].proxy = report.proxy;
-    Memory& memory = memories_[k];
-    if (report.grasps && memory.after.coeffs() != memory.aim().coeffs())
-      memory.slip = (memory.device.conjugate() * memory.after).normalized();
-    memory.before = report.orientation = memory.after;
+    steps_[k].orientation = report.orientation;
   }
 }
 
-/// Torque on the hand of a probe that holds cloth. Where the probe turns less than its device, a torque that
-/// drives the hand does as much work on it as on the probe.
-Vec3 Probes::feltTorque(int k, const Vec3& torque) const {
-  const Memory& memory = memories_[k];
-  const Eigen::AngleAxisd asked(memory.aim() * memory.before.conjugate());
-  const Eigen::AngleAxisd made(memory.after * memory.before.conjugate());
-  const bool follows = made.angle() >= asked.angle(), resists = torque.dot(asked.axis()) <= 0.0;
-  return follows || resists ? torque : Vec3(made.angle() / asked.angle() * torque);
-}
-
 void Probes::restore() {
+  for (Memory& memory : memories_) memory.spin.setZero();
   for (ProbeReport& report : reports_) {
     report.velocity = Vec3::Zero();
     report.force_error = std::max(report.force_error, report.force.norm());
@@ -133,7 +152,7 @@ void Probes::restore() {
 }
 
 Probes::Coupled Probes::replaceCoupling(int k, double energy) {
-  return std::exchange(memories_[k].coupled, {steps_[k].device, energy});
+  return std::exchange(memories_[k].coupled, {steps_[k].device, steps_[k].aim, energy});
 }
 
 void Probes::serialize(Archive& archive) {
@@ -148,16 +167,16 @@ void Probes::serialize(Archive& archive) {
   archive.each("probe_torque", reports_, &ProbeReport::torque);
   archive.each("probe_contact", reports_, &ProbeReport::contact);
   archive.each("probe_grasps", reports_, &ProbeReport::grasps);
-  for (int k = 0; k < count(); ++k) reports_[k].orientation = memories_[k].before;
+  for (int k = 0; k < count(); ++k) reports_[k].orientation = steps_[k].orientation;
 }
 
 void Probes::Memory::serialize(Archive& archive) {
   archive("entered", has_been_clear);
   archive("closed", closed);
-  archive("orientation", device);
   archive("slip", slip);
-  archive("before", before);
+  archive("spin", spin);
   archive("coupled_device", coupled.device);
+  archive("coupled_aim", coupled.aim);
   archive("coupling", coupled.energy);
 }
 

@@ -16,7 +16,8 @@ class Grasps;
 
 class Probes {
  public:
-  explicit Probes(int count);
+  /// @param scene must outlive this object
+  explicit Probes(const Scene& scene);
   int count() const { return static_cast<int>(steps_.size()); }
 
   /// Tells whether a device is farther from its last position than a hand can move.
@@ -27,13 +28,12 @@ class Probes {
   void setDevice(int probe, const DeviceState& device);
   void remove(int probe);
 
-  /// Starts a step: probes turn towards their devices, no faster than a hand, and not so far that they could
-  /// pass through cloth in the step. An open probe that lags catches up. The grip of one that holds cloth
-  /// slips: if it caught up, it would do work that no hand had paid for.
+  /// Starts a step. The couplings turn capsules and closed probes towards their devices. An open sphere is
+  /// the same from all sides: it turns with its device. Where a device turns faster than a hand, or too far
+  /// for the coupling, that turns the probe towards a nearer aim. The grip of a closed probe slips then: if
+  /// it caught up, it would do work that no hand had paid for.
   /// @param time_step length of the step [s]
-  void beginStep(const std::vector<ProbeOptions>& probes, double time_step);
-  /// Leaves a share of its turn in the step to a probe [-].
-  void limitTurn(int probe, double share);
+  void beginStep(double time_step);
 
   void setClosed(int probe, bool closed);
 
@@ -41,11 +41,14 @@ class Probes {
   const std::vector<ProbeReport>& reports() const { return reports_; }
   bool isPresent(int probe) const { return steps_[probe].present; }
   bool isClosed(int probe) const { return memories_[probe].closed; }
-  /// Orientation at the start and at the end of the step.
-  const Quat& orientationBefore(int probe) const { return memories_[probe].before; }
-  const Quat& orientation(int probe) const { return memories_[probe].after; }
-  /// Tells whether it is present and its device turns it.
-  bool turns(int probe) const;
+  /// Orientation at the start of the step.
+  const Quat& orientation(int probe) const { return steps_[probe].orientation; }
+  /// Angular velocity in the last step, if its turn was solved for [rad/s].
+  const Vec3& spin(int probe) const { return memories_[probe].spin; }
+  /// Largest speed of a coupling's springs by the turn of a probe in the last step [m/s].
+  double fastestTurn() const;
+  /// Tells whether it is present and turns with its device.
+  bool turnsAsPrescribed(int probe) const;
 
   /// Places the present probes for a search of contacts. A probe that appears within the cloth
   /// touches nothing until it has been clear of it once.
@@ -54,8 +57,8 @@ class Probes {
   const std::vector<ContactSet::Reach>& findTouching(const ActiveMesh& mesh, const Field& nodes,
                                                      const std::vector<double>& reach, ContactSet& contacts);
 
-  /// Takes the results of a solved step. @param made share of the motion that was made [-]
-  void accept(double made, const ClothObjective& solved, const ContactSet& contacts, const ActiveMesh& mesh,
+  /// Takes the results of a solved step.
+  void accept(const ClothObjective& solved, const ContactSet& contacts, const ActiveMesh& mesh,
               const Grasps& grasps, ForceError& error);
 
   /// Ends a step whose solve failed: no motion, no force.
@@ -63,8 +66,9 @@ class Probes {
 
   /// Device and coupling of a probe at the end of a step.
   struct Coupled {
-    Vec3 device = Vec3::Zero();  ///< position [m]
-    double energy = 0.0;         ///< of the coupling; 0 for a probe that is absent [J]
+    Vec3 device = Vec3::Zero();   ///< position [m]
+    Quat aim = Quat::Identity();  ///< see ProbeStep
+    double energy = 0.0;          ///< of the coupling; 0 for a probe that is absent [J]
   };
 
   /// Records the end of a step. @param energy of the coupling [J]
@@ -77,21 +81,20 @@ class Probes {
  private:
   /// State of a probe that is kept between steps.
   struct Memory {
-    bool has_been_clear = false;     ///< of the cloth, since it appeared
-    bool closed = false;             ///< holds the cloth that it touches
-    Quat device = Quat::Identity();  ///< orientation of the device
-    Quat slip = Quat::Identity();    ///< of the grip, in axes that turn with the device
-    /// Orientation of the probe at the start and at the end of the current step.
-    Quat before = Quat::Identity(), after = Quat::Identity();
-    Coupled coupled;  ///< at the end of the last step
+    bool has_been_clear = false;   ///< of the cloth, since it appeared
+    bool closed = false;           ///< holds the cloth that it touches
+    Quat slip = Quat::Identity();  ///< of the grip, in axes that turn with the device
+    Vec3 spin = Vec3::Zero();      ///< see spin() [rad/s]
+    double elapsed = 0.0;          ///< since the device's last state if this one is new [s]
+    Coupled coupled;               ///< at the end of the last step
 
-    /// Orientation to which the device turns the probe.
-    Quat aim() const { return device * slip; }
     void serialize(Archive& archive);
   };
 
-  Vec3 feltTorque(int probe, const Vec3& torque) const;
+  bool couplingTurns(int probe) const;
+  Quat target(int probe) const;
 
+  const Scene& scene_;
   std::vector<ProbeStep> steps_;
   std::vector<Memory> memories_;
   std::vector<ProbeReport> reports_;

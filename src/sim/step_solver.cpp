@@ -68,7 +68,9 @@ MinimizerReport StepSolver::solve(const std::vector<HeldNode>& held) {
   contacts_.forgetRough();
   bool apart = true;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    begin();
+    findContacts();
+    if (cloth_.integrator().secondOrder()) foreseeTouches();
+    beginSolve();
     const MinimizerReport last = joint_ ? minimizeJoint() : minimizeCondensed();
     report = attempt == 0 ? last : sum(report, last);
     if (last.why == Termination::NotFinite) break;
@@ -91,30 +93,35 @@ bool StepSolver::crosses() const {
 }
 
 /// Leaves a part of the motion to the solution: on the straight way there no pair of layers can have met,
-/// listed or not, and Φ is not above Φ(x⁰) with pins and held nodes where they are then. It may end after the
-/// time budget.
+/// listed or not, and Φ is not above Φ(x⁰) with the pins where they are then. It may end after the time
+/// budget.
 void StepSolver::shortenMotion(MinimizerReport& report) {
   constexpr int kTrials = 10;
   const int size = objective_.size();
   report.why = Termination::OutOfReach;
   report.motion_made = 0.0;
   end_ = objective_.nodes();
-  prescribe(0.0, end_);
+  objective_.setPinned(cloth_.nodes());
   evaluateStart();
   double share = objective_.shareOfWay(end_, x_);
   motion_.head(size) = x_.head(size) - start_.head(size);
+  pinned_ = cloth_.nodes();
   for (int trial = 0; trial < kTrials; ++trial, share *= 0.5) {
-    prescribe(share, end_);
-    const double start = isPrescribed() ? objective_.evaluate(start_, gradient_) : start_values_.potential;
+    for (int n = cloth_.mesh().free; n < cloth_.mesh().active(); ++n)
+      pinned_.set(n, cloth_.nodes()[n] + share * (end_[n] - cloth_.nodes()[n]));
+    objective_.setPinned(pinned_);
+    const double start = cloth_.pinsMove() ? objective_.evaluate(start_, gradient_) : start_values_.potential;
     x_.head(size) = start_.head(size) + share * motion_.head(size);
     report.value_end = objective_.evaluate(x_, gradient_);
     if (!(report.value_end <= start)) continue;
     if (!contacts_.unlistedStayApart(cloth_.mesh(), cloth_.nodes(), objective_.nodes(), true)) continue;
+    // What a probe holds goes on an arc.
+    if (!contacts_.pairsStayApart(cloth_.nodes(), objective_.nodes())) continue;
     objective_.measureSleepers();
     report.residual = objective_.residual(gradient_);
     report.motion_made = share;
     cost_.motion = objective_.motionCost();
-    for (double& made : shares_) made *= share;
+    for (double& made : pins_made_) made *= share;
     return;
   }
 }
@@ -143,118 +150,52 @@ double StepSolver::evaluateStart() {
   return objective_.evaluate(start_, gradient_);
 }
 
-/// Finds the contacts and starts a solve at x⁰. A probe and what it holds turn as one: where something stops
-/// the cloth, the probe turns no farther.
-void StepSolver::begin() {
-  constexpr int kTrials = 3;
-  for (int trial = 0; trial <= kTrials; ++trial) {
-    findContacts();
-    if (cloth_.integrator().secondOrder()) foreseeTouches();
-    beginSolve();
-    if (trial == kTrials || !limitTurns(trial < kTrials - 1)) return;
-  }
-}
-
-/// Limits the turns of the probes that hold what something stops: to nearly where it came or, at last, to
-/// none. @return whether there are any
-bool StepSolver::limitTurns(bool partly) {
-  constexpr double kShareOfWay = 0.9;  // a shorter turn goes another straight way
-  bool any = false;
-  for (int k = 0; k < probes_.count(); ++k) {
-    const double share = shares_[cloth_.pins() + k];
-    if (!objective_.heldTurns(k) || !(share < 1.0)) continue;
-    probes_.limitTurn(k, partly ? kShareOfWay * share : 0.0);
-    any = true;
-  }
-  return any;
-}
-
 /// Starts a solve at x⁰, with all nodes awake.
 void StepSolver::beginSolve() {
-  for (HeldNode& node : held_) node.end = probes_.orientation(node.probe) * node.arm;
   objective_.begin(cloth_.nodes(), cloth_.velocities(), probes_.steps(), held_);
   start_values_.potential = evaluateStart();
   start_values_.energy = objective_.storedAndLost();
   start_values_.contact = objective_.contactEnergy();
   start_values_.layers = objective_.layerEnergy();
   start_values_.friction = objective_.frictionPotential();
-  shares_.assign(cloth_.pins() + probes_.count(), 1.0);
-  if (isPrescribed()) movePrescribed();
-  // A probe is where it ends already, so at x⁰ what it holds is not where it was on the probe.
-  if (turnsHeld())
-    start_values_.energy += objective_.solidEnergy() + objective_.frictionPotential() -
-                            (start_values_.contact - start_values_.layers + start_values_.friction);
+  if (cloth_.pinsMove()) movePins();
   x_.head(objective_.size()) = start_.head(objective_.size());
 }
 
-/// Moves the pins and turns what probes hold to where they end in the step, or as near to it as nothing is
-/// crossed; the other nodes follow in the solve. One that something stops does not hold back the others,
-/// unless only another one that moves is in its way.
-void StepSolver::movePrescribed() {
-  const int count = static_cast<int>(shares_.size());
-  shares_.assign(count, 0.0);
-  go_.assign(count, 1);
-  for (int k = 0; k < probes_.count(); ++k) go_[cloth_.pins() + k] = objective_.heldTurns(k);
+/// Moves the pins to where they end in the step, or as near to it as nothing is crossed; the other
+/// nodes follow in the solve. A pin that something stops does not hold back the others, unless only another
+/// pin that moves is in its way.
+void StepSolver::movePins() {
+  pins_made_.assign(cloth_.pins(), 0.0);
+  pins_go_.assign(cloth_.pins(), 1);
   bool more = true;
   while (more) {
     pinned_ = objective_.nodes();
-    for (int k = 0; k < count; ++k) {
-      if (go_[k]) placePrescribed(k, pinned_);
+    for (int k = 0; k < cloth_.pins(); ++k) {
+      if (pins_go_[k]) cloth_.placePin(k, pinned_);
     }
-    const double share = objective_.prescribedShare(pinned_);
-    for (int k = 0; k < count; ++k) {
-      if (go_[k]) shares_[k] += share * (1.0 - shares_[k]);
+    const double share = objective_.pinnedShare(pinned_);
+    for (int k = 0; k < cloth_.pins(); ++k) {
+      if (pins_go_[k]) pins_made_[k] += share * (1.0 - pins_made_[k]);
     }
-    more = share < 1.0 && stopPrescribed();
+    more = share < 1.0 && stopPins();
     objective_.movePinned(pinned_, share);
-    for (int k = 0; k < probes_.count(); ++k) objective_.turnHeld(k, shares_[cloth_.pins() + k]);
     start_values_.potential = objective_.evaluate(start_, gradient_);
   }
 }
 
-/// Tells whether pins or held nodes have a way of their own in the step.
-bool StepSolver::isPrescribed() const { return cloth_.pinsMove() || turnsHeld(); }
-
-/// Tells whether a probe turns what it holds.
-bool StepSolver::turnsHeld() const {
-  for (int k = 0; k < probes_.count(); ++k) {
-    if (objective_.heldTurns(k)) return true;
-  }
-  return false;
-}
-
-/// Stops the pins and held parts that could not reach their end if they moved alone. @return whether there
-/// are any, and others go on
-bool StepSolver::stopPrescribed() {
+/// Stops the pins that could not reach their end if they moved alone. @return whether there are any, and
+/// others go on
+bool StepSolver::stopPins() {
   bool stopped = false;
-  for (int k = 0; k < static_cast<int>(go_.size()); ++k) {
-    if (!go_[k]) continue;
+  for (int k = 0; k < cloth_.pins(); ++k) {
+    if (!pins_go_[k]) continue;
     end_ = objective_.nodes();
-    placePrescribed(k, end_);
-    go_[k] = objective_.prescribedShare(end_) == 1.0;
-    stopped = stopped || !go_[k];
+    cloth_.placePin(k, end_);
+    pins_go_[k] = objective_.pinnedShare(end_) == 1.0;
+    stopped = stopped || !pins_go_[k];
   }
-  return stopped && std::any_of(go_.begin(), go_.end(), [](char goes) { return goes != 0; });
-}
-
-/// Sets the nodes of a pin, or of what a probe holds, to where they end in the step.
-/// @param index entry of shares_
-void StepSolver::placePrescribed(int index, Field& nodes) const {
-  if (index < cloth_.pins()) {
-    cloth_.placePin(index, nodes);
-  } else {
-    objective_.placeHeld(index - cloth_.pins(), nodes);
-  }
-}
-
-/// Leaves a share of their way in the step to the pins and to what probes hold.
-/// @param end positions with the pins where they ended
-void StepSolver::prescribe(double share, const Field& end) {
-  pinned_ = cloth_.nodes();
-  for (int n = cloth_.mesh().free; n < cloth_.mesh().active(); ++n)
-    pinned_.set(n, pinned_[n] + share * (end[n] - pinned_[n]));
-  objective_.setPinned(pinned_);
-  for (int k = 0; k < probes_.count(); ++k) objective_.turnHeld(k, share * shares_[cloth_.pins() + k]);
+  return stopped && std::any_of(pins_go_.begin(), pins_go_.end(), [](char goes) { return goes != 0; });
 }
 
 /// Minimises over the awake nodes. After each solve everything is evaluated, and sleeping nodes
@@ -330,6 +271,7 @@ bool StepSolver::wakeDisturbed() {
 /// energy.
 MinimizerReport StepSolver::minimizeJoint() {
   chooseInitialGuess();
+  turnWithDevices();
   const int size = objective_.size();
   joint_->begin(start_, x_, joint_x_);
   MinimizerReport report = minimizer_.minimize(*joint_, joint_x_, team_);
@@ -344,6 +286,17 @@ MinimizerReport StepSolver::minimizeJoint() {
   }
   balanceAfter(report, end);
   return report;
+}
+
+/// Turns the probes of the guess to their devices, for a solve that does not turn them.
+void StepSolver::turnWithDevices() {
+  bool any = false;
+  for (const ProbeStep& probe : objective_.probeSteps()) {
+    if (!probe.present || !probe.turns) continue;
+    x_.segment<3>(objective_.proxyAt(probe) + 3) = turnBetween(probe.orientation, probe.aim);
+    any = true;
+  }
+  if (any) objective_.evaluate(x_, gradient_);
 }
 
 /// Balances the net force after a solve, but on pinned cloth that has converged: there it is as small as any
@@ -493,8 +446,10 @@ StepSolver::ModelMinimum StepSolver::minimumOfModel() {
   for (int k = 0; k < probes_.count(); ++k) {
     const ProbeStep& probe = objective_.probeSteps()[k];
     if (!probe.present) continue;
-    directions_[0].segment<3>(objective_.proxyAt(probe)) = h * probes_.reports()[k].velocity;
-    directions_[1].segment<3>(objective_.proxyAt(probe)).setZero();
+    const int at = objective_.proxyAt(probe);
+    directions_[0].segment<3>(at) = h * probes_.reports()[k].velocity;
+    if (probe.turns) directions_[0].segment<3>(at + 3) = h * probes_.spin(k);
+    directions_[1].segment(at, probe.unknowns()).setZero();
   }
   motion_.head(size) = directions_[0].head(size) + directions_[1].head(size);
   // If no node is held, gravity's direction deforms nothing, and the sum deforms like inertia's

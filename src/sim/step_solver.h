@@ -44,16 +44,16 @@ class StepSolver {
   /// searched, the step is solved again; in the end only a part of the motion may be left.
   MinimizerReport solve(const std::vector<HeldNode>& held);
 
-  /// Share of its way in the step that each pin made, and after the pins what each probe holds [-].
-  const std::vector<double>& shares() const { return shares_; }
+  /// Share of its way in the step that each pin made [-].
+  const std::vector<double>& pinsMade() const { return pins_made_; }
 
   /// Returns to the start of the step, after a solve that failed.
   void restore() {
-    prescribe(0.0, cloth_.nodes());
+    objective_.setPinned(cloth_.nodes());
     evaluateStart();
   }
 
-  /// Values where the last step started; Φ with the pins where they end, and what probes hold turned.
+  /// Values where the last step started; Φ with the pins where they end.
   struct Start {
     double potential = 0.0;  ///< Φ(x⁰) [J]
     double energy = 0.0;     ///< energies in Φ(x⁰) [J]
@@ -74,19 +74,14 @@ class StepSolver {
   void findContacts();
   double evaluateStart();
   void foreseeTouches();
-  void begin();
   void beginSolve();
-  bool isPrescribed() const;
-  bool turnsHeld() const;
-  bool limitTurns(bool partly);
-  void placePrescribed(int index, Field& nodes) const;
-  void movePrescribed();
-  bool stopPrescribed();
-  void prescribe(double share, const Field& end);
+  void movePins();
+  bool stopPins();
   bool crosses() const;
   void shortenMotion(MinimizerReport& report);
   MinimizerReport minimizeCondensed();
   MinimizerReport minimizeJoint();
+  void turnWithDevices();
   bool moves() const;
   bool markCarried();
   bool wakeDisturbed();
@@ -120,12 +115,12 @@ class StepSolver {
   Start start_values_;
   CostReport cost_;
   Field forces_;                ///< negative forces on the nodes at rest, for sleep_ [N]
-  Field pinned_;                ///< scratch: positions with pins and held nodes where they end [m]
+  Field pinned_;                ///< scratch: positions with the pins where they end [m]
   Field end_;                   ///< scratch: ends of motions, or motions [m]
   std::vector<char> touched_;   ///< scratch of foreseeTouches() and markCarried(): a flag for each node
   std::vector<HeldNode> held_;  ///< nodes that probes hold in the step
-  std::vector<double> shares_;
-  std::vector<char> go_;  ///< what of it nothing has stopped in this step
+  std::vector<double> pins_made_;
+  std::vector<char> pins_go_;  ///< pins that nothing has stopped in this step
   Vector x_, start_, motion_, gradient_, joint_x_;
   /// Directions of the initial guess: inertial motion, and the motion that gravity adds.
   std::array<Vector, 2> directions_;

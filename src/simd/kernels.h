@@ -21,6 +21,7 @@ struct PatchCorners;
 struct PatchPack;
 struct SagittaPack;
 struct SampleContext;
+struct SolidMotion;
 struct SamplePack;
 struct SolidLanes;
 struct StepPack;
@@ -80,11 +81,11 @@ struct TriplePack;
          (SamplePack * packs, int begin, int end, const SampleContext& context, const ConstArrays& x,        \
           const MutableArrays& slots, int first))                                                            \
   KERNEL(double, sampleQuadraticForm,                                                                        \
-         (const SamplePack* packs, int begin, int end, const ConstArrays& d, const double* d_origin,         \
+         (const SamplePack* packs, int begin, int end, const ConstArrays& d, const SolidMotion& moves,       \
           double slip, bool whole_motion))                                                                   \
   KERNEL(double, largestStep,                                                                                \
          (const SamplePack* packs, int begin, int end, double share, double firm, const ConstArrays& d,      \
-          const double* d_origin))                                                                           \
+          const SolidMotion& moves))                                                                         \
   KERNEL(void, solidDistances,                                                                               \
          (const SolidLanes& solid, int count, const ConstArrays& x, double* distances,                       \
           const MutableArrays& normals))                                                                     \

@@ -39,14 +39,15 @@ inline Scene pressedSheet() {
 /// within a step.
 class ObjectiveTest : public ::testing::Test {
  protected:
-  ObjectiveTest()
+  /// @param length of the probe, a capsule along x whose turn is solved for; 0: a sphere [m]
+  explicit ObjectiveTest(double length = 0.0)
       : scene_(pressedSheet()),
         grid_{17, 17, 2, 0.004, 0.004},
         leaves_(mixed(grid_, scene_)),
         mesh_(leaves_, scene_.cloth.fabric.areal_density),
         internal_(scene_.cloth.fabric, mesh_),
         team_(1),
-        contacts_(grid_, scene_.obstacles, scene_.probes, {5e-4, 1e-3, 1e-3}, team_),
+        contacts_(grid_, scene_.obstacles, withLength(length), {5e-4, 1e-3, 1e-3}, team_),
         integrator_(Integrator::Bdf2, scene_.solver.time_step, scene_.air_damping, grid_),
         objective_(scene_, mesh_, integrator_, internal_, contacts_, team_) {
     for (Field* field : {&nodes_, &velocities_}) field->clear(mesh_.nodes());
@@ -63,13 +64,40 @@ class ObjectiveTest : public ::testing::Test {
     mesh_.interpolateGhosts(velocities_);
     startStep();
     internal_.setNormals(nodes_);
-    const ProbeStep probe{true, 0, Vec3(-0.01, 0.01, 0.0078), Vec3(0.1, 0, -0.2), Vec3(-0.01, 0.01, 0.0083)};
-    contacts_.startProbe(0, probe.proxy, Quat::Identity(), Quat::Identity());
+    ProbeStep probe;
+    probe.present = true;
+    probe.turns = length > 0.0;
+    probe.device = Vec3(-0.01, 0.01, 0.0078);
+    probe.device_velocity = Vec3(0.1, 0, -0.2);
+    probe.proxy = Vec3(-0.01, 0.01, 0.0083);
+    if (probe.turns) {
+      probe.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitX());
+      probe.aim_turn = Vec3(0.02, -0.01, 0.03);
+      probe.aim = rotationBy(Vec3(0.04, 0.03, -0.05)) * probe.orientation;
+    }
+    contacts_.startProbe(0, probe.proxy, probe.orientation, probe.orientation);
     contacts_.collectProbes(mesh_, nodes_, std::vector<double>(mesh_.nodes(), 1e-3), {{0, 1e-3}});
     contacts_.collectObstacles(mesh_, nodes_, std::vector<double>(mesh_.nodes(), 1e-3));
     objective_.begin(nodes_, velocities_, {probe});
     start_.setZero(objective_.capacity());
     objective_.pack(nodes_, start_);
+  }
+
+  const std::vector<ProbeOptions>& withLength(double length) {
+    scene_.probes[0].length = length;
+    return scene_.probes;
+  }
+
+  /// Grasps some free nodes under the probe.
+  void grasp() {
+    std::vector<HeldNode> held;
+    const Vec3 proxy = objective_.probeSteps()[0].proxy;
+    for (int n = 0; n < mesh_.free; ++n) {
+      const Vec3 offset = nodes_[n] - proxy;
+      if (offset.norm() < 0.011) held.push_back({n, 0, offset, offset});
+    }
+    ASSERT_GE(held.size(), 5u);
+    objective_.begin(nodes_, velocities_, objective_.probeSteps(), held);
   }
 
   /// Starts a step after one that left noise, in which every third node may touch something.

@@ -9,7 +9,9 @@ namespace haptic_cloth {
 namespace {
 
 TEST(IdleTrackerTest, IsSavedAndLoadedAfterAFailedStep) {
-  const Probes probes(0);
+  Scene scene;
+  scene.probes.clear();
+  const Probes probes(scene);
   IdleTracker tracker(0), other(0);
   StepReport report;
   report.minimizer.residual = 0.25;

@@ -24,7 +24,37 @@ namespace {
 constexpr double kLevels = 4.0, kRounding = 4.0 * kLevels * 0x1p-24;  // 17 × 17: spans 2, 4, 8, 16
 
 class Hats : public ObjectiveTest {};
-class MultilevelTest : public ObjectiveTest {};
+class MultilevelTest : public ObjectiveTest {
+ protected:
+  explicit MultilevelTest(double length = 0.0) : ObjectiveTest(length) {}
+
+  void expectSymmetricAndPositive() {
+    const int n = objective_.size();
+    Vector gradient = Vector::Zero(objective_.capacity()), a = gradient, b = gradient, pa = gradient,
+           pb = gradient;
+    objective_.evaluate(start_, gradient);
+    ASSERT_TRUE(contacts_.probeTouched(0));
+    objective_.fitPreconditioner();
+    for (unsigned seed = 1; seed <= 10; ++seed) {
+      a.head(n) = fixedRandom(n, seed);
+      b.head(n) = fixedRandom(n, 100 + seed);
+      for (const HeldNode& held : objective_.held()) {  // no unknowns
+        for (int c = 0; c < 3; ++c) a[c * mesh_.free + held.node] = b[c * mesh_.free + held.node] = 0.0;
+      }
+      objective_.precondition(a, pa);
+      objective_.precondition(b, pb);
+      const double scale = std::sqrt(a.head(n).dot(pa.head(n)) * b.head(n).dot(pb.head(n)));
+      EXPECT_GT(a.head(n).dot(pa.head(n)), 0.0);
+      EXPECT_NEAR(a.head(n).dot(pb.head(n)), b.head(n).dot(pa.head(n)), tolerance(kRounding) * scale);
+    }
+  }
+};
+
+/// The same with a capsule whose turn is solved for.
+class TurningMultilevelTest : public MultilevelTest {
+ protected:
+  TurningMultilevelTest() : MultilevelTest(0.02) {}
+};
 
 TEST_F(Hats, ChildrenLieBetweenTheirParents) {
   const HatLevels hats(mesh_);
@@ -90,22 +120,13 @@ TEST(HatLevelsTest, AStripNeedsNoMoreThanItsParticles) {
   expectChildrenGiveAll({5, 65537, 0, 0.01, 0.01});
 }
 
-TEST_F(MultilevelTest, IsSymmetricAndPositive) {
-  const int n = objective_.size();
-  Vector gradient = Vector::Zero(objective_.capacity()), a = gradient, b = gradient, pa = gradient,
-         pb = gradient;
-  objective_.evaluate(start_, gradient);
-  ASSERT_TRUE(contacts_.probeTouched(0));
-  objective_.fitPreconditioner();
-  for (unsigned seed = 1; seed <= 10; ++seed) {
-    a.head(n) = fixedRandom(n, seed);
-    b.head(n) = fixedRandom(n, 100 + seed);
-    objective_.precondition(a, pa);
-    objective_.precondition(b, pb);
-    const double scale = std::sqrt(a.head(n).dot(pa.head(n)) * b.head(n).dot(pb.head(n)));
-    EXPECT_GT(a.head(n).dot(pa.head(n)), 0.0);
-    EXPECT_NEAR(a.head(n).dot(pb.head(n)), b.head(n).dot(pa.head(n)), tolerance(kRounding) * scale);
-  }
+TEST_F(MultilevelTest, IsSymmetricAndPositive) { expectSymmetricAndPositive(); }
+
+TEST_F(TurningMultilevelTest, IsSymmetricAndPositive) { expectSymmetricAndPositive(); }
+
+TEST_F(TurningMultilevelTest, IsSymmetricAndPositiveWithWhatItHolds) {
+  ASSERT_NO_FATAL_FAILURE(grasp());
+  expectSymmetricAndPositive();
 }
 
 TEST(Multilevel, InvertsTheBlockOfASingleFreeNode) {

@@ -379,7 +379,7 @@ TEST(SamplePacks, AreTheLawsOfContactAndFriction) {
   int count = 0;
   for (Obstacle obstacle : solids()) {
     obstacle.pose.orientation = Quat(0.3, -0.5, 0.4, 0.7).normalized();
-    const SampleContext context{Solid(obstacle).lanes(), {0.0, 0.0, 0.0}, false, kRange, kSlip};
+    const SampleContext context{Solid(obstacle).lanes(), {}, {0.0, 0.0, 0.0}, false, kRange, kSlip};
     const Eigen::VectorXd noise = fixedRandom(7 * kPack, 17 + count++);
     std::vector<Vec3> points;
     SamplePack pack{};
@@ -437,9 +437,8 @@ TEST(SamplePacks, FrictionAlongAMotionIsTheChangeOfItsForce) {
   constexpr double kRange = 5e-4, kSlip = 3e-7, kLimit = 1e-3;
   Obstacle floor;
   floor.shape = Shape::Plane;
-  const SampleContext context{Solid(floor).lanes(), {0.0, 0.0, 0.0}, false, kRange, kSlip};
+  const SampleContext context{Solid(floor).lanes(), {}, {0.0, 0.0, 0.0}, false, kRange, kSlip};
   const auto force = [&](const Vec3& slip) { return kLimit * smoothSlip(slip.norm(), kSlip).ratio * slip; };
-  const Vec3 origin[] = {Vec3::Zero()};
   SamplePack pack{};
   std::vector<Vec3> points, slips;
   for (int l = 0; l < kPack; ++l) {
@@ -466,7 +465,7 @@ TEST(SamplePacks, FrictionAlongAMotionIsTheChangeOfItsForce) {
         motion.clear(kPack);
         motion.set(l, d + Vec3(0.0, 0.0, d.norm()));  // away from the floor: friction does not care
         const auto form = [&](bool whole_motion) {
-          return kernels().sampleQuadraticForm(&pack, 0, 1, motion.arrays(), origin->data(), kSlip,
+          return kernels().sampleQuadraticForm(&pack, 0, 1, motion.arrays(), SolidMotion{}, kSlip,
                                                whole_motion);
         };
         const double whole = (force(slips[l] + d) - force(slips[l])).dot(d);

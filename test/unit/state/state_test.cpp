@@ -112,7 +112,7 @@ TEST_F(State, WhatIsCutOffOrDamagedIsRefused) {
 TEST_F(State, OtherVersionsAndMachinesAreRefused) {
   std::string other = saved_;
   other[23] = 1;  // offset of the version, after magic and byte order
-  expectRefused(other, {"version = 1", "must be 13"});
+  expectRefused(other, {"version = 1", "must be 14"});
   other = saved_;
   std::reverse(other.begin() + 19, other.begin() + 23);
   expectRefused(other, {"byte order"});
@@ -200,7 +200,7 @@ TEST_F(State, ImpossibleValuesAreRefusedByName) {
   expectRefused(changed("rest.still", [](StateEntry& e) { set(e, 0, -5); }), {"rest.still"});
   expectRefused(changed("probe[0].present", [](StateEntry& e) { e.bytes[0] = 7; }),
                 {"probe[0].present", "from 0 to 1"});
-  expectRefused(changed("probe_memory[0].orientation", [](StateEntry& e) { set(e, 3, 5.0); }), {"norm 1"});
+  expectRefused(changed("probe[0].device_orientation", [](StateEntry& e) { set(e, 3, 5.0); }), {"norm 1"});
   expectRefused(changed("touched[0].count", [](StateEntry& e) { set(e, 0, 1L << 60); }),
                 {"touched[0].count", "from 0"});
   // Possible for the cloth, but of a state that is larger: nothing of that size is allocated.
