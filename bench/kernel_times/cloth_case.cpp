@@ -80,7 +80,7 @@ ClothCase::ClothCase(const CaseOptions& options)
     point_[k] += kAway * scatter(k);
     direction_[k] = kAway * scatter(7 * k + 1);
   }
-  proxies_.assign(scene().probes.size(), Vec3::Zero());
+  proxies_.assign(scene().probes.size(), Proxy());
   objective().unpack(direction_, motion_, proxies_);
   objective().unpack(point_, nodes_, proxies_);
   measureUnder();

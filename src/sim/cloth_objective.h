@@ -31,9 +31,9 @@ double referenceAcceleration(const Vec3& gravity);
 ///             + Σ A ψ_s(ε) + Σ A ψ_b(κ) + Σ A (ψ_h(γ) + B_t κ_xy²)     internal energy
 ///             + contact and friction
 ///             + Σ ½ k |y - device|² + ½ (b/h) |y - y⁰ - h v_device|²   probes
-///             + Σ r² (½ k |θ(ω)|² + ½ (b/h) |ω - ω_device|²)           turns of probes
+///             + Σ r² (½ k |θ(ω)|² + ½ (b/h) |ω - h w_aim|²)            turns of probes
 ///
-/// θ is the angle between proxy and device, r² is turnRadiusSquared().
+/// θ is the angle between a proxy and its aim, which turns at w, see ProbeStep; r² is turnRadiusSquared().
 /// x̄ is where inertia alone carries a node and i its inertia [1/s²], both by TimeIntegrator. The
 /// gradient of Φ is the negative of Newton's residual [N].
 class ClothObjective : public Objective {

@@ -65,10 +65,10 @@ namespace {
 double workOfTurn(const ProbeOptions& options, const ProbeStep& made, const Quat& aim_before,
                   const ClothObjective& solved, int probe) {
   const double h = solved.timeStep();
-  const Vec3 slip = (made.aim_turn - solved.turn(probe)) / h;
+  const Vec3 slip = made.aim_velocity - solved.turn(probe) / h;
   return options.coupling_stiffness * (0.5 * turnBetween(aim_before, made.orientation).squaredNorm() +
                                        turnBetween(solved.orientation(probe), made.aim).dot(made.aim_turn)) +
-         options.coupling_damping * slip.dot(made.aim_turn);
+         options.coupling_damping * h * slip.dot(made.aim_velocity);
 }
 
 }  // namespace

@@ -19,6 +19,7 @@ struct ProbeStep {
   Quat device_orientation = Quat::Identity();  ///< at the end of the step
   Quat aim = Quat::Identity();                 ///< orientation to which the coupling turns the proxy
   Vec3 aim_turn = Vec3::Zero();                ///< turn of the aim in the step [rad]
+  Vec3 aim_velocity = Vec3::Zero();            ///< its angular velocity, filtered [rad/s]
   Quat orientation = Quat::Identity();         ///< of the proxy at the start of the step
 
   /// Numbers of its unknowns: a position, and perhaps a turn.
@@ -31,6 +32,7 @@ struct ProbeStep {
     archive("proxy", proxy);
     archive("device_orientation", device_orientation);
     archive("orientation", orientation);
+    archive("aim_velocity", aim_velocity);
   }
 };
 

@@ -15,6 +15,9 @@ namespace {
 /// Largest angle between a probe and the orientation to which its coupling turns it [rad].
 constexpr double kLargestAngle = 0.5;
 
+/// Time in which angular velocities of devices are filtered: poses are noisy [s].
+constexpr double kFilterTime = 0.005;
+
 /// Largest turn of an open sphere in a step [rad].
 constexpr double kLargestTurn = 0.25;
 
@@ -78,6 +81,8 @@ void Probes::beginStep(double time_step) {
     step.aim = towards(memory.coupled.aim, target(k), kFastestTurn * std::max(memory.elapsed, time_step));
     step.aim = towards(step.orientation, step.aim, step.turns ? kLargestAngle : kLargestTurn);
     step.aim_turn = turnBetween(memory.coupled.aim, step.aim);
+    step.aim_velocity +=
+        -std::expm1(-time_step / kFilterTime) * (step.aim_turn / time_step - step.aim_velocity);
     memory.elapsed = 0.0;
     if (memory.closed) memory.slip = (step.device_orientation.conjugate() * step.aim).normalized();
   }

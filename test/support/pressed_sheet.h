@@ -72,7 +72,7 @@ class ObjectiveTest : public ::testing::Test {
     probe.proxy = Vec3(-0.01, 0.01, 0.0083);
     if (probe.turns) {
       probe.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitX());
-      probe.aim_turn = Vec3(0.02, -0.01, 0.03);
+      probe.aim_velocity = Vec3(20.0, -10.0, 30.0);
       probe.aim = rotationBy(Vec3(0.04, 0.03, -0.05)) * probe.orientation;
     }
     contacts_.startProbe(0, probe.proxy, probe.orientation, probe.orientation);
