@@ -73,7 +73,8 @@ struct ProbeReport {
   bool present = false;        ///< the device has given a pose
   Vec3 device = Vec3::Zero();  ///< [m]
   Vec3 proxy = Vec3::Zero();   ///< [m]
-  /// Orientation of the proxy. The device has another one where a grip slipped, and while a probe lags.
+  /// Orientation of the proxy. The device has another one where a torque turns the proxy against it, where
+  /// a grip slipped, and while a probe lags.
   Quat orientation = Quat::Identity();
   Vec3 velocity = Vec3::Zero();  ///< velocity of the proxy [m/s]
   Vec3 force = Vec3::Zero();     ///< force of the cloth on the probe [N]
@@ -81,8 +82,7 @@ struct ProbeReport {
   /// steps [N]. 0 if there was no force in this step and the one before; after a failed step at
   /// least the force that was lost.
   double force_error = 0.0;
-  /// Torque of the cloth on the probe about its proxy [N·m]. Where a probe that grasps turns less than its
-  /// device, and the torque drives the hand, it is reduced: it works on the hand as much as on the probe.
+  /// Torque of the cloth on the probe about its proxy [N·m].
   Vec3 torque = Vec3::Zero();
   /// A sample of the cloth presses on the probe, or the probe grasps; false after a failed step.
   bool contact = false;

@@ -278,7 +278,8 @@ Vec3 ClothObjective::slip(int probe) const {
   return (proxies_[probe].position - probes_[probe].proxy) / timeStep() - probes_[probe].device_velocity;
 }
 
-/// Angular velocity of the proxy minus the filtered one of its aim; zero if its turn is not solved for [rad/s].
+/// Angular velocity of the proxy minus the filtered one of its aim; zero if its turn is not solved for
+/// [rad/s].
 Vec3 ClothObjective::turnSlip(int probe) const {
   if (!probes_[probe].turns) return Vec3::Zero();
   return proxies_[probe].turn / timeStep() - probes_[probe].aim_velocity;
