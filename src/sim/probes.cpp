@@ -84,7 +84,7 @@ void Probes::beginStep(double time_step) {
     step.aim_velocity +=
         -std::expm1(-time_step / kFilterTime) * (step.aim_turn / time_step - step.aim_velocity);
     memory.elapsed = 0.0;
-    if (memory.closed) memory.slip = (step.device_orientation.conjugate() * step.aim).normalized();
+    if (reports_[k].grasps) memory.slip = (step.device_orientation.conjugate() * step.aim).normalized();
   }
 }
 
@@ -180,6 +180,7 @@ void Probes::Memory::serialize(Archive& archive) {
   archive("closed", closed);
   archive("slip", slip);
   archive("spin", spin);
+  archive("elapsed", elapsed);
   archive("coupled_device", coupled.device);
   archive("coupled_aim", coupled.aim);
   archive("coupling", coupled.energy);

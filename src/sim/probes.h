@@ -30,8 +30,8 @@ class Probes {
 
   /// Starts a step. The couplings turn capsules and closed probes towards their devices. An open sphere is
   /// the same from all sides: it turns with its device. Where a device turns faster than a hand, or too far
-  /// for the coupling, that turns the probe towards a nearer aim. The grip of a closed probe slips then: if
-  /// it caught up, it would do work that no hand had paid for.
+  /// for the coupling, that turns the probe towards a nearer aim. The grip of one that holds cloth slips
+  /// then: if it caught up, it would do work that no hand had paid for.
   /// @param time_step length of the step [s]
   void beginStep(double time_step);
 
