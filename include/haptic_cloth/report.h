@@ -73,8 +73,7 @@ struct ProbeReport {
   bool present = false;        ///< the device has given a pose
   Vec3 device = Vec3::Zero();  ///< [m]
   Vec3 proxy = Vec3::Zero();   ///< [m]
-  /// Orientation of the proxy. The device has another one where a torque turns the proxy against it, where
-  /// a grip slipped, and while a probe lags.
+  /// Orientation of the proxy. A torque turns it against that of the device.
   Quat orientation = Quat::Identity();
   Vec3 velocity = Vec3::Zero();  ///< velocity of the proxy [m/s]
   Vec3 force = Vec3::Zero();     ///< force of the cloth on the probe [N]

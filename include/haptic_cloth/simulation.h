@@ -41,7 +41,8 @@ class Simulation {
   void setDevice(const Vec3& position, const Vec3& velocity) { setDevice(0, {position, velocity}); }
 
   /// Sets the state of a probe by its number in the scene. A state that is not finite or beyond
-  /// kFarthestPose is ignored. A state farther from the last one than a hand can move (isJump()) counts as
+  /// kFarthestPose is ignored. A state farther from the last one than a hand can move (isJump()) or turn a
+  /// capsule or closed probe (isTurnJump()) counts as
   /// removal and reappearance: the probe is open, and touches nothing until it has been clear of the cloth
   /// once.
   void setDevice(int probe, const DeviceState& device);

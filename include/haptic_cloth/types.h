@@ -27,14 +27,18 @@ struct DeviceState {
 /// Limits of plausible device motion: the largest speed of a hand [m/s], and the distance that a
 /// device may be off because poses come late [m]: 2 m/s for 50 ms.
 constexpr double kFastestHand = 10.0, kLatePose = 0.1;
-/// About the fastest turn of a hand [rad/s].
-constexpr double kFastestTurn = 30.0;
+/// Limits of plausible turns of a device: the fastest turn of a hand [rad/s], and the angle that a device may
+/// be off because poses come late [rad]: 20 rad/s for 50 ms.
+constexpr double kFastestTurn = 30.0, kLateTurn = 1.0;
 
 /// Tells whether a device is elsewhere without having moved there: its driver or tracker lost it or
 /// was restarted.
 /// @param distance distance between the two positions [m]
 /// @param elapsed time between them [s]
 inline bool isJump(double distance, double elapsed) { return distance > kFastestHand * elapsed + kLatePose; }
+
+/// The same for the angle between two orientations [rad].
+inline bool isTurnJump(double angle, double elapsed) { return angle > kFastestTurn * elapsed + kLateTurn; }
 
 /// Thread directions of a woven cloth: warp runs along grid index i (x), weft along j (y).
 enum Direction { kWarp = 0, kWeft = 1 };

@@ -57,7 +57,9 @@ void ProbeSession::takeDevice(Simulation& simulation, const HapticOptions& optio
   const bool fresh = newest.received >= 0.0 && now - newest.received <= options.probe_timeout;
   const double since = newest.received - newest_device_.received;
   const double way = (newest.position - newest_device_.position).norm();
-  if (present_ && isJump(way, since)) {
+  const double turn = newest.orientation.angularDistance(newest_device_.orientation);
+  const bool coupled = closed_ || simulation.scene().probes[number_].length > 0.0;
+  if (present_ && (isJump(way, since) || (coupled && isTurnJump(turn, since)))) {
     open(simulation);
     leave(simulation);
   }

@@ -141,7 +141,7 @@ void ClothObjective::serialize(Archive& archive) {
   archive.each("present", probes_, &ProbeStep::present);
   archive.each("turns", probes_, &ProbeStep::turns);
   archive.each("devices", probes_, &ProbeStep::device);
-  archive.each("aims", probes_, &ProbeStep::aim);
+  archive.each("device_orientations", probes_, &ProbeStep::device_orientation);
   archive.each("orientations", probes_, &ProbeStep::orientation);
   archive.each("proxies", proxies_, &Proxy::position);
   archive.each("proxy_turns", proxies_, &Proxy::turn);
@@ -278,11 +278,15 @@ Vec3 ClothObjective::slip(int probe) const {
   return (proxies_[probe].position - probes_[probe].proxy) / timeStep() - probes_[probe].device_velocity;
 }
 
-/// Angular velocity of the proxy minus the filtered one of its aim; zero if its turn is not solved for
-/// [rad/s].
+/// Angular velocity of the proxy minus that of its device; zero if its turn is not solved for [rad/s].
 Vec3 ClothObjective::turnSlip(int probe) const {
   if (!probes_[probe].turns) return Vec3::Zero();
-  return proxies_[probe].turn / timeStep() - probes_[probe].aim_velocity;
+  return (proxies_[probe].turn - probes_[probe].device_turn) / timeStep();
+}
+
+double ClothObjective::turnStiffness(int probe) const {
+  const Coupling& coupling = couplings_[probe];
+  return coupling.square * (coupling.stiffness * turnSpring(probe).slope() + coupling.damping / timeStep());
 }
 
 Quat ClothObjective::orientation(int probe) const {
@@ -292,10 +296,9 @@ Quat ClothObjective::orientation(int probe) const {
 /// Gradient of Φ by the turn of a proxy [N·m].
 Vec3 ClothObjective::turnGradient(int probe) const {
   const Coupling& coupling = couplings_[probe];
-  const Vec3 away = turnBetween(probes_[probe].aim, orientation(probe));
-  return spinPerTurn(proxies_[probe].turn).transpose() *
-             (coupling.square * coupling.stiffness * away - torque(probe)) +
-         coupling.square * coupling.damping * turnSlip(probe);
+  const Vec3 spring = coupling.square * coupling.stiffness * turnSpring(probe).torque();
+  return coupling.square * coupling.damping * turnSlip(probe) -
+         spinPerTurn(proxies_[probe].turn).transpose() * (spring + torque(probe));
 }
 
 Vec3 ClothObjective::couplingGradient(int probe, const Vec3& proxy) const {
@@ -480,9 +483,8 @@ Vec3 ClothObjective::proxyGradient(int probe) const {
 double ClothObjective::couplingEnergy(int probe) const {
   const ProbeStep& step = probes_[probe];
   const Coupling& coupling = couplings_[probe];
-  double square = (proxies_[probe].position - step.device).squaredNorm();
-  if (step.turns) square += coupling.square * turnBetween(step.aim, orientation(probe)).squaredNorm();
-  return 0.5 * coupling.stiffness * square;
+  const double shift = 0.5 * (proxies_[probe].position - step.device).squaredNorm();
+  return coupling.stiffness * (step.turns ? shift + coupling.square * turnSpring(probe).energy() : shift);
 }
 
 /// Potential of the damper of a coupling [J].

@@ -31,9 +31,9 @@ double referenceAcceleration(const Vec3& gravity);
 ///             + Σ A ψ_s(ε) + Σ A ψ_b(κ) + Σ A (ψ_h(γ) + B_t κ_xy²)     internal energy
 ///             + contact and friction
 ///             + Σ ½ k |y - device|² + ½ (b/h) |y - y⁰ - h v_device|²   probes
-///             + Σ r² (½ k |θ(ω)|² + ½ (b/h) |ω - h w_aim|²)            turns of probes
+///             + Σ r² (k e(θ) + ½ (b/h) |ω - ω_device|²)                turns of probes
 ///
-/// θ is the angle between a proxy and its aim, which turns at w, see ProbeStep; r² is turnRadiusSquared().
+/// θ is the angle between a proxy and its device, r² is turnRadiusSquared(), e that of TurnSpring.
 /// x̄ is where inertia alone carries a node and i its inertia [1/s²], both by TimeIntegrator. The
 /// gradient of Φ is the negative of Newton's residual [N].
 class ClothObjective : public Objective {
@@ -153,7 +153,7 @@ class ClothObjective : public Objective {
     return couplings_[probe].stiffness + couplings_[probe].damping / timeStep();
   }
   /// Stiffness of the coupling against a turn of the proxy [N·m].
-  double turnStiffness(int probe) const { return couplings_[probe].square * couplingStiffness(probe); }
+  double turnStiffness(int probe) const;
 
   /// Saves or loads results of the last step that are queried later; begin() does not read them.
   void serialize(Archive& archive);
@@ -173,8 +173,8 @@ class ClothObjective : public Objective {
   /// Values at the last evaluated point:
   const Field& nodes() const { return nodes_; }
   const Vec3& proxy(int probe) const { return proxies_[probe].position; }
-  /// Turn of a proxy in the step, a rotation vector [rad], and its orientation; both zero or as at the start
-  /// for one whose turn is not solved for.
+  /// Turn of a proxy in the step, a rotation vector [rad], and its orientation. Where its turn is not solved
+  /// for, it is zero.
   const Vec3& turn(int probe) const { return proxies_[probe].turn; }
   Quat orientation(int probe) const;
   const std::vector<ProbeStep>& probeSteps() const { return probes_; }  ///< as given to begin()
@@ -197,7 +197,7 @@ class ClothObjective : public Objective {
   double layerEnergy() const;  ///< part of contactEnergy(): between layers of the cloth
   double solidEnergy() const;  ///< the other part: between the cloth and solids
   double frictionPotential() const;
-  double couplingEnergy() const;  ///< springs between devices and proxies
+  double couplingEnergy() const;  ///< springs between devices and proxies, of turns, too
   double couplingEnergy(int probe) const;
 
   /// All of Φ but motion and gravity: these energies, and the potential of friction and coupling
@@ -221,6 +221,9 @@ class ClothObjective : public Objective {
   void forPresent(const Visit& visit) const;
   Vec3 slip(int probe) const;
   Vec3 turnSlip(int probe) const;
+  TurnSpring turnSpring(int probe) const {
+    return TurnSpring(orientation(probe), probes_[probe].device_orientation);
+  }
   double couplingLoss(int probe) const;
   Vec3 turnGradient(int probe) const;
   double turnLimit(double most) const;

@@ -56,7 +56,7 @@ void ClothWorld::takeStep(int length, StepReport& report) {
   solver_.startBudget();
   energy_.beginStep(solver_.objective());
   cloth_.beginStep(h, time() + h);
-  probes_.beginStep(h);
+  probes_.beginStep();
   contacts_.advance(h, cloth_.nodes());
   adapt(report);
   grasps_.update(probes_, cloth_.mesh(), cloth_.state());
@@ -252,6 +252,7 @@ void ClothWorld::removeDevice(int k) {
 }
 
 void ClothWorld::setGrasp(int k, bool closed) {
+  if (closed != probes_.isClosed(k)) idle_.forget();  // what it held may fall
   probes_.setClosed(k, closed);
   if (!closed) grasps_.release(k);
 }

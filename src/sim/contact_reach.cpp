@@ -52,7 +52,7 @@ void ContactReach::estimate() {
     // Cloth usually keeps holding back a proxy whose device is far ahead. The reach therefore leaves out
     // most of that distance: if the cloth lets go, the step is solved again.
     const ProbeOptions& options = scene_.probes[k];
-    const double turn = probe.turns ? turnBetween(probe.orientation, probe.aim).norm() : 0.0;
+    const double turn = probe.turns ? probe.orientation.angularDistance(probe.device_orientation) : 0.0;
     const double ahead = (probe.device - probe.proxy).norm() + extent(options) * turn;
     const double speed = probes_.reports()[k].velocity.norm() + extent(options) * probes_.spin(k).norm();
     proxies_[k] = std::min(ahead, options.radius) + 2.0 * h * speed;

@@ -60,15 +60,15 @@ double EnergyBalance::balanceUndone(double work, double excess) {
 
 namespace {
 
-/// Work of a device by its turn, over turnRadiusSquared() [J/m²]. As for its way, the spring starts the step
-/// with the energy that it has between the aim before and the proxy then.
-double workOfTurn(const ProbeOptions& options, const ProbeStep& made, const Quat& aim_before,
+/// Work of a device by its turn in a step, with what the spring stored when the step began, over
+/// turnRadiusSquared() [J/m²].
+double workOfTurn(const ProbeOptions& options, const ProbeStep& made, const Quat& device_before,
                   const ClothObjective& solved, int probe) {
-  const double h = solved.timeStep();
-  const Vec3 slip = made.aim_velocity - solved.turn(probe) / h;
-  return options.coupling_stiffness * (0.5 * turnBetween(aim_before, made.orientation).squaredNorm() +
-                                       turnBetween(solved.orientation(probe), made.aim).dot(made.aim_turn)) +
-         options.coupling_damping * h * slip.dot(made.aim_velocity);
+  const TurnSpring before(made.orientation, device_before);
+  const TurnSpring now(solved.orientation(probe), made.device_orientation);
+  const Vec3 slip = (made.device_turn - solved.turn(probe)) / solved.timeStep();
+  return options.coupling_stiffness * (before.energy() + now.torque().dot(made.device_turn)) +
+         options.coupling_damping * slip.dot(made.device_turn);
 }
 
 }  // namespace
@@ -88,7 +88,7 @@ void EnergyBalance::update(const Scene& scene, const ClothObjective& solved, con
     supplied_ += stiffness * (made.device - solved.proxy(k)).dot(made.device - before.device) +
                  options.coupling_damping * solved.timeStep() * slip.dot(made.device_velocity);
     if (made.turns)
-      supplied_ += turnRadiusSquared(options) * workOfTurn(options, made, before.aim, solved, k);
+      supplied_ += turnRadiusSquared(options) * workOfTurn(options, made, before.orientation, solved, k);
   }
   supplied_ += contacts.workOfSolids() + ejection_work_ + pin_work_ + pin_drag_;
   ejection_work_ = contacts.ejectionWork();

@@ -129,7 +129,6 @@ void JointObjective::gatherGradient(Vector& gradient) {
   forPresent([&](int k, int at) {
     gradient.segment<3>(at) =
         step_.couplingStiffness(k) * proxy_residuals_[k].position + contacts_.proxyChange(k) + hold_[k];
-    if (step_.probeSteps()[k].turns) gradient.segment<3>(at + 3).setZero();
   });
 }
 
@@ -196,7 +195,6 @@ void JointObjective::fitPreconditioner() {
       force += stiffness_[held.node];
     }
     inverse_diagonal_.segment<3>(at) = (laws + proxy_weight_[k] * force.cwiseAbs2()).cwiseInverse();
-    if (step_.probeSteps()[k].turns) inverse_diagonal_.segment<3>(at + 3).setZero();
   });
   for (int n = 0; n < mesh_.free; ++n) diagonal_.set(n, diagonal_[n].cwiseInverse());
   for (const HeldNode& held : step_.held()) diagonal_.set(held.node, Vec3::Zero());

@@ -12,7 +12,7 @@ namespace haptic_cloth {
 /// E^n = Σ h²/(2m) |residual of Newton's law|² [J], with the unknown forces instead of those of the
 /// laws, plus the costs of JointEnergy. Contact, friction, air and probe act as in ClothObjective,
 /// which provides the step. Held nodes move with the proxy of their probe, which carries their
-/// forces and inertia; proxies do not turn in the solve. The gradient of the condensed cost vanishes where E
+/// forces and inertia; proxies do not turn. The gradient of the condensed cost vanishes where E
 /// = 0, and vice versa.
 class JointObjective : public Objective {
  public:

@@ -12,20 +12,8 @@ namespace haptic_cloth {
 
 namespace {
 
-/// Largest angle between a probe and the orientation to which its coupling turns it [rad].
-constexpr double kLargestAngle = 0.5;
-
-/// Time in which angular velocities of devices are filtered: poses are noisy [s].
-constexpr double kFilterTime = 0.005;
-
 /// Largest turn of an open sphere in a step [rad].
 constexpr double kLargestTurn = 0.25;
-
-/// Turns by at most `most` [rad] towards an orientation.
-Quat towards(const Quat& from, const Quat& to, double most) {
-  const double angle = from.angularDistance(to);
-  return angle > most ? from.slerp(most / angle, to) : to;
-}
 
 }  // namespace
 
@@ -38,26 +26,25 @@ Probes::Probes(const Scene& scene)
 }
 
 bool Probes::jumps(int k, const DeviceState& device, double time_step) const {
+  const ProbeStep& step = steps_[k];
   const double elapsed = std::max(device.elapsed, time_step);
-  return steps_[k].present && isJump((device.position - steps_[k].device).norm(), elapsed);
+  const double turn = device.orientation.normalized().angularDistance(step.device_orientation);
+  return step.present && (isJump((device.position - step.device).norm(), elapsed) ||
+                          (!isOpenSphere(k) && isTurnJump(turn, elapsed)));
 }
 
-void Probes::setClosed(int k, bool closed) {
-  memories_[k].closed = closed;
-  if (!closed) memories_[k].slip.setIdentity();
-}
+void Probes::setClosed(int k, bool closed) { memories_[k].closed = closed; }
 
 void Probes::setDevice(int k, const DeviceState& device) {
   ProbeStep& step = steps_[k];
   Memory& memory = memories_[k];
-  memory.elapsed = device.elapsed;
   step.device_orientation = device.orientation.normalized();
   if (!step.present) {
     step.proxy = device.position;
     reports_[k].proxy = device.position;
     reports_[k].velocity = Vec3::Zero();
     memory.coupled.device = device.position;
-    memory.coupled.aim = step.orientation = reports_[k].orientation = step.device_orientation;
+    memory.coupled.orientation = step.orientation = reports_[k].orientation = step.device_orientation;
     memory.spin.setZero();
     memory.has_been_clear = false;
   }
@@ -73,18 +60,11 @@ void Probes::remove(int k) {
   reports_[k] = ProbeReport();
 }
 
-void Probes::beginStep(double time_step) {
+void Probes::beginStep() {
   for (int k = 0; k < count(); ++k) {
     ProbeStep& step = steps_[k];
-    Memory& memory = memories_[k];
-    step.turns = couplingTurns(k);
-    step.aim = towards(memory.coupled.aim, target(k), kFastestTurn * std::max(memory.elapsed, time_step));
-    step.aim = towards(step.orientation, step.aim, step.turns ? kLargestAngle : kLargestTurn);
-    step.aim_turn = turnBetween(memory.coupled.aim, step.aim);
-    step.aim_velocity +=
-        -std::expm1(-time_step / kFilterTime) * (step.aim_turn / time_step - step.aim_velocity);
-    memory.elapsed = 0.0;
-    if (reports_[k].grasps) memory.slip = (step.device_orientation.conjugate() * step.aim).normalized();
+    step.turns = !isOpenSphere(k) && scene_.solver.cost == Cost::Condensed;
+    step.device_turn = turnBetween(memories_[k].coupled.orientation, step.device_orientation);
   }
 }
 
@@ -98,15 +78,16 @@ double Probes::fastestTurn() const {
 }
 
 bool Probes::turnsAsPrescribed(int k) const {
-  const ProbeStep& step = steps_[k];
-  return step.present && !couplingTurns(k) && target(k).coeffs() != step.orientation.coeffs();
+  return steps_[k].present && prescribed(k).coeffs() != steps_[k].orientation.coeffs();
 }
 
-/// Tells whether the coupling turns a probe, rather than its device: a capsule, or what holds cloth.
-bool Probes::couplingTurns(int k) const { return scene_.probes[k].length > 0.0 || isClosed(k); }
-
-/// Orientation to which its device turns a probe in the end.
-Quat Probes::target(int k) const { return (steps_[k].device_orientation * memories_[k].slip).normalized(); }
+/// Orientation at the end of the step where it is not solved for.
+Quat Probes::prescribed(int k) const {
+  const Quat &from = steps_[k].orientation, &to = steps_[k].device_orientation;
+  if (!isOpenSphere(k)) return from;
+  const double angle = from.angularDistance(to);
+  return angle > kLargestTurn ? from.slerp(kLargestTurn / angle, to) : to;
+}
 
 const std::vector<ContactSet::Reach>& Probes::findTouching(const ActiveMesh& mesh, const Field& nodes,
                                                            const std::vector<double>& reach,
@@ -115,8 +96,7 @@ const std::vector<ContactSet::Reach>& Probes::findTouching(const ActiveMesh& mes
   for (int k = 0; k < count(); ++k) {
     Memory& memory = memories_[k];
     if (!steps_[k].present) continue;
-    const ProbeStep& step = steps_[k];
-    contacts.startProbe(k, step.proxy, step.orientation, step.turns ? step.orientation : step.aim);
+    contacts.startProbe(k, steps_[k].proxy, steps_[k].orientation, prescribed(k));
     if (!memory.has_been_clear) memory.has_been_clear = contacts.isClear(mesh, nodes, k);
     if (memory.has_been_clear) touching_.push_back({k, reach[k]});
   }
@@ -139,7 +119,7 @@ void Probes::accept(const ClothObjective& solved, const ContactSet& contacts, co
     report.torque = solved.torque(k);
     report.grasps = grasps.holds(k);
     report.contact = report.grasps || contacts.probeTouched(k);
-    report.orientation = steps_[k].turns ? solved.orientation(k).normalized() : steps_[k].aim;
+    report.orientation = steps_[k].turns ? solved.orientation(k).normalized() : prescribed(k);
     memories_[k].spin = solved.turn(k) / solved.timeStep();
     steps_[k].proxy = report.proxy;
     steps_[k].orientation = report.orientation;
@@ -157,7 +137,7 @@ void Probes::restore() {
 }
 
 Probes::Coupled Probes::replaceCoupling(int k, double energy) {
-  return std::exchange(memories_[k].coupled, {steps_[k].device, steps_[k].aim, energy});
+  return std::exchange(memories_[k].coupled, {steps_[k].device, steps_[k].device_orientation, energy});
 }
 
 void Probes::serialize(Archive& archive) {
@@ -178,11 +158,9 @@ void Probes::serialize(Archive& archive) {
 void Probes::Memory::serialize(Archive& archive) {
   archive("entered", has_been_clear);
   archive("closed", closed);
-  archive("slip", slip);
   archive("spin", spin);
-  archive("elapsed", elapsed);
   archive("coupled_device", coupled.device);
-  archive("coupled_aim", coupled.aim);
+  archive("coupled_orientation", coupled.orientation);
   archive("coupling", coupled.energy);
 }
 

@@ -20,7 +20,7 @@ class Probes {
   explicit Probes(const Scene& scene);
   int count() const { return static_cast<int>(steps_.size()); }
 
-  /// Tells whether a device is farther from its last position than a hand can move.
+  /// Tells whether a device has moved, or turned a probe, farther than a hand can.
   bool jumps(int probe, const DeviceState& device, double time_step) const;
 
   /// Sets the device for the next step. The proxy of a probe that was absent starts at the device.
@@ -29,11 +29,8 @@ class Probes {
   void remove(int probe);
 
   /// Starts a step. The couplings turn capsules and closed probes towards their devices. An open sphere is
-  /// the same from all sides: it turns with its device. Where a device turns faster than a hand, or too far
-  /// for the coupling, that turns the probe towards a nearer aim. The grip of one that holds cloth slips
-  /// then: if it caught up, it would do work that no hand had paid for.
-  /// @param time_step length of the step [s]
-  void beginStep(double time_step);
+  /// the same from all sides: it turns with its device. With the joint cost, only that turns.
+  void beginStep();
 
   void setClosed(int probe, bool closed);
 
@@ -45,9 +42,9 @@ class Probes {
   const Quat& orientation(int probe) const { return steps_[probe].orientation; }
   /// Angular velocity in the last step, if its turn was solved for [rad/s].
   const Vec3& spin(int probe) const { return memories_[probe].spin; }
-  /// Largest speed of a coupling's springs by the turn of a probe in the last step [m/s].
+  /// Largest of the angular velocities times the radius against which the coupling acts [m/s].
   double fastestTurn() const;
-  /// Tells whether it is present and turns with its device.
+  /// Tells whether it is an open sphere that has not yet the orientation of its device.
   bool turnsAsPrescribed(int probe) const;
 
   /// Places the present probes for a search of contacts. A probe that appears within the cloth
@@ -66,9 +63,9 @@ class Probes {
 
   /// Device and coupling of a probe at the end of a step.
   struct Coupled {
-    Vec3 device = Vec3::Zero();   ///< position [m]
-    Quat aim = Quat::Identity();  ///< see ProbeStep
-    double energy = 0.0;          ///< of the coupling; 0 for a probe that is absent [J]
+    Vec3 device = Vec3::Zero();           ///< position [m]
+    Quat orientation = Quat::Identity();  ///< of the device
+    double energy = 0.0;                  ///< of the coupling; 0 for a probe that is absent [J]
   };
 
   /// Records the end of a step. @param energy of the coupling [J]
@@ -81,18 +78,16 @@ class Probes {
  private:
   /// State of a probe that is kept between steps.
   struct Memory {
-    bool has_been_clear = false;   ///< of the cloth, since it appeared
-    bool closed = false;           ///< holds the cloth that it touches
-    Quat slip = Quat::Identity();  ///< of the grip, in axes that turn with the device
-    Vec3 spin = Vec3::Zero();      ///< see spin() [rad/s]
-    double elapsed = 0.0;          ///< since the device's last state if this one is new [s]
-    Coupled coupled;               ///< at the end of the last step
+    bool has_been_clear = false;  ///< of the cloth, since it appeared
+    bool closed = false;          ///< holds the cloth that it touches
+    Vec3 spin = Vec3::Zero();     ///< see spin() [rad/s]
+    Coupled coupled;              ///< at the end of the last step
 
     void serialize(Archive& archive);
   };
 
-  bool couplingTurns(int probe) const;
-  Quat target(int probe) const;
+  bool isOpenSphere(int probe) const { return scene_.probes[probe].length == 0.0 && !isClosed(probe); }
+  Quat prescribed(int probe) const;
 
   const Scene& scene_;
   std::vector<ProbeStep> steps_;

@@ -198,7 +198,10 @@ std::uint64_t Simulation::stateHash() const {
     hash.add(state.position[p].data(), 3 * sizeof(double));
     hash.add(state.velocity[p].data(), 3 * sizeof(double));
   }
-  for (const ProbeReport& probe : world.probes()) hash.add(probe.proxy.data(), 3 * sizeof(double));
+  for (const ProbeReport& probe : world.probes()) {
+    hash.add(probe.proxy.data(), 3 * sizeof(double));
+    hash.add(probe.orientation.coeffs().data(), 4 * sizeof(double));
+  }
   const long ticks = world.ticks();
   hash.add(&ticks, sizeof(ticks));
   return hash.value();

@@ -271,7 +271,6 @@ bool StepSolver::wakeDisturbed() {
 /// energy.
 MinimizerReport StepSolver::minimizeJoint() {
   chooseInitialGuess();
-  turnWithDevices();
   const int size = objective_.size();
   joint_->begin(start_, x_, joint_x_);
   MinimizerReport report = minimizer_.minimize(*joint_, joint_x_, team_);
@@ -286,17 +285,6 @@ MinimizerReport StepSolver::minimizeJoint() {
   }
   balanceAfter(report, end);
   return report;
-}
-
-/// Turns the probes of the guess to their devices, for a solve that does not turn them.
-void StepSolver::turnWithDevices() {
-  bool any = false;
-  for (const ProbeStep& probe : objective_.probeSteps()) {
-    if (!probe.present || !probe.turns) continue;
-    x_.segment<3>(objective_.proxyAt(probe) + 3) = turnBetween(probe.orientation, probe.aim);
-    any = true;
-  }
-  if (any) objective_.evaluate(x_, gradient_);
 }
 
 /// Balances the net force after a solve, but on pinned cloth that has converged: there it is as small as any

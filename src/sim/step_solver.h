@@ -81,7 +81,6 @@ class StepSolver {
   void shortenMotion(MinimizerReport& report);
   MinimizerReport minimizeCondensed();
   MinimizerReport minimizeJoint();
-  void turnWithDevices();
   bool moves() const;
   bool markCarried();
   bool wakeDisturbed();

@@ -155,7 +155,7 @@ class TortureTurned : public testing::TestWithParam<int> {};
 
 TEST_P(TortureTurned, ByAHandThatHolds) {
   // A grip takes the middle of a sheet that is held at its corners, and turns about the normal there, three
-  // times in 0.4 s and faster than it may: the sheet winds up in folds.
+  // times in 0.4 s and faster than a hand: the sheet winds up in folds.
   constexpr double kRate = 47.0, kArm = 0.009;  // [rad/s], half the length of what the grip holds [m]
   const int iterations = GetParam();
   Torture sheet = tortureSheet("turned_grasp_" + std::to_string(iterations), fabricOf(5e-4, 500.0, 4e-6), 17,
@@ -173,9 +173,9 @@ TEST_P(TortureTurned, ByAHandThatHolds) {
   };
   if (iterations > 0) sheet.scene.solver.minimizer.max_iterations = iterations;
   sheet.scene.stop.time = lengthOf(0.4);
-  sheet.limits.thrown = 2.0 * kFastestTurn * kArm;
+  sheet.limits.thrown = 2.0 * kRate * kArm;
   // A thread from a corner to the grip is wound up at most so far, over its length.
-  const double wound = kArm * kFastestTurn * (sheet.scene.stop.time - 0.02);
+  const double wound = kArm * kRate * (sheet.scene.stop.time - 0.02);
   sheet.limits.strain = wound / (std::hypot(0.05, 0.05) - kArm);
   tortureLayers(sheet);
 }

@@ -72,8 +72,8 @@ class ObjectiveTest : public ::testing::Test {
     probe.proxy = Vec3(-0.01, 0.01, 0.0083);
     if (probe.turns) {
       probe.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitX());
-      probe.aim_velocity = Vec3(20.0, -10.0, 30.0);
-      probe.aim = rotationBy(Vec3(0.04, 0.03, -0.05)) * probe.orientation;
+      probe.device_turn = Vec3(0.02, -0.01, 0.03);
+      probe.device_orientation = rotationBy(Vec3(0.04, 0.03, -0.05)) * probe.orientation;
     }
     contacts_.startProbe(0, probe.proxy, probe.orientation, probe.orientation);
     contacts_.collectProbes(mesh_, nodes_, std::vector<double>(mesh_.nodes(), 1e-3), {{0, 1e-3}});

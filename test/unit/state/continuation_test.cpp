@@ -121,8 +121,6 @@ TEST(Continuation, WouldDifferWithoutAnyOfItsEntries) {
   needed.insert({"ejection_work", "contacts.let_out", "contacts.let_out_particle"});
   // No case is sure to split a cell that sticks in the step after a save.
   needed.insert({"contacts.half", "contacts.layers.half"});
-  // No case is saved between a pose and the step that takes it.
-  needed.insert("probe_memory.elapsed");
   EXPECT_GT(all.size(), 40u);
   for (const std::string& name : all) {
     EXPECT_EQ(needed.count(name), 1u) << name << " makes no difference in any case";
