@@ -293,6 +293,12 @@ Quat ClothObjective::orientation(int probe) const {
   return rotationBy(proxies_[probe].turn) * probes_[probe].orientation;
 }
 
+Vec3 ClothObjective::couplingTorque(int probe) const {
+  const Coupling& coupling = couplings_[probe];
+  return coupling.square *
+         (coupling.damping * turnSlip(probe) - coupling.stiffness * turnSpring(probe).torque());
+}
+
 /// Gradient of Φ by the turn of a proxy [N·m].
 Vec3 ClothObjective::turnGradient(int probe) const {
   const Coupling& coupling = couplings_[probe];

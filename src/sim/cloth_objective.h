@@ -189,6 +189,9 @@ class ClothObjective : public Objective {
   /// Force of the cloth on a probe [N], and its torque about the proxy [N·m].
   Vec3 force(int probe) const { return hold_forces_[probe] - contacts_.proxyGradient(probe); }
   Vec3 torque(int probe) const { return hold_torques_[probe] + contacts_.proxyTorque(probe, nodes_); }
+  /// Those that balance the coupling; the same, but for what a solve has left undone.
+  Vec3 couplingForce(int probe) const { return couplingGradient(probe, proxy(probe)); }
+  Vec3 couplingTorque(int probe) const;
 
   /// Energies at the last evaluated point [J]; for a fabric with memory its part of Φ, which is not
   /// what it stores.

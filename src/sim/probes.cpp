@@ -15,6 +15,8 @@ namespace {
 /// Largest turn of an open sphere in a step [rad].
 constexpr double kLargestTurn = 0.25;
 
+Vec3 smaller(const Vec3& a, const Vec3& b) { return a.squaredNorm() <= b.squaredNorm() ? a : b; }
+
 }  // namespace
 
 Probes::Probes(const Scene& scene)
@@ -111,13 +113,18 @@ void Probes::accept(const ClothObjective& solved, const ContactSet& contacts, co
     report.proxy = solved.proxy(k);
     const Vec3 moved = report.proxy - steps_[k].proxy;
     report.velocity = moved / solved.timeStep();
-    const Vec3 force = solved.force(k);
+    report.grasps = grasps.holds(k);
+    Vec3 force = solved.force(k), torque = solved.torque(k);
+    // Where what it holds is jammed, a solve that is cut short leaves forces that no hand exerts.
+    if (report.grasps) {
+      force = smaller(force, solved.couplingForce(k));
+      torque = smaller(torque, solved.couplingTorque(k));
+    }
     const bool felt = !report.force.isZero(0.0) || !force.isZero(0.0);
     const double unbalanced = felt ? error.unbalancedForce(k, solved, mesh) : 0.0;
     report.force_error = error.estimate(k, moved.norm(), unbalanced, report.force, force);
     report.force = force;
-    report.torque = solved.torque(k);
-    report.grasps = grasps.holds(k);
+    report.torque = torque;
     report.contact = report.grasps || contacts.probeTouched(k);
     report.orientation = steps_[k].turns ? solved.orientation(k).normalized() : prescribed(k);
     memories_[k].spin = solved.turn(k) / solved.timeStep();
