@@ -201,9 +201,22 @@ void SelfContact::addGradient(int begin, int end, Field& gradient) const {
   }
 }
 
+namespace {
+
+/// Stiffness of a pair for a preconditioner, which knows each node alone [N/m]. That of a pair that is
+/// squeezed to nearly nothing would hold its nodes fast, though they may move together, and a solve would
+/// jam. So it grows no more from some distance on.
+double springOf(const PairPack& pack, int l) {
+  constexpr double kNearest = 0.3;  // [ranges]
+  const double nearness = pack.distance[l] / (kNearest * pack.range[l]);
+  return pack.stiffness[l] * std::min(1.0, nearness * nearness);
+}
+
+}  // namespace
+
 void SelfContact::addSprings(Blocks& blocks) const {
   forPressing([&](const PairPack& pack, int l) {
-    const Block pressed = pack.stiffness[l] * square(laneOf(pack.normal, l));
+    const Block pressed = springOf(pack, l) * square(laneOf(pack.normal, l));
     forNodes(pack, l, [&](int n, double weight) { blocks[n] += std::abs(weight) * pressed; });
   });
   forDrags([&](const DragPack& drag, int l) {
