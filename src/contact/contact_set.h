@@ -219,9 +219,9 @@ class ContactSet {
   /// Force of the obstacles on the cloth at the last evaluation [N].
   Vec3 obstacleForce() const;
 
-  /// Work of moving obstacles, and of probes that turn as prescribed, on the cloth in the step, by the forces of the last
-  /// evaluation [J]. They count as fixed to the solids: those of the end of a turn, along the way from
-  /// start to end, would take energy from cloth that turns along without any change.
+  /// Work of moving obstacles, and of probes that turn as prescribed, on the cloth in the step, by the forces
+  /// of the last evaluation [J]. They count as fixed to the solids: those of the end of a turn, along the way
+  /// from start to end, would take energy from cloth that turns along without any change.
   double workOfSolids() const;
 
   /// Work of obstacles that eject cloth by pushing it again in every step: the change of the
