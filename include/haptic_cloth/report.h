@@ -73,15 +73,16 @@ struct ProbeReport {
   bool present = false;        ///< the device has given a pose
   Vec3 device = Vec3::Zero();  ///< [m]
   Vec3 proxy = Vec3::Zero();   ///< [m]
-  /// Orientation of the proxy. A torque turns it against that of the device.
+  /// Orientation of the proxy. Under a torque it is not quite that of the device.
   Quat orientation = Quat::Identity();
   Vec3 velocity = Vec3::Zero();  ///< velocity of the proxy [m/s]
-  Vec3 force = Vec3::Zero();     ///< force of the cloth on the probe [N]
+  /// Force of the cloth on the probe; on one that grasps at most what its coupling exerts [N].
+  Vec3 force = Vec3::Zero();
   /// Estimate of the force's distance from that of a converged solve on the finest mesh with short
   /// steps [N]. 0 if there was no force in this step and the one before; after a failed step at
   /// least the force that was lost.
   double force_error = 0.0;
-  /// Torque of the cloth on the probe about its proxy [N·m].
+  /// Torque of the cloth on the probe about its proxy, with the same limit [N·m].
   Vec3 torque = Vec3::Zero();
   /// A sample of the cloth presses on the probe, or the probe grasps; false after a failed step.
   bool contact = false;

@@ -69,6 +69,9 @@ struct ProbeOptions {
   Quat orientation = Quat::Identity();  ///< orientation of a capsule on its path
   /// Intervals [from, to] in which the probe is closed on its path [s].
   std::vector<std::array<double, 2>> grasp;
+
+  /// Largest distance of its surface from its origin [m].
+  double extent() const { return radius + 0.5 * length; }
 };
 
 /// Conditions that end a run of `simulate`.

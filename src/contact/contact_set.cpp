@@ -207,7 +207,7 @@ double ContactSet::workOfSolids() const {
   double work = 0.0;
   for (const SampleList::Group& group : samples_.groups()) {
     if (solids_.isStill(group.solid)) continue;
-    const Eigen::Matrix3d to_middle = solids_.toMiddle(group.solid);
+    const Mat3 to_middle = solids_.toMiddle(group.solid);
     for (int k = kPack * group.begin; k < kPack * group.end; ++k)
       work -= samples_[k].carry.dot(to_middle * forces_.gradient()[k]);
   }

@@ -63,8 +63,9 @@ class ContactSet {
     solids_.startProbe(probe, proxy, before, after);
   }
 
-  /// Moves the proxy of a probe for the next evaluation [m], or turns it from its orientation at the start.
+  /// Moves the proxy of a probe for the next evaluation [m].
   void placeProbe(int probe, const Vec3& proxy) { solids_.placeProbe(probe, proxy); }
+  /// Turns a probe from its orientation at the start of the step for the next evaluation.
   void turnProbe(int probe, const Mat3& turn) { solids_.turnProbe(probe, turn); }
 
   /// Must follow a change of the mesh.

@@ -636,7 +636,7 @@ ContactSample SampleFinder::startSample(int point, int index, bool still) const 
   sample.start_normal = then.normal;
   if (sample.friction_force > 0.0) sample.elastic_slip = elasticSlip(sample);
   if (!still) {
-    const Eigen::Matrix3d turn = solid.rotation() * before.rotation().transpose();
+    const Mat3 turn = solid.rotation() * before.rotation().transpose();
     carried = solid.position() + turn * (place - before.position());
     sample.start_normal = turn * then.normal;
     sample.elastic_slip = turn * sample.elastic_slip;

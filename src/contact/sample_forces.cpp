@@ -50,8 +50,11 @@ SampleContext SampleForces::context(int solid) const {
 
 SolidMotion SampleForces::motion(int solid, const Proxies& d_proxies) const {
   const auto [shift, spin] = solids_.motion(solid, d_proxies);
-  return {
-      {shift.x(), shift.y(), shift.z()}, {spin.x(), spin.y(), spin.z()}, !spin.isZero(0.0), turnOf(solid)};
+  const bool spins = !spin.isZero(0.0);
+  return {{shift.x(), shift.y(), shift.z()},
+          {spin.x(), spin.y(), spin.z()},
+          spins,
+          spins ? turnOf(solid) : TurnLanes()};
 }
 
 TurnLanes SampleForces::turnOf(int solid) const {
@@ -92,8 +95,9 @@ double SampleForces::quadraticForm(int begin, int end, const Field& d, const Pro
 }
 
 double SampleForces::maxStep(const Field& d, const Proxies& d_proxies) const {
-  // The distance is convex, so its tangent bounds it along the step. A probe that is pressed hard goes below
-  // the firm gap, where the law is linear: there all directions would end at next to nothing.
+  // The distance is convex, so its tangent bounds it along a straight way, and nearly so along the short arc
+  // of a turn. A probe that is pressed hard goes below the firm gap, where the law is linear: there all
+  // directions would end at next to nothing.
   constexpr double kShareOfGap = 0.9;
   double step = 1e300;
   forGroups(0, samples_.size(), [&](int solid, int first, int last) {

@@ -24,7 +24,8 @@ HAPTIC_CLOTH_INLINE Lanes3 startOf(const SamplePack& pack, int l, const TurnLane
           r[6] * s.x + r[7] * s.y + r[8] * s.z};
 }
 
-/// Motion of the samples relative to their solid.
+/// Motion of the samples relative to their solid. They turn about where slip counts from, which is off their
+/// place by the slip.
 HAPTIC_CLOTH_INLINE Lanes3 against(const SamplePack& pack, int l, const ConstArrays& d,
                                    const SolidMotion& moves) {
   const Lanes3 moved = at(pack, l, d);

@@ -205,7 +205,7 @@ namespace {
 
 /// Stiffness of a pair for a preconditioner, which knows each node alone [N/m]. That of a pair that is
 /// squeezed to nearly nothing would hold its nodes fast, though they may move together, and a solve would
-/// jam. So it grows no more from some distance on.
+/// jam. So it stops growing below some distance.
 double springOf(const PairPack& pack, int l) {
   constexpr double kNearest = 0.3;  // [ranges]
   const double nearness = pack.distance[l] / (kNearest * pack.range[l]);

@@ -30,7 +30,7 @@ class Solid {
   void turn(const Quat& orientation) { turn(Mat3(orientation.toRotationMatrix())); }
   void turn(const Mat3& rotation) { rotation_ = rotation; }
   const Vec3& position() const { return position_; }
-  const Eigen::Matrix3d& rotation() const { return rotation_; }
+  const Mat3& rotation() const { return rotation_; }
 
   void serialize(Archive& archive) {
     archive("position", position_);
@@ -66,7 +66,7 @@ class Solid {
   double radius_, half_length_, half_width_, extent_, face_curvature_, friction_;
   bool has_corners_;
   Vec3 position_;
-  Eigen::Matrix3d rotation_;
+  Mat3 rotation_;
 };
 
 }  // namespace haptic_cloth

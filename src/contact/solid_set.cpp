@@ -20,7 +20,7 @@ bool SolidSet::isStill(int solid) const {
   return now.position() == then.position() && now.rotation() == then.rotation();
 }
 
-Eigen::Matrix3d SolidSet::toMiddle(int solid) const {
+Mat3 SolidSet::toMiddle(int solid) const {
   Eigen::AngleAxisd turn(solids_[solid].rotation() * before_[solid].rotation().transpose());
   turn.angle() *= -0.5;
   return turn.toRotationMatrix();
@@ -51,7 +51,7 @@ void SolidSet::advance(const Field& cloth) {
 
 bool SolidSet::obstaclesMove() const {
   for (int k = 0; k < obstacles_; ++k) {
-    const Eigen::Matrix3d target = targets_[k].orientation.toRotationMatrix();
+    const Mat3 target = targets_[k].orientation.toRotationMatrix();
     const auto moves = [&](const Solid& solid) {
       return solid.position() != targets_[k].position || solid.rotation() != target;
     };

@@ -27,7 +27,7 @@ class SolidSet {
   bool isStill(int solid) const;
 
   /// Rotation that takes a vector fixed to a solid from the end of the step back to its middle.
-  Eigen::Matrix3d toMiddle(int solid) const;
+  Mat3 toMiddle(int solid) const;
 
   /// Origin of the samples' positions: the proxy of a probe, for an obstacle that of the world [m].
   Vec3 origin(int solid) const { return isProbe(solid) ? solids_[solid].position() : Vec3::Zero(); }

@@ -31,7 +31,7 @@ ClothObjective::ClothObjective(const Scene& scene, const ActiveMesh& mesh, const
       awake_(mesh, internal, contacts) {
   for (const ProbeOptions& probe : scene.probes) {
     // On an arc its points leave the straight way by at most a tenth of the radius.
-    const double most_turn = std::sqrt(0.2 * probe.radius / (probe.radius + 0.5 * probe.length));
+    const double most_turn = std::sqrt(0.2 * probe.radius / probe.extent());
     couplings_.push_back(
         {probe.coupling_stiffness, probe.coupling_damping, turnRadiusSquared(probe), most_turn});
   }
@@ -128,7 +128,7 @@ double ClothObjective::shareOfWay(const Field& to, const Vector& x) {
     proxy_motions_[k].position = x.segment<3>(at) - proxies_[k].position;
     if (probes_[k].turns) proxy_motions_[k].turn = x.segment<3>(at + 3) - proxies_[k].turn;
   });
-  const double share = contacts_.maxStep(nodes_, motion_, proxy_motions_, 1.0);
+  const double share = contacts_.maxStep(nodes_, motion_, proxy_motions_, turnLimit(1.0));
   motion_.fill(0.0);
   return share;
 }

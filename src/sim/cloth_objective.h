@@ -17,6 +17,7 @@
 #include "sim/multilevel_preconditioner.h"
 #include "sim/probe_step.h"
 #include "sim/time_integrator.h"
+#include "sim/turn_spring.h"
 #include "solver/objective.h"
 
 namespace haptic_cloth {
@@ -189,7 +190,8 @@ class ClothObjective : public Objective {
   /// Force of the cloth on a probe [N], and its torque about the proxy [N·m].
   Vec3 force(int probe) const { return hold_forces_[probe] - contacts_.proxyGradient(probe); }
   Vec3 torque(int probe) const { return hold_torques_[probe] + contacts_.proxyTorque(probe, nodes_); }
-  /// Those that balance the coupling; the same, but for what a solve has left undone.
+  /// Those that balance the coupling: the same, but for what a solve has left undone, and for a second order
+  /// of the turn in the step.
   Vec3 couplingForce(int probe) const { return couplingGradient(probe, proxy(probe)); }
   Vec3 couplingTorque(int probe) const;
 

@@ -56,7 +56,7 @@ void ClothWorld::takeStep(int length, StepReport& report) {
   solver_.startBudget();
   energy_.beginStep(solver_.objective());
   cloth_.beginStep(h, time() + h);
-  probes_.beginStep();
+  probes_.beginStep(h);
   contacts_.advance(h, cloth_.nodes());
   adapt(report);
   grasps_.update(probes_, cloth_.mesh(), cloth_.state());
@@ -102,7 +102,7 @@ bool ClothWorld::planMesh() {
   for (int k = 0; k < probes_.count(); ++k) {
     const ProbeStep& probe = probes_.steps()[k];
     const double ahead = std::min((probe.device - probe.proxy).norm(), reach),
-                 size = scene_.probes[k].radius + 0.5 * scene_.probes[k].length;
+                 size = scene_.probes[k].extent();
     const double finest = size + reach + ahead,
                  near = probes_.reports()[k].contact ? scene_.adapt.near_reach * spacing : 0.0;
     if (probe.present) near_probes_.push_back({probe.proxy, finest, finest + near});

@@ -8,9 +8,6 @@
 namespace haptic_cloth {
 namespace {
 
-/// Largest distance of the surface of a probe from its proxy [m].
-double extent(const ProbeOptions& probe) { return probe.radius + 0.5 * probe.length; }
-
 /// Tells whether a motion is within reach; widens a reach that it nearly uses up.
 bool isWithin(const Vec3& motion, double& reach) {
   const double squared = motion.squaredNorm();
@@ -53,8 +50,8 @@ void ContactReach::estimate() {
     // most of that distance: if the cloth lets go, the step is solved again.
     const ProbeOptions& options = scene_.probes[k];
     const double turn = probe.turns ? probe.orientation.angularDistance(probe.device_orientation) : 0.0;
-    const double ahead = (probe.device - probe.proxy).norm() + extent(options) * turn;
-    const double speed = probes_.reports()[k].velocity.norm() + extent(options) * probes_.spin(k).norm();
+    const double ahead = (probe.device - probe.proxy).norm() + options.extent() * turn;
+    const double speed = probes_.reports()[k].velocity.norm() + options.extent() * probes_.spin(k).norm();
     proxies_[k] = std::min(ahead, options.radius) + 2.0 * h * speed;
   }
 }
@@ -89,7 +86,7 @@ bool ContactReach::coversProxies(const ClothObjective& solved) {
   for (int k = 0; k < probes_.count(); ++k) {
     if (!probes_.isPresent(k)) continue;
     const double moved = (solved.proxy(k) - probes_.steps()[k].proxy).norm() +
-                         extent(scene_.probes[k]) * solved.turn(k).norm();
+                         scene_.probes[k].extent() * solved.turn(k).norm();
     all = all && !(moved > proxies_[k]);
     proxies_[k] = std::max(proxies_[k], 2.0 * moved);
   }

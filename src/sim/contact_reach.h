@@ -12,8 +12,8 @@ namespace haptic_cloth {
 
 class ClothObjective;
 
-/// Largest displacement expected of each node and proxy. If one moved farther, a contact may have
-/// been missed, and the step must be solved again with a larger reach.
+/// Largest displacement expected of each node and of any point of each probe. If one moved farther, a contact
+/// may have been missed, and the step must be solved again with a larger reach.
 class ContactReach {
  public:
   /// Zero for all: contacts of cloth that does not move. The arguments must outlive this object.

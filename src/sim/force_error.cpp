@@ -45,7 +45,7 @@ double ForceError::estimate(int probe, double moved, double unbalanced, const Ve
 
 double ForceError::unbalancedForce(int probe, const ClothObjective& solved, const ActiveMesh& mesh) const {
   const ProbeOptions& options = scene_.probes[probe];
-  const double reach = kReach * (options.radius + 0.5 * options.length);
+  const double reach = kReach * options.extent();
   const Field &x = solved.nodes(), &gradient = solved.gradient();
   const Vec3 proxy = solved.proxy(probe);
   Vec3 sum = Vec3::Zero();

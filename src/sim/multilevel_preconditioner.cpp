@@ -82,9 +82,9 @@ void MultilevelPreconditioner::addContacts(const ContactSet& contacts, const Fie
   springs_.clear();
   bodies_.clear();
   for (const ProxyUnknown& unknown : proxies) {
-    Body body{unknown.probe, unknown.at, unknown.turns ? 6 : 3, static_cast<int>(springs_.size()), 0, {}};
-    body.inverse.setZero();
-    body.inverse.diagonal() << Vec3::Constant(unknown.stiffness), Vec3::Constant(unknown.turn_stiffness);
+    Body body{unknown.probe, unknown.at, unknown.turns ? 6 : 3, static_cast<int>(springs_.size()), 0, {}, {}};
+    body.coupling << Vec3::Constant(unknown.stiffness), Vec3::Constant(unknown.turn_stiffness);
+    body.inverse = body.coupling.asDiagonal();
     touch_.assign(mesh_.nodes(), Block::Zero());
     contacts.addSprings(unknown.probe, touch_);
     handOver(mesh_, touch_);
@@ -124,7 +124,7 @@ void MultilevelPreconditioner::addSpring(const Block& stiffness, const Vec3& arm
   sum.topLeftCorner<3, 3>() += s;
   sum.topRightCorner<3, 3>() -= coupled;
   sum.bottomLeftCorner<3, 3>() -= coupled.transpose();
-  sum.bottomRightCorner<3, 3>() += cross.transpose() * coupled;
+  sum.bottomRightCorner<3, 3>() += aroundArm(stiffness, arm);
 }
 
 /// Eliminates the touched nodes from the block of the proxy and inverts it.
@@ -135,7 +135,13 @@ void MultilevelPreconditioner::bind(Body& body) const {
     const Mat3 s = matrix(spring.stiffness);
     addSpring(block(s - s * matrix(node_inverse_[spring.node]) * s), spring.arm, body.inverse);
   }
-  body.inverse = BodyMatrix(body.inverse.llt().solve(BodyMatrix::Identity()));
+  const Eigen::LLT<BodyMatrix> factors(body.inverse);
+  // By rounding it may be indefinite. Then the proxy moves as if it touched nothing.
+  if (factors.info() == Eigen::Success) {
+    body.inverse = factors.solve(BodyMatrix::Identity());
+  } else {
+    body.inverse = body.coupling.cwiseInverse().asDiagonal();
+  }
 }
 
 void MultilevelPreconditioner::invertHats() {

@@ -75,7 +75,8 @@ class MultilevelPreconditioner {
   struct Body {
     int probe, at, unknowns;
     int springs, springs_end;
-    BodyMatrix inverse;  ///< holds the stiffness before bind()
+    Eigen::Matrix<double, 6, 1> coupling;  ///< its stiffness against each unknown
+    BodyMatrix inverse;                    ///< holds the stiffness before bind()
   };
 
   void addElements(const InternalEnergy& internal);

@@ -15,6 +15,12 @@ namespace {
 /// Largest turn of an open sphere in a step [rad].
 constexpr double kLargestTurn = 0.25;
 
+/// Turns by at most `most` [rad] towards an orientation.
+Quat towards(const Quat& from, const Quat& to, double most) {
+  const double angle = from.angularDistance(to);
+  return angle > most ? from.slerp(most / angle, to) : to;
+}
+
 Vec3 smaller(const Vec3& a, const Vec3& b) { return a.squaredNorm() <= b.squaredNorm() ? a : b; }
 
 }  // namespace
@@ -62,11 +68,17 @@ void Probes::remove(int k) {
   reports_[k] = ProbeReport();
 }
 
-void Probes::beginStep() {
+void Probes::beginStep(double time_step) {
   for (int k = 0; k < count(); ++k) {
     ProbeStep& step = steps_[k];
-    step.turns = !isOpenSphere(k) && scene_.solver.cost == Cost::Condensed;
-    step.device_turn = turnBetween(memories_[k].coupled.orientation, step.device_orientation);
+    Memory& memory = memories_[k];
+    const bool turned = std::exchange(step.turns, !isOpenSphere(k) && scene_.solver.cost == Cost::Condensed);
+    if (step.turns && !turned) memory.coupled.orientation = step.device_orientation;  // the coupling begins
+    step.device_turn = turnBetween(memory.coupled.orientation, step.device_orientation);
+    step.prescribed = step.orientation;
+    if (isOpenSphere(k))
+      step.prescribed = towards(step.orientation, step.device_orientation,
+                                std::min(kFastestTurn * time_step, kLargestTurn));
   }
 }
 
@@ -80,15 +92,8 @@ double Probes::fastestTurn() const {
 }
 
 bool Probes::turnsAsPrescribed(int k) const {
-  return steps_[k].present && prescribed(k).coeffs() != steps_[k].orientation.coeffs();
-}
-
-/// Orientation at the end of the step where it is not solved for.
-Quat Probes::prescribed(int k) const {
-  const Quat &from = steps_[k].orientation, &to = steps_[k].device_orientation;
-  if (!isOpenSphere(k)) return from;
-  const double angle = from.angularDistance(to);
-  return angle > kLargestTurn ? from.slerp(kLargestTurn / angle, to) : to;
+  const ProbeStep& step = steps_[k];
+  return step.present && isOpenSphere(k) && step.device_orientation.coeffs() != step.orientation.coeffs();
 }
 
 const std::vector<ContactSet::Reach>& Probes::findTouching(const ActiveMesh& mesh, const Field& nodes,
@@ -98,7 +103,7 @@ const std::vector<ContactSet::Reach>& Probes::findTouching(const ActiveMesh& mes
   for (int k = 0; k < count(); ++k) {
     Memory& memory = memories_[k];
     if (!steps_[k].present) continue;
-    contacts.startProbe(k, steps_[k].proxy, steps_[k].orientation, prescribed(k));
+    contacts.startProbe(k, steps_[k].proxy, steps_[k].orientation, steps_[k].prescribed);
     if (!memory.has_been_clear) memory.has_been_clear = contacts.isClear(mesh, nodes, k);
     if (memory.has_been_clear) touching_.push_back({k, reach[k]});
   }
@@ -118,7 +123,7 @@ void Probes::accept(const ClothObjective& solved, const ContactSet& contacts, co
     // Where what it holds is jammed, a solve that is cut short leaves forces that no hand exerts.
     if (report.grasps) {
       force = smaller(force, solved.couplingForce(k));
-      torque = smaller(torque, solved.couplingTorque(k));
+      if (steps_[k].turns) torque = smaller(torque, solved.couplingTorque(k));
     }
     const bool felt = !report.force.isZero(0.0) || !force.isZero(0.0);
     const double unbalanced = felt ? error.unbalancedForce(k, solved, mesh) : 0.0;
@@ -126,7 +131,7 @@ void Probes::accept(const ClothObjective& solved, const ContactSet& contacts, co
     report.force = force;
     report.torque = torque;
     report.contact = report.grasps || contacts.probeTouched(k);
-    report.orientation = steps_[k].turns ? solved.orientation(k).normalized() : prescribed(k);
+    report.orientation = steps_[k].turns ? solved.orientation(k).normalized() : steps_[k].prescribed;
     memories_[k].spin = solved.turn(k) / solved.timeStep();
     steps_[k].proxy = report.proxy;
     steps_[k].orientation = report.orientation;

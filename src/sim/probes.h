@@ -30,7 +30,8 @@ class Probes {
 
   /// Starts a step. The couplings turn capsules and closed probes towards their devices. An open sphere is
   /// the same from all sides: it turns with its device. With the joint cost, only that turns.
-  void beginStep();
+  /// @param time_step length of the step [s]
+  void beginStep(double time_step);
 
   void setClosed(int probe, bool closed);
 
@@ -49,7 +50,7 @@ class Probes {
 
   /// Places the present probes for a search of contacts. A probe that appears within the cloth
   /// touches nothing until it has been clear of it once.
-  /// @param reach largest expected displacement of each proxy [m]
+  /// @param reach largest expected displacement of any point of each probe [m]
   /// @return probes that may touch the cloth; valid until the next call
   const std::vector<ContactSet::Reach>& findTouching(const ActiveMesh& mesh, const Field& nodes,
                                                      const std::vector<double>& reach, ContactSet& contacts);
@@ -87,7 +88,6 @@ class Probes {
   };
 
   bool isOpenSphere(int probe) const { return scene_.probes[probe].length == 0.0 && !isClosed(probe); }
-  Quat prescribed(int probe) const;
 
   const Scene& scene_;
   std::vector<ProbeStep> steps_;

@@ -258,13 +258,16 @@ class Run {
     return h * (h * probe.coupling_stiffness + probe.coupling_damping);
   }
 
-  /// Displacement of particles and proxies in the step, rms by mass [m].
+  /// Displacement of particles and proxies in the step, rms by mass; of a proxy with that of its turn [m].
   double way() {
     double sum = 0.0;
     const double h = world_.objective().timeStep();
     for (std::size_t k = 0; k < world_.probes().size(); ++k) {
       if (!world_.probes()[k].present) continue;
-      sum += countsAs(world_.scene().probes[k]) * (h * world_.probes()[k].velocity).squaredNorm();
+      const ProbeOptions& options = world_.scene().probes[k];
+      const double turn = world_.objective().turn(static_cast<int>(k)).squaredNorm();
+      sum += countsAs(options) *
+             ((h * world_.probes()[k].velocity).squaredNorm() + turnRadiusSquared(options) * turn);
     }
     shown_.swap(shown_before_);
     show();

@@ -197,6 +197,7 @@ TEST(TurnedGrasp, LetsGoWhereAnOrientationJumps) {
     simulation.setDevice(0, {device, Vec3::Zero(), Quat(Eigen::AngleAxisd(angle, Vec3::UnitX())) * kLying});
     ASSERT_FALSE(simulation.step().failed);
     EXPECT_EQ(simulation.probe().grasps, angle < most) << angle;
+    EXPECT_EQ(simulation.probe().contact, angle < most) << angle;
   }
 }
 
@@ -289,12 +290,12 @@ TEST(TurnedCapsule, YieldsToATorqueByTheStiffnessOfItsCoupling) {
 }
 
 // A hand sweeps a long capsule once around through cloth that hangs from its upper edge, and few iterations
-// are allowed. The capsule stays where the cloth stops it. Its spring gives at most ½ k r², its damper b r²
-// times the slip, at most twice 30 rad/s. A capsule that had the orientation of its device strained the cloth
-// by 3.5 to 4.
+// are allowed. The capsule stays where the cloth stops it. Its spring gives at most ½ k r², and while it
+// stands still its damper b r² times the rate of the hand; 1 % for what solves leave undone. No edge gets
+// twice as long: a capsule that had the orientation of its device strained the cloth by 3.5 to 4.
 class SweptCapsule : public testing::TestWithParam<int> {};
 
-TEST_P(SweptCapsule, StrainsHangingClothNoMoreThanItsTorqueCan) {
+TEST_P(SweptCapsule, IsStoppedByHangingCloth) {
   constexpr double kLength = 0.09, kRate = 12.0;  // [m], [rad/s]
   LinearFabric linear;
   Scene scene = sheetScene(makeFabric(linear), 31, 31, 0.09, 0.09);
@@ -319,10 +320,10 @@ TEST_P(SweptCapsule, StrainsHangingClothNoMoreThanItsTorqueCan) {
   }
   const ProbeOptions& probe = scene.probes[0];
   const double square = 0.03 * 0.03 + kLength * kLength / 12.0;
-  const double most = square * (0.5 * probe.coupling_stiffness + 2.0 * kFastestTurn * probe.coupling_damping);
+  const double most = square * (0.5 * probe.coupling_stiffness + kRate * probe.coupling_damping);
   std::printf("%d iterations: torque %.3g of %.3g N m, strain %.3g, gained %.2g J\n", GetParam(), torque,
               most, strain, watch.gained());
-  EXPECT_LT(torque, most);
+  EXPECT_LT(torque, (1.0 + tolerance(0.01)) * most);
   EXPECT_LT(strain, 1.0) << "no edge is twice as long";
   EXPECT_LT(watch.gained(), tolerance(1e-3) * simulation.energy().work);
   EXPECT_EQ(simulation.crossings().pairs, 0);
@@ -332,10 +333,11 @@ INSTANTIATE_TEST_SUITE_P(Iterations, SweptCapsule, testing::Values(5, 20, 200));
 
 // A stiff hand takes the middle of a sheet that is pinned at one side, and turns it to and fro about changing
 // axes, with long steps. Pairs beside the grip are squeezed to a hundredth of their range. When the
-// preconditioner took all of their stiffness, they held the grip fast for good, and the hand seemed to get
-// energy: its work, and that in the balance, are the same but for what solves leave undone.
+// preconditioner took all of their stiffness, they held the grip fast for good, 1.1 rad behind the hand and
+// with a torque of 2 N·m. With steps of 1 ms nothing jams, and the largest torque is the reference.
 TEST(TurnedGrasp, DoesNotJamBesideSqueezedPairs) {
   constexpr double kStep = 3e-3, kPeriod = 0.48;  // [s]
+  constexpr double kReference = 0.51;             // [N·m]
   const Vec3 first(0.7, -0.5, 0.6), second(-0.4, 0.75, 0.5);
   Scene scene = sheetScene(loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/winter_suiting.yaml"), 21, 21,
                            0.08, 0.08);
@@ -378,7 +380,7 @@ TEST(TurnedGrasp, DoesNotJamBesideSqueezedPairs) {
   const double reported = simulation.energy().work;
   std::printf("work of the hand %.4g, in the balance %.4g J, torque %.3g N m\n", work, reported, torque);
   EXPECT_GT(reported, 0.01);
-  EXPECT_NEAR(work, reported, tolerance(0.05) * reported);
+  EXPECT_NEAR(torque, kReference, tolerance(0.05) * kReference);
   EXPECT_LT(watch.gained(), tolerance(1e-2) * reported);
   EXPECT_EQ(simulation.crossings().pairs, 0);
 }

@@ -123,6 +123,7 @@ TEST_F(TurningTest, QuadraticFormIsThatOfTheTurn) {
     };
     const double change = 0.5 * (slope(1.0) - slope(-1.0));
     objective_.evaluate(start_, gradient);
+    ASSERT_GT(change, 2.0 * kTurn * kTurn * objective_.turnStiffness(0)) << "contact resists, too";
     EXPECT_NEAR(objective_.along(d, -1.0).quadratic_form, change, tolerance(0.05) * change) << axis;
   }
 }
