@@ -6,8 +6,8 @@
 
 namespace haptic_cloth {
 
-/// The coupling resists turns as if its spring and damper were spread over the probe, and over the arm at which
-/// the largest force of a small device has its largest torque: mean square distance from the axis [m²].
+/// The coupling resists turns as if its spring and damper were spread over the probe, and over the arm at
+/// which the largest force of a small device has its largest torque: mean square distance from the axis [m²].
 inline double turnRadiusSquared(const ProbeOptions& probe) {
   constexpr double kArm = 0.03;  // [m]
   return kArm * kArm + probe.length * probe.length / 12.0;
