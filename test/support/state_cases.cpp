@@ -55,7 +55,7 @@ StateCase slidingCapsule() {
           capsuleScene(17, Strategy::Amrc),
           driveCapsule,
           120,
-          {1, 37, 71},
+          {1, 37, 50, 71, 90},
           [](const Exercised& did) { return did.touched > 50 && did.refined > 0 && did.coarsened > 0; }};
 }
 
