@@ -72,6 +72,9 @@ struct ProbeOptions {
 
   /// Largest distance of its surface from its origin [m].
   double extent() const { return radius + 0.5 * length; }
+
+  /// Tells whether the coupling turns it. An open sphere is the same from all sides.
+  bool isTurned(bool closed) const { return closed || length > 0.0; }
 };
 
 /// Conditions that end a run of `simulate`.

@@ -42,9 +42,8 @@ class Simulation {
 
   /// Sets the state of a probe by its number in the scene. A state that is not finite or beyond
   /// kFarthestPose is ignored. A state farther from the last one than a hand can move (isJump()) or turn a
-  /// capsule or closed probe (isTurnJump()) counts as
-  /// removal and reappearance: the probe is open, and touches nothing until it has been clear of the cloth
-  /// once.
+  /// capsule or closed probe (isTurnJump()) counts as removal and reappearance: the probe is open, and
+  /// touches nothing until it has been clear of the cloth once.
   void setDevice(int probe, const DeviceState& device);
 
   /// Removes a probe from the scene until its next setDevice().

@@ -58,8 +58,8 @@ void ProbeSession::takeDevice(Simulation& simulation, const HapticOptions& optio
   const double since = newest.received - newest_device_.received;
   const double way = (newest.position - newest_device_.position).norm();
   const double turn = newest.orientation.angularDistance(newest_device_.orientation);
-  const bool coupled = closed_ || simulation.scene().probes[number_].length > 0.0;
-  if (present_ && (isJump(way, since) || (coupled && isTurnJump(turn, since)))) {
+  const bool turned = simulation.scene().probes[number_].isTurned(closed_);
+  if (present_ && (isJump(way, since) || (turned && isTurnJump(turn, since)))) {
     open(simulation);
     leave(simulation);
   }

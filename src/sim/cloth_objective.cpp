@@ -398,8 +398,9 @@ ClothObjective::QuadraticForm ClothObjective::formAlongMotion(bool whole_motion,
   double others = elements[1] + moving[0];
   forPresent([&](int k) {
     const Proxy& moves = proxy_motions_[k];
-    others +=
-        couplingStiffness(k) * moves.position.squaredNorm() + turnStiffness(k) * moves.turn.squaredNorm();
+    double form = couplingStiffness(k) * moves.position.squaredNorm();
+    if (probes_[k].turns) form += turnStiffness(k) * moves.turn.squaredNorm();
+    others += form;
   });
   return {elements[0], others};
 }

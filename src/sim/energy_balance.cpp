@@ -58,21 +58,6 @@ double EnergyBalance::balanceUndone(double work, double excess) {
   return kept;
 }
 
-namespace {
-
-/// Work of a device by its turn in a step, with what the spring stored when the step began, over
-/// turnRadiusSquared() [J/m²].
-double workOfTurn(const ProbeOptions& options, const ProbeStep& made, const Quat& device_before,
-                  const ClothObjective& solved, int probe) {
-  const TurnSpring before(made.orientation, device_before);
-  const TurnSpring now(solved.orientation(probe), made.device_orientation);
-  const Vec3 slip = (made.device_turn - solved.turn(probe)) / solved.timeStep();
-  return options.coupling_stiffness * (before.energy() + now.torque().dot(made.device_turn)) +
-         options.coupling_damping * slip.dot(made.device_turn);
-}
-
-}  // namespace
-
 void EnergyBalance::update(const Scene& scene, const ClothObjective& solved, const ContactSet& contacts,
                            Probes& probes) {
   returned_by_slip_ = std::max(0.0, friction_start_ - solved.frictionPotential());
@@ -87,8 +72,10 @@ void EnergyBalance::update(const Scene& scene, const ClothObjective& solved, con
     const Vec3 slip = made.device_velocity - probes.reports()[k].velocity;
     supplied_ += stiffness * (made.device - solved.proxy(k)).dot(made.device - before.device) +
                  options.coupling_damping * solved.timeStep() * slip.dot(made.device_velocity);
-    if (made.turns)
-      supplied_ += turnRadiusSquared(options) * workOfTurn(options, made, before.orientation, solved, k);
+    if (!made.turns) continue;
+    const double spring = TurnSpring(made.orientation, before.orientation).energy();
+    supplied_ +=
+        turnRadiusSquared(options) * stiffness * spring - solved.couplingTorque(k).dot(made.device_turn);
   }
   supplied_ += contacts.workOfSolids() + ejection_work_ + pin_work_ + pin_drag_;
   ejection_work_ = contacts.ejectionWork();

@@ -43,7 +43,7 @@ class Probes {
   const Quat& orientation(int probe) const { return steps_[probe].orientation; }
   /// Angular velocity in the last step, if its turn was solved for [rad/s].
   const Vec3& spin(int probe) const { return memories_[probe].spin; }
-  /// Largest of the angular velocities times the radius against which the coupling acts [m/s].
+  /// Largest speed by a turn in the last step, at the radius of turnRadiusSquared() [m/s].
   double fastestTurn() const;
   /// Tells whether it is an open sphere that has not yet the orientation of its device.
   bool turnsAsPrescribed(int probe) const;
@@ -87,7 +87,7 @@ class Probes {
     void serialize(Archive& archive);
   };
 
-  bool isOpenSphere(int probe) const { return scene_.probes[probe].length == 0.0 && !isClosed(probe); }
+  bool isOpenSphere(int probe) const { return !scene_.probes[probe].isTurned(isClosed(probe)); }
 
   const Scene& scene_;
   std::vector<ProbeStep> steps_;

@@ -63,14 +63,13 @@ void StepSolver::resize() {
 MinimizerReport StepSolver::solve(const std::vector<HeldNode>& held) {
   constexpr int kAttempts = 4;
   MinimizerReport report;
-  held_ = held;
   reach_.estimate();
   contacts_.forgetRough();
   bool apart = true;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     findContacts();
-    if (cloth_.integrator().secondOrder()) foreseeTouches();
-    beginSolve();
+    if (cloth_.integrator().secondOrder()) foreseeTouches(held);
+    beginSolve(held);
     const MinimizerReport last = joint_ ? minimizeJoint() : minimizeCondensed();
     report = attempt == 0 ? last : sum(report, last);
     if (last.why == Termination::NotFinite) break;
@@ -136,10 +135,10 @@ void StepSolver::findContacts() {
 }
 
 /// Tells the cloth which nodes may touch something in the step, or are held.
-void StepSolver::foreseeTouches() {
+void StepSolver::foreseeTouches(const std::vector<HeldNode>& held) {
   touched_.assign(cloth_.mesh().nodes(), 0);
   contacts_.markListed(touched_);
-  for (const HeldNode& node : held_) touched_[node.node] = 1;
+  for (const HeldNode& node : held) touched_[node.node] = 1;
   cloth_.mesh().markMasters(touched_);
   cloth_.expectJumps(touched_);
 }
@@ -151,8 +150,8 @@ double StepSolver::evaluateStart() {
 }
 
 /// Starts a solve at x⁰, with all nodes awake.
-void StepSolver::beginSolve() {
-  objective_.begin(cloth_.nodes(), cloth_.velocities(), probes_.steps(), held_);
+void StepSolver::beginSolve(const std::vector<HeldNode>& held) {
+  objective_.begin(cloth_.nodes(), cloth_.velocities(), probes_.steps(), held);
   start_values_.potential = evaluateStart();
   start_values_.energy = objective_.storedAndLost();
   start_values_.contact = objective_.contactEnergy();

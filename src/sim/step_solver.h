@@ -73,8 +73,8 @@ class StepSolver {
  private:
   void findContacts();
   double evaluateStart();
-  void foreseeTouches();
-  void beginSolve();
+  void foreseeTouches(const std::vector<HeldNode>& held);
+  void beginSolve(const std::vector<HeldNode>& held);
   void movePins();
   bool stopPins();
   bool crosses() const;
@@ -113,11 +113,10 @@ class StepSolver {
   ContactReach reach_;
   Start start_values_;
   CostReport cost_;
-  Field forces_;                ///< negative forces on the nodes at rest, for sleep_ [N]
-  Field pinned_;                ///< scratch: positions with the pins where they end [m]
-  Field end_;                   ///< scratch: ends of motions, or motions [m]
-  std::vector<char> touched_;   ///< scratch of foreseeTouches() and markCarried(): a flag for each node
-  std::vector<HeldNode> held_;  ///< nodes that probes hold in the step
+  Field forces_;               ///< negative forces on the nodes at rest, for sleep_ [N]
+  Field pinned_;               ///< scratch: positions with the pins where they end [m]
+  Field end_;                  ///< scratch: ends of motions, or motions [m]
+  std::vector<char> touched_;  ///< scratch of foreseeTouches() and markCarried(): a flag for each node
   std::vector<double> pins_made_;
   std::vector<char> pins_go_;  ///< pins that nothing has stopped in this step
   Vector x_, start_, motion_, gradient_, joint_x_;

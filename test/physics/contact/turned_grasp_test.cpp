@@ -162,9 +162,8 @@ TEST_P(TwistedStrip, ResistsByItsTension) {
   EXPECT_LT(report.torque.x() / expected, most + tolerance(0.02));
 }
 
-// What the hand gives is its force times its way and its torque times its turn. The balance counts the way
-// of what is held, which is straight in a step: the difference is of second order, θ²/24 of a step's turn
-// and less than 1e-6. What a solve leaves undone is its tolerance, 1e-3.
+// What the hand gives is its force times its way and its torque times its turn. The balance counts those of
+// the coupling: the difference is what a solve leaves undone, its tolerance of 1e-3.
 TEST_P(TwistedStrip, TakesTheWorkOfTheTorqueAndGivesItBack) {
   constexpr double kAngle = 1.0, kTime = 4.0;  // [rad], [s]
   Hand hand(heldStrip(GetParam()));
@@ -221,19 +220,29 @@ TEST(TurnedGrasp, OfALongCapsuleGivesAFastHandNothing) {
   }
 }
 
+/// Mean square distance from the axis over which a coupling resists turns of a capsule of this length
+/// (docs/model.md, "Turns of a probe") [m²].
+double squaredRadius(double length) { return 0.03 * 0.03 + length * length / 12.0; }
+
+/// Sheet of this stiffness [N/m] that is pinned at all sides, and a capsule of this length [m].
+Scene tautSheet(double stiffness, double length) {
+  LinearFabric linear;
+  linear.stiffness = stiffness;
+  Scene scene = sheetScene(makeFabric(linear), 33, 33, 0.16, 0.16);
+  pinAllSides(scene);
+  scene.probes[0].radius = kRadius;
+  scene.probes[0].length = length;
+  return scene;
+}
+
 // The end of a capsule above a taut sheet swings down to 11 mm below it, 9 mm in a step of a fast hand. The
 // cloth ends below the middle of that end, and not where it began.
 TEST(TurnedCapsule, PushesTheClothThatAFastHandWouldPass) {
   constexpr double kAngle = 1.2, kHalf = 0.03, kHeight = 0.02;  // [rad], [m]
-  LinearFabric linear;
-  linear.stiffness = 100.0;
-  Scene scene = sheetScene(makeFabric(linear), 33, 33, 0.16, 0.16);
-  pinAllSides(scene);
+  Scene scene = tautSheet(100.0, 2.0 * kHalf);
   scene.gravity.setZero();
   scene.air_damping = 5.0;
   scene.solver.time_step = 0.01;
-  scene.probes[0].radius = kRadius;
-  scene.probes[0].length = 2.0 * kHalf;
   scene.probes[0].coupling_stiffness = 5000.0;
   Simulation simulation(scene);
   const Vec3 device(0.0, 0.0, kHeight);
@@ -252,23 +261,12 @@ TEST(TurnedCapsule, PushesTheClothThatAFastHandWouldPass) {
   EXPECT_LT(lowest, end);
 }
 
-/// Taut sheet, pinned at all sides, and a capsule along x.
-Scene tautSheet(double length) {
-  LinearFabric linear;
-  linear.stiffness = 200.0;
-  Scene scene = sheetScene(makeFabric(linear), 33, 33, 0.16, 0.16);
-  pinAllSides(scene);
-  scene.probes[0].radius = kRadius;
-  scene.probes[0].length = length;
-  return scene;
-}
-
 // The capsule is pressed into the sheet between its middle and its border, which resists more. At rest the
 // spring of the coupling balances the torque: k (0.03² m² + L²/12) times the angle to the device. What a
 // solve leaves undone is its tolerance, 1e-3.
 TEST(TurnedCapsule, YieldsToATorqueByTheStiffnessOfItsCoupling) {
   for (const double length : {0.02, 0.06}) {
-    Scene scene = tautSheet(length);
+    Scene scene = tautSheet(200.0, length);
     scene.probes[0].coupling_stiffness = 300.0;
     quasiStatic(scene, 20.0, 2e-3, 1e-3);
     Simulation simulation(scene);
@@ -280,7 +278,7 @@ TEST(TurnedCapsule, YieldsToATorqueByTheStiffnessOfItsCoupling) {
     }
     const ProbeReport probe = simulation.probe();
     const Eigen::AngleAxisd angle(lying * probe.orientation.conjugate());
-    const double stiffness = 300.0 * (0.03 * 0.03 + length * length / 12.0);
+    const double stiffness = 300.0 * squaredRadius(length);
     const Vec3 spring = stiffness * angle.angle() * angle.axis();
     std::printf("length %g m: torque %.3g N m turns it by %.3g rad\n", length, probe.torque.norm(),
                 angle.angle());
@@ -319,8 +317,8 @@ TEST_P(SweptCapsule, IsStoppedByHangingCloth) {
     watch.note(simulation);
   }
   const ProbeOptions& probe = scene.probes[0];
-  const double square = 0.03 * 0.03 + kLength * kLength / 12.0;
-  const double most = square * (0.5 * probe.coupling_stiffness + kRate * probe.coupling_damping);
+  const double most =
+      squaredRadius(kLength) * (0.5 * probe.coupling_stiffness + kRate * probe.coupling_damping);
   std::printf("%d iterations: torque %.3g of %.3g N m, strain %.3g, gained %.2g J\n", GetParam(), torque,
               most, strain, watch.gained());
   EXPECT_LT(torque, (1.0 + tolerance(0.1)) * most);
