@@ -20,6 +20,7 @@ namespace {
 
 constexpr char kName[] = "haptic_cloth recording ", kVersion[] = "4";
 constexpr char kScene[] = "scene ", kEquals[] = " = ";
+constexpr char kCutOff[] = "has no end: it is cut off";
 
 std::string join(const char* word, int number, std::initializer_list<const double*> vectors,
                  std::initializer_list<int> sizes) {
@@ -120,30 +121,37 @@ std::string end(const Simulation& end) { return "end " + hexadecimalText(end.sta
 
 Replay::Replay(std::istream& recording, const std::string& origin, const Simulation& start)
     : recording_(recording), origin_(origin) {
-  std::string title, scene;
+  std::string title;
   std::getline(recording, title);
+  line_ = 1;
   if (title.rfind(kName, 0) != 0)
     throw InputError(origin, "", "", "must be a recording: it does not begin as one");
+  if (recording.eof()) fail(kCutOff);
   const std::string version = title.substr(sizeof(kName) - 1);
   if (version != kVersion)
     throw InputError(origin, "version", version,
                      std::string("must be ") + kVersion + ", that of this program");
-  line_ = 1;
   std::string line;
-  const auto next_line = [&] {
-    line.clear();
-    std::getline(recording, line);
-    ++line_;
+  const auto next = [&] {
+    if (!readLine(line)) throw InputError(origin, "", "", kCutOff);
   };
-  next_line();
+  next();
   for (const std::string& here : sceneLines(start)) {
     if (line != here) refuseScene(line, here);
-    next_line();
+    next();
   }
   if (line.rfind(kScene, 0) == 0) refuseScene(line, "");
   const std::string word = "instructions ";
   if (line.rfind(word, 0) != 0) fail("must name the instructions");
   instructions_ = line.substr(word.size());
+}
+
+/// @return false at the end of the recording
+bool Replay::readLine(std::string& line) {
+  if (!std::getline(recording_, line)) return false;
+  ++line_;
+  if (recording_.eof()) fail(kCutOff);
+  return true;
 }
 
 /// Names the first line about the scene that differs. @param here that of the scene at hand
@@ -160,12 +168,10 @@ void Replay::refuseScene(const std::string& line, const std::string& here) const
 }
 
 bool Replay::next(Simulation& simulation, int& length) {
-  for (std::string line; std::getline(recording_, line);) {
-    ++line_;
+  for (std::string line; readLine(line);) {
     if (line.rfind("end ", 0) == 0) {
       end_ = line.substr(4);
-      for (; std::getline(recording_, line);) {
-        ++line_;
+      while (readLine(line)) {
         if (!line.empty()) fail("follows the end of the recording");
       }
       return false;
@@ -201,17 +207,20 @@ bool Replay::apply(Simulation& simulation, const std::string& line, int& length)
       if (!whole || !std::isfinite(first[c])) fail("has '" + number + "' for a number");
     }
   };
-  const auto index = [&](std::size_t count) {
-    int number = -1;
-    if (!(text >> number) || number < 0 || number >= static_cast<int>(count))
-      fail("has no such number in the scene");
-    return number;
+  const auto index = [&](const std::string& kind, std::size_t count) {
+    double number = 0.0;
+    numbers(&number, 1);
+    const std::string whole = shortestText(number);
+    if (number != std::floor(number)) fail("has '" + whole + "' for the number of " + kind);
+    if (number < 0.0 || number >= static_cast<double>(count))
+      fail("is about " + kind + " " + whole + ", counted from 0; the scene has " + std::to_string(count));
+    return static_cast<int>(number);
   };
   const Scene& scene = simulation.scene();
   if (word == "step") {
     if (!(text >> length) || length < 1 || length > INT_MAX / 2) fail("must have a length of at least 1");
   } else if (word == "device") {
-    const int probe = index(scene.probes.size());
+    const int probe = index("probe", scene.probes.size());
     DeviceState device;
     numbers(device.position.data(), 3);
     numbers(device.velocity.data(), 3);
@@ -219,20 +228,20 @@ bool Replay::apply(Simulation& simulation, const std::string& line, int& length)
     numbers(&device.elapsed, 1);
     simulation.setDevice(probe, device);
   } else if (word == "remove") {
-    simulation.removeDevice(index(scene.probes.size()));
+    simulation.removeDevice(index("probe", scene.probes.size()));
   } else if (word == "grasp") {
-    const int probe = index(scene.probes.size());
+    const int probe = index("probe", scene.probes.size());
     text >> word;
-    if (word != "closed" && word != "open") fail("must be closed or open");
+    if (word != "closed" && word != "open") fail("has '" + word + "' for closed or open");
     simulation.setGrasp(probe, word == "closed");
   } else if (word == "obstacle") {
-    const int obstacle = index(scene.obstacles.size());
+    const int obstacle = index("obstacle", scene.obstacles.size());
     Pose target;
     numbers(target.position.data(), 3);
     numbers(target.orientation.coeffs().data(), 4);
     simulation.moveObstacle(obstacle, target);
   } else if (word == "coupling") {
-    const int probe = index(scene.probes.size());
+    const int probe = index("probe", scene.probes.size());
     double stiffness = 0.0, damping = 0.0;
     numbers(&stiffness, 1);
     numbers(&damping, 1);
@@ -268,7 +277,7 @@ bool Replay::apply(Simulation& simulation, const std::string& line, int& length)
 }
 
 std::string Replay::difference(const Simulation& simulation) const {
-  if (end_.empty()) return origin_ + ": has no end: it is cut off";
+  if (end_.empty()) return origin_ + ": " + kCutOff;
   const std::string hash = hexadecimalText(simulation.stateHash());
   if (hash == end_) return "";
   return origin_ + ": ends with the state " + end_ + " (" + instructions_ + "), its replay with " + hash +

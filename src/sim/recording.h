@@ -45,6 +45,7 @@ class Replay {
   std::string difference(const Simulation& simulation) const;
 
  private:
+  bool readLine(std::string& line);
   [[noreturn]] void fail(const std::string& rule) const;
   [[noreturn]] void refuseScene(const std::string& line, const std::string& here) const;
   template <class Call>

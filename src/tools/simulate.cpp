@@ -144,7 +144,7 @@ int simulate(const Arguments& arguments) {
   std::optional<haptic_cloth::Replay> replay;
   if (!arguments.replay.empty()) {
     if (!std::filesystem::is_regular_file(arguments.replay)) {
-      throw haptic_cloth::InputError(arguments.replay, "", "", "must be a regular file");
+      throw haptic_cloth::InputError(arguments.replay, "", "", "must be a regular file that exists");
     }
     const double budget = simulation.scene().solver.minimizer.time_budget;
     if (budget > 0.0) {

@@ -85,7 +85,8 @@ TEST(Recording, SaysWhatDoesNotFit) {
   expect(with("step 3", "step 2"), "its replay with");
   expect(with("\nstep 3", "\nstep 0"), "must have a length");
   expect(with("\nstep 3", "\nstop"), "unknown word 'stop'");
-  expect(with("device 0 ", "device 1 "), "no such number");
+  expect(with("device 0 ", "device 1 "), "is about probe 1, counted from 0; the scene has 1");
+  expect(with("device 0 ", "device 0.5 "), "has '0.5' for the number of probe");
   expect(with("device 0 ", "device 0 x"), "for a number");
   expect(with("device 0 ", "device 0 nan "), "for a number");
   const std::string here = std::string("instructions ") + instructionSet();
@@ -115,6 +116,10 @@ TEST(Recording, SaysWhatDoesNotFit) {
   expect(with("scene cloth.size = ", "step 1"), "must be about the scene");
   expect(with("instructions ", "scene more = 1\ninstructions "),
          "more = 1: the scene here has no such entry");
+  // Cut within its title, its scene, its steps and its end.
+  for (const char* line : {"recording 4", "scene cloth.size", "\nscene", "\nstep", "\ndevice", "\nend "})
+    for (const int after : {1, 8})
+      expect(text.substr(0, text.rfind(line) + after + (*line == 'r' ? 10 : 0)), "cut off");
 }
 
 }  // namespace
