@@ -108,10 +108,9 @@ class ProbeSession {
 
   // Solver's thread.
   bool closed_ = false;
-  int cloth_ = 0;                      ///< see ProbeSnapshot
-  DeviceSample newest_device_;         ///< received before the current step
-  DeviceSample step_device_;           ///< of the current step
-  Vec3 step_velocity_ = Vec3::Zero();  ///< of the device in that step, in simulated time [m/s]
+  int cloth_ = 0;               ///< see ProbeSnapshot
+  DeviceSample newest_device_;  ///< received before the current step
+  DeviceSample step_device_;    ///< of the current step, with velocities in simulated time
   std::unique_ptr<ProbeTracker> tracker_;
   std::unique_ptr<StepInterval> step_interval_;
 };
@@ -163,7 +162,7 @@ class HapticSession : public ProbeSession {
 
  private:
   HapticLoop loop_;
-  std::unique_ptr<VelocityFilter> filter_;
+  std::unique_ptr<VelocityFilter> filter_, turn_filter_;
   DeviceSample device_;
 };
 
@@ -211,7 +210,6 @@ class AdmittanceSession : public ProbeSession {
  private:
   std::unique_ptr<AdmittanceLoop> loop_;
   ForceSample hand_;
-  Quat orientation_;
 };
 
 }  // namespace haptic_cloth

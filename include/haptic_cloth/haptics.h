@@ -23,10 +23,18 @@ struct ProbeSnapshot {
   double device_received = -1.0;  ///< when the device was where it was solved for
   Vec3 device = Vec3::Zero();     ///< [m]
   Vec3 proxy = Vec3::Zero();      ///< [m]
-  Vec3 drift = Vec3::Zero();      ///< of the proxy where the device stands, in wall-clock time [m/s]
-  Mat3 follow = Mat3::Zero();     ///< dProxy/dDevice, symmetric, 0: a wall, 1: nothing resists [-]
-  Vec3 force = Vec3::Zero();      ///< on the probe at that solve [N]
-  Vec3 torque = Vec3::Zero();     ///< on the probe about its proxy at that solve [N·m]
+  Quat device_orientation = Quat::Identity();
+  Quat proxy_orientation = Quat::Identity();
+  /// Radius at which the coupling resists turns [m]; 0: the probe has the orientation of its device.
+  double turn_radius = 0.0;
+  /// Motion of the proxy where the device stands, in wall-clock time: velocity, and angular velocity times
+  /// turn_radius [m/s].
+  Vec6 drift = Vec6::Zero();
+  /// dProxy/dDevice, of positions and of turns times turn_radius. Symmetric; 0: a wall, 1: nothing
+  /// resists [-].
+  Mat6 follow = Mat6::Zero();
+  Vec3 force = Vec3::Zero();   ///< on the probe at that solve [N]
+  Vec3 torque = Vec3::Zero();  ///< on the probe about its proxy at that solve [N·m]
   bool contact = false;
   bool holds = false;  ///< the probe holds cloth
   int cloth = 0;       ///< number of restarts of the probe: jumps, resets, loaded states
@@ -34,10 +42,11 @@ struct ProbeSnapshot {
 
 /// A device pose as received.
 struct DeviceSample {
-  double received = -1.0;               ///< steady clock [s]; < 0: none yet
-  Vec3 position = Vec3::Zero();         ///< in the cloth's frame [m]
-  Vec3 velocity = Vec3::Zero();         ///< filtered [m/s]
-  Quat orientation = Quat::Identity();  ///< in the cloth's frame; see DeviceState
+  double received = -1.0;                ///< steady clock [s]; < 0: none yet
+  Vec3 position = Vec3::Zero();          ///< in the cloth's frame [m]
+  Vec3 velocity = Vec3::Zero();          ///< filtered [m/s]
+  Quat orientation = Quat::Identity();   ///< in the cloth's frame; see DeviceState
+  Vec3 angular_velocity = Vec3::Zero();  ///< filtered [rad/s]
 };
 
 /// Newest-value mailbox for one writer and one reader, wait-free on both sides (three slots).
@@ -115,7 +124,7 @@ class HapticLoop {
   /// Computes the force on the probe [N] in the cloth's frame for the newest pose at `now` (steady
   /// clock [s]). It is always finite, at most max_force, and changes by at most max_force_rate. It
   /// ramps to exactly zero during a pause, and if an input is stale or not finite or the device has
-  /// jumped away from the cloth that it felt. Without contact in the snapshot it is zero. torque()
+  /// jumped, or turned a probe, away from what it felt. Without contact in the snapshot it is zero. torque()
   /// then returns the torque, limited and ramped in the same way.
   Vec3 tick(const DeviceSample& device, const ProbeSnapshot& snapshot, bool paused, double now);
 
@@ -138,13 +147,16 @@ class HapticLoop {
   Wrench handedOver(const DeviceSample& device, const ProbeSnapshot& snapshot, const Wrench& wrench,
                     double now);
   double torqueRate(double force_rate);
+  Vec6 placeOf(const DeviceSample& device);
 
   HapticOptions options_;
   PassivityController passivity_;
-  ProbeSnapshot snapshot_;       ///< of the last tick
-  Wrench handover_;              ///< wrench of the last snapshot minus that of the newest
-  double handover_start_ = 0.0;  ///< steady clock [s]
-  double handover_time_ = 0.0;   ///< time in which it fades [s]
+  Quat orientation_ = Quat::Identity();  ///< of the device at the last tick
+  Vec3 turned_ = Vec3::Zero();           ///< all turns of the device so far [rad]
+  ProbeSnapshot snapshot_;               ///< of the last tick
+  Wrench handover_;                      ///< wrench of the last snapshot minus that of the newest
+  double handover_start_ = 0.0;          ///< steady clock [s]
+  double handover_time_ = 0.0;           ///< time in which it fades [s]
   HapticStatus status_ = HapticStatus::NoPose;
   Wrench wrench_;             ///< of the last tick
   double torque_span_ = 0.0;  ///< max_torque, or more until a lowered one is reached [N·m]

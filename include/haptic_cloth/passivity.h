@@ -15,7 +15,7 @@ struct PassivityOptions {
   double damping = 2.0;  ///< largest damping that the controller adds [N·s/m]
   double debt = 5e-4;    ///< energy debt that halves the coupling's force [J]; 0: never weaken it
   double store = 0.05;   ///< largest energy put into the cloth earlier that may come out again [J]
-  /// Damping of mechanism and hand that can be relied on [N·s/m].
+  /// Damping of mechanism and hand that can be relied on; of turns none can [N·s/m].
   double device_damping = 0.5;
   /// Time from sending a force to the pose that responds to it, beyond the tick itself, at most
   /// kMostLoopDelay [s].
@@ -29,10 +29,11 @@ struct HeldEnergy {
 };
 
 /// Time-domain passivity observer and controller for the device port of one probe [Hannaford & Ryu
-/// 2002], impedance causality. E = -Σ f·Δx over the path of the device is the energy that the hand
-/// has put in. If E falls below zero, the loop has created energy, and -α v is added to f until the
-/// debt is paid. A virtual wall, a held force or a slow solver may create energy, and a buzz lives
-/// on it.
+/// 2002], impedance causality. x is the place of the device: its position, and its turns so far times a
+/// radius; f is its force, and its torque over that radius. E = -Σ f·Δx over the path of the device is
+/// the energy that the hand has put in. If E falls below zero, the loop has created energy, and -α v is added
+/// to f until the debt is paid. A virtual wall, a held force or a slow solver may create energy, and a buzz
+/// lives on it.
 ///
 /// E is kept at or below the energy that coupling and cloth hold and can give back, or could 5 ms ago.
 /// Otherwise friction would fill the store during a long contact and feed a later buzz.
@@ -41,18 +42,18 @@ class PassivityController {
   /// @param period time between ticks [s], at least 1/kMostTickRate
   PassivityController(const PassivityOptions& options, double period);
 
-  /// Records a device position [m] and the energy held there. Called once a tick, before damping().
-  void observe(const Vec3& position, const HeldEnergy& held);
+  /// Records the place of the device [m] and the energy held there. Called once a tick, before damping().
+  void observe(const Vec6& place, const HeldEnergy& held);
 
   /// Force that pays the debt [N]; zero if there is none.
-  Vec3 damping() const;
+  Vec6 damping() const;
 
   /// Factor for the coupling's force: 1 without debt, ½ at a debt of PassivityOptions::debt. It
   /// falls at once and rises slowly; otherwise it would swing with the buzz and feed it.
   double gain() const { return gain_; }
 
   /// Records the force sent to the device in this tick [N].
-  void sent(const Vec3& force);
+  void sent(const Vec6& force);
 
   /// Lets a debt fade. Called once a tick without contact. A bounce is too short for the debt to
   /// fade much.
@@ -70,7 +71,7 @@ class PassivityController {
   double energy() const { return energy_; }
 
   /// Velocity of the device over the last kWindow ticks [m/s].
-  const Vec3& velocity() const { return velocity_; }
+  const Vec6& velocity() const { return velocity_; }
 
  private:
   /// Number of forces remembered: enough for the longest delay at the highest rate [ticks].
@@ -81,7 +82,7 @@ class PassivityController {
   template <int N>
   class Last {
    public:
-    void add(const Vec3& vector) {
+    void add(const Vec6& vector) {
       newest_ = (newest_ + 1) % N;
       vectors_[newest_] = vector;
       if (size_ < N) ++size_;
@@ -89,23 +90,23 @@ class PassivityController {
     void clear() { size_ = 0; }
     int size() const { return size_; }
     /// @param age 0: the newest. @pre 0 <= age < size()
-    Vec3& operator[](int age) { return vectors_[(newest_ - age + N) % N]; }
-    const Vec3& operator[](int age) const { return vectors_[(newest_ - age + N) % N]; }
+    Vec6& operator[](int age) { return vectors_[(newest_ - age + N) % N]; }
+    const Vec6& operator[](int age) const { return vectors_[(newest_ - age + N) % N]; }
 
    private:
-    std::array<Vec3, N> vectors_;
+    std::array<Vec6, N> vectors_;
     int newest_ = 0, size_ = 0;
   };
 
-  Vec3 forceFelt() const;
+  Vec6 forceFelt() const;
 
   PassivityOptions options_;
   double period_;
-  Last<kForces> forces_;         ///< since the last reset
-  Last<kWindow + 1> positions_;  ///< since the last reset or change of the period
+  Last<kForces> forces_;      ///< since the last reset
+  Last<kWindow + 1> places_;  ///< since the last reset or change of the period
   double energy_ = 0.0, gain_ = 1.0;
   double cloth_ = 0.0;  ///< share of the cloth in the bound of E [J]
-  Vec3 velocity_ = Vec3::Zero();
+  Vec6 velocity_ = Vec6::Zero();
 };
 
 }  // namespace haptic_cloth

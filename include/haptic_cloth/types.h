@@ -9,6 +9,9 @@ using Vec3 = Eigen::Vector3d;     ///< a vector in space
 using Mat3 = Eigen::Matrix3d;     ///< a linear map of such vectors
 using Quat = Eigen::Quaterniond;  ///< a rotation, of norm 1
 
+using Vec6 = Eigen::Matrix<double, 6, 1>;  ///< a vector for motion, then one for turns
+using Mat6 = Eigen::Matrix<double, 6, 6>;  ///< a linear map of such pairs
+
 /// Position [m] and orientation (unit quaternion) of a body in the world frame.
 struct Pose {
   Vec3 position = Vec3::Zero();

@@ -83,7 +83,7 @@ void AdmittanceLoop::moveTool(const ForceSample& hand, const ProbeSnapshot& snap
   const Vec3 felt = norm > deadband ? Vec3((1.0 - deadband / norm) * hand.force) : Vec3(Vec3::Zero());
   Mat3 stiffness = Mat3::Zero(), damping = Mat3::Zero();
   if (status_ == HapticStatus::Contact) {
-    const Mat3 held = Mat3::Identity() - snapshot.follow;
+    const Mat3 held = Mat3::Identity() - snapshot.follow.topLeftCorner<3, 3>();
     stiffness = options_.coupling_stiffness * held;
     damping = options_.coupling_damping * held + options_.passivity.damping * Mat3::Identity();
   }

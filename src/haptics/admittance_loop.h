@@ -21,6 +21,9 @@ class AdmittanceLoop {
     if (!started_) tool_.place(position);
   }
 
+  /// Turns the tool as the device is turned: a force does not.
+  void turn(const Quat& orientation) { device_.orientation = orientation; }
+
   /// Makes one tick at `now` (steady clock [s]). The tool starts with the first force. It brakes and
   /// then stands still while the force or the snapshot is missing, stale or not finite, and during a
   /// pause. After that the force of the hand comes in softly.

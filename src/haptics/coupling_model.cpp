@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "haptics/limits.h"
+#include "sim/turn_spring.h"
 
 namespace haptic_cloth {
 namespace {
@@ -26,47 +27,70 @@ constexpr double kTellingForce = 0.05;
 /// shows [-].
 constexpr double kFreeChange = 0.05;
 
-struct ProxyNow {
-  Vec3 position, velocity;
+/// Spring and damper of the coupling. In all vectors, turns count times the radius at which it resists them.
+struct Coupling {
+  Vec6 stretch;   ///< force of the spring over its stiffness [m]
+  double energy;  ///< of the spring, over its stiffness [m²]
+  Vec6 slip;      ///< velocity of the proxy less that of the device [m/s]
 };
 
-ProxyNow proxyFor(const DeviceSample& device, const ProbeSnapshot& snapshot) {
+/// Spring between a device and a proxy.
+Coupling springBetween(const Pose& device, const Pose& proxy, double turn_radius) {
+  Coupling spring{Vec6::Zero(), 0.0, Vec6::Zero()};
+  spring.stretch.head<3>() = proxy.position - device.position;
+  spring.energy = 0.5 * spring.stretch.squaredNorm();
+  if (turn_radius > 0.0) {
+    const TurnSpring turn(proxy.orientation, device.orientation);
+    spring.stretch.tail<3>() = -turn_radius * turn.torque();
+    spring.energy += turn_radius * turn_radius * turn.energy();
+  }
+  return spring;
+}
+
+Coupling couplingAt(const DeviceSample& device, const ProbeSnapshot& snapshot) {
   const double age = std::max(0.0, device.received - snapshot.device_received);
-  const double fade = std::exp(-age / kDriftMemory);
-  const Vec3 moved = device.position - snapshot.device;
+  const double fade = std::exp(-age / kDriftMemory), radius = snapshot.turn_radius;
+  Vec6 moved, velocity;
+  moved << device.position - snapshot.device,
+      radius * turnBetween(snapshot.device_orientation, device.orientation);
+  velocity << device.velocity, radius * device.angular_velocity;
+  const Vec6 followed = snapshot.follow * moved + kDriftMemory * (1.0 - fade) * snapshot.drift;
+  Pose proxy{snapshot.proxy + followed.head<3>(), snapshot.proxy_orientation};
+  if (radius > 0.0) proxy.orientation = rotationBy(followed.tail<3>() / radius) * proxy.orientation;
+  Coupling coupling = springBetween({device.position, device.orientation}, proxy, radius);
   // The damper's speeds are both the filtered ones: what the proxy shares with the device then cancels, noise
   // and lag of the filter included.
-  return {snapshot.proxy + snapshot.follow * moved + kDriftMemory * (1.0 - fade) * snapshot.drift,
-          snapshot.follow * device.velocity + fade * snapshot.drift};
+  coupling.slip = snapshot.follow * velocity + fade * snapshot.drift - velocity;
+  return coupling;
 }
 
 }  // namespace
 
-Vec3 couplingForce(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot) {
-  const ProxyNow proxy = proxyFor(device, snapshot);
-  const Vec3 force = options.coupling_stiffness * (proxy.position - device.position) +
-                     options.coupling_damping * (proxy.velocity - device.velocity);
-  if (!snapshot.holds) return force;
-  const Vec3 solved = options.coupling_stiffness * (snapshot.proxy - snapshot.device);
-  return solved + limited(force - solved, std::max(solved.norm(), kFreeChange * options.max_force));
-}
-
 Wrench couplingWrench(const HapticOptions& options, const DeviceSample& device,
                       const ProbeSnapshot& snapshot) {
-  const Vec3 force = couplingForce(options, device, snapshot);
+  const Coupling coupling = couplingAt(device, snapshot);
+  const double radius = snapshot.turn_radius, stiffness = options.coupling_stiffness;
+  const Vec6 all = stiffness * coupling.stretch + options.coupling_damping * coupling.slip;
+  Wrench wrench{all.head<3>(), radius * all.tail<3>()};
+  if (snapshot.holds) {
+    const Vec3 solved = stiffness * (snapshot.proxy - snapshot.device);
+    wrench.force =
+        solved + limited(wrench.force - solved, std::max(solved.norm(), kFreeChange * options.max_force));
+  }
+  if (radius > 0.0) return wrench;
   const double small = kTellingForce * options.max_force;
   const Vec3 arm = snapshot.force.cross(snapshot.torque) / (snapshot.force.squaredNorm() + small * small);
-  const Vec3 change = arm.cross(force - snapshot.force);
-  return {force, snapshot.torque + limited(change, snapshot.torque.norm())};
+  const Vec3 change = arm.cross(wrench.force - snapshot.force);
+  return {wrench.force, snapshot.torque + limited(change, snapshot.torque.norm())};
 }
 
 HeldEnergy heldEnergy(const HapticOptions& options, const DeviceSample& device,
                       const ProbeSnapshot& snapshot) {
-  const Vec3 stretch = proxyFor(device, snapshot).position - device.position;
-  const Mat3 hold = (1.0 + kLeastHold) * Mat3::Identity() - snapshot.follow;
-  const double coupling = 0.5 * options.coupling_stiffness * stretch.squaredNorm();
-  const double all = 0.5 * kHeldShare * options.coupling_stiffness * stretch.dot(hold.inverse() * stretch);
-  return {coupling, all - coupling};
+  const Coupling coupling = couplingAt(device, snapshot);
+  const Mat6 hold = (1.0 + kLeastHold) * Mat6::Identity() - snapshot.follow;
+  const double relaxed = 0.5 * coupling.stretch.dot(hold.ldlt().solve(coupling.stretch));
+  const double spring = options.coupling_stiffness * coupling.energy;
+  return {spring, kHeldShare * options.coupling_stiffness * relaxed - spring};
 }
 
 }  // namespace haptic_cloth

@@ -1,19 +1,17 @@
-/// Force of the virtual coupling for poses that are newer than the solver's.
+/// What the virtual coupling does to the hand at poses that are newer than the solver's.
 #pragma once
 
 #include "haptic_cloth/haptics.h"
 
 namespace haptic_cloth {
 
-/// Force of the coupling [N] for any pose, from one snapshot. The proxy follows the motion of the
+/// Force and torque of the coupling for any pose, from one snapshot. The proxy follows the motion of the
 /// device since the snapshot by `follow`, and its own drift fades. If the probe holds cloth, the force
 /// changes by no more than its size at the solve, or 5 % of max_force if that is more: cloth that hangs
 /// from the hand gives too little force to tell how it answers a longer move.
-Vec3 couplingForce(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot);
-
-/// couplingForce() with its torque about the probe's origin. The change of the force since the
-/// solve acts at the lever arm of the solve's force and torque. It changes the torque by no more than
-/// the torque's size at the solve.
+///
+/// A probe whose coupling does not turn it meets the change of the force since the solve at the lever arm
+/// of the solve's force and torque. That changes the torque by no more than its size at the solve.
 Wrench couplingWrench(const HapticOptions& options, const DeviceSample& device,
                       const ProbeSnapshot& snapshot);
 

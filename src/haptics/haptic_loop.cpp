@@ -5,6 +5,7 @@
 #include "haptic_cloth/haptics.h"
 #include "haptics/coupling_model.h"
 #include "haptics/limits.h"
+#include "sim/turn_spring.h"
 
 namespace haptic_cloth {
 namespace {
@@ -19,19 +20,26 @@ constexpr double kMinHandover = 0.0015, kMaxHandover = 0.02;
 constexpr double kMaxLateTicks = 5.0;
 
 bool isFinite(const DeviceSample& sample) {
-  return std::isfinite(sample.received) && sample.position.allFinite() && sample.velocity.allFinite();
+  return std::isfinite(sample.received) && sample.position.allFinite() && sample.velocity.allFinite() &&
+         sample.orientation.coeffs().allFinite() && sample.angular_velocity.allFinite();
 }
 
 bool isFinite(const ProbeSnapshot& snapshot) {
   return std::isfinite(snapshot.taken) && std::isfinite(snapshot.device_received) &&
-         snapshot.device.allFinite() && snapshot.proxy.allFinite() && snapshot.drift.allFinite() &&
-         snapshot.follow.allFinite() && snapshot.force.allFinite() && snapshot.torque.allFinite();
+         snapshot.device.allFinite() && snapshot.proxy.allFinite() &&
+         snapshot.device_orientation.coeffs().allFinite() &&
+         snapshot.proxy_orientation.coeffs().allFinite() && std::isfinite(snapshot.turn_radius) &&
+         snapshot.drift.allFinite() && snapshot.follow.allFinite() && snapshot.force.allFinite() &&
+         snapshot.torque.allFinite();
 }
 
-/// Tells whether the device is farther from the snapshot's position than a hand can move: the
+/// Tells whether the device is farther from the snapshot's pose than a hand can move or turn it: the
 /// snapshot then describes the cloth at another place.
 bool hasJumped(const DeviceSample& device, const ProbeSnapshot& snapshot) {
-  return isJump((device.position - snapshot.device).norm(), device.received - snapshot.device_received);
+  const double elapsed = device.received - snapshot.device_received;
+  return isJump((device.position - snapshot.device).norm(), elapsed) ||
+         (snapshot.turn_radius > 0.0 &&
+          isTurnJump(device.orientation.angularDistance(snapshot.device_orientation), elapsed));
 }
 
 HapticStatus judge(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot,
@@ -108,7 +116,7 @@ Vec3 HapticLoop::tick(const DeviceSample& device, const ProbeSnapshot& snapshot,
   if (status_ == HapticStatus::Contact) {
     target = contactWrench(device, snapshot, now);
   } else if (status_ == HapticStatus::Free) {
-    passivity_.observe(device.position, {});
+    passivity_.observe(placeOf(device), {});
     passivity_.forgive();
   } else {
     passivity_.reset();
@@ -116,7 +124,9 @@ Vec3 HapticLoop::tick(const DeviceSample& device, const ProbeSnapshot& snapshot,
   }
   wrench_.force = approach(wrench_.force, target.force, rate * elapsed);
   wrench_.torque = approach(wrench_.torque, target.torque, torqueRate(rate) * elapsed);
-  passivity_.sent(wrench_.force);
+  Vec6 sent;
+  sent << wrench_.force, wrench_.torque / kTurnArm;
+  passivity_.sent(sent);
   snapshot_ = snapshot;
   return wrench_.force;
 }
@@ -134,10 +144,21 @@ double HapticLoop::torqueRate(double force_rate) {
 Wrench HapticLoop::contactWrench(const DeviceSample& device, const ProbeSnapshot& snapshot, double now) {
   const double limit = soft_ * options_.max_force;
   const Wrench wrench = handedOver(device, snapshot, couplingWrench(options_, device, snapshot), now);
-  passivity_.observe(device.position, heldEnergy(options_, device, snapshot));
+  passivity_.observe(placeOf(device), heldEnergy(options_, device, snapshot));
   const double gain = passivity_.gain();
-  return {limited(gain * limited(wrench.force, limit) + passivity_.damping(), limit),
-          limited(gain * shareWithin(wrench.force, limit) * wrench.torque, soft_ * options_.max_torque)};
+  const Vec6 damping = passivity_.damping();
+  return {limited(gain * limited(wrench.force, limit) + damping.head<3>(), limit),
+          limited(gain * shareWithin(wrench.force, limit) * wrench.torque + kTurnArm * damping.tail<3>(),
+                  soft_ * options_.max_torque)};
+}
+
+/// Position of the device, and all of its turns so far times an arm [m].
+Vec6 HapticLoop::placeOf(const DeviceSample& device) {
+  turned_ += turnBetween(orientation_, device.orientation);
+  orientation_ = device.orientation;
+  Vec6 place;
+  place << device.position, kTurnArm * turned_;
+  return place;
 }
 
 /// Wrench of the newest snapshot. Its difference to that of the last one fades, so there is no step.

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "contact/proxy.h"
 #include "haptic_cloth/error.h"
 #include "haptics/admittance_loop.h"
 #include "haptics/velocity_filter.h"
@@ -27,7 +28,8 @@ void check(const HapticOptions& options, double unit) {
 HapticSession::HapticSession(const Scene& scene, int probe, const HapticOptions& options)
     : ProbeSession(scene, probe, options),
       loop_(this->options()),
-      filter_(std::make_unique<VelocityFilter>(options.velocity_time_constant, options.pose_timeout)) {}
+      filter_(std::make_unique<VelocityFilter>(options.velocity_time_constant, options.pose_timeout)),
+      turn_filter_(std::make_unique<VelocityFilter>(options.velocity_time_constant, options.pose_timeout)) {}
 
 HapticSession::~HapticSession() = default;
 
@@ -43,10 +45,14 @@ Wrench HapticSession::tick(double now, bool paused) {
 
 void HapticSession::setPose(const Pose& pose, double received) {
   if (!isPose(pose) || !std::isfinite(received) || !(received > device_.received)) return;
+  const double elapsed = received - device_.received;
+  const Quat orientation = pose.orientation.normalized();
+  const Vec3 moved = pose.position - device_.position, turned = turnBetween(device_.orientation, orientation);
   device_.received = received;
   device_.position = pose.position;
-  device_.velocity = filter_->update(pose.position, received);
-  device_.orientation = pose.orientation.normalized();
+  device_.velocity = filter_->update(moved, isJump(moved.norm(), elapsed), received);
+  device_.orientation = orientation;
+  device_.angular_velocity = turn_filter_->update(turned, isTurnJump(turned.norm(), elapsed), received);
   sendDevice(device_);
 }
 
@@ -58,13 +64,14 @@ void HapticSession::setOptions(const HapticOptions& options, double unit) {
 void HapticSession::setCheckedOptions(const HapticOptions& options, double unit) {
   takeOptions(options);
   loop_.setOptions(options, unit);
-  filter_->setTimes(options.velocity_time_constant, options.pose_timeout);
+  for (VelocityFilter* filter : {filter_.get(), turn_filter_.get()})
+    filter->setTimes(options.velocity_time_constant, options.pose_timeout);
 }
 
 AdmittanceSession::AdmittanceSession(const Scene& scene, int probe, const HapticOptions& options)
-    : ProbeSession(scene, probe, options),
-      loop_(std::make_unique<AdmittanceLoop>(this->options())),
-      orientation_(scene.probes[probe].orientation) {}
+    : ProbeSession(scene, probe, options), loop_(std::make_unique<AdmittanceLoop>(this->options())) {
+  loop_->turn(scene.probes[probe].orientation);
+}
 
 AdmittanceSession::~AdmittanceSession() = default;
 
@@ -75,10 +82,8 @@ Pose AdmittanceSession::tick(const Vec3& force, double now, bool paused) {
 
 Pose AdmittanceSession::tick(double now, bool paused) {
   loop_->tick(hand_, newestSnapshot(), paused, now);
-  DeviceSample tool = loop_->device();
-  tool.orientation = orientation_;
-  sendDevice(tool);
-  return {loop_->position(), orientation_};
+  sendDevice(loop_->device());
+  return {loop_->position(), loop_->device().orientation};
 }
 
 void AdmittanceSession::setForce(const Vec3& force, double received) {
@@ -89,7 +94,7 @@ void AdmittanceSession::setForce(const Vec3& force, double received) {
 void AdmittanceSession::setPose(const Pose& pose) {
   if (!isPose(pose)) return;
   loop_->place(pose.position);
-  orientation_ = pose.orientation.normalized();
+  loop_->turn(pose.orientation.normalized());
 }
 
 void AdmittanceSession::setOptions(const HapticOptions& options, double unit) {

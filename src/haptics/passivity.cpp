@@ -27,12 +27,12 @@ PassivityController::PassivityController(const PassivityOptions& options, double
 
 void PassivityController::reset() {
   forces_.clear();
-  positions_.clear();
+  places_.clear();
   // Energy held where the next contact begins may come out: after a fault the wall pushes the hand back out.
   energy_ = std::numeric_limits<double>::max();  // until observe() bounds it
   cloth_ = 0.0;
   gain_ = 1.0;
-  velocity_ = Vec3::Zero();
+  velocity_ = Vec6::Zero();
 }
 
 void PassivityController::setOptions(const PassivityOptions& options, double period, double unit) {
@@ -42,27 +42,27 @@ void PassivityController::setOptions(const PassivityOptions& options, double per
   for (int age = 0; age < forces_.size(); ++age) forces_[age] /= unit;
   if (period == period_) return;
   period_ = period;
-  positions_.clear();  // speed is measured over ticks of one length
+  places_.clear();  // speed is measured over ticks of one length
 }
 
 /// Force that pushed the device between the last two poses [N]: the force of the tick in which the first
 /// came, or of earlier ones where the way there and back takes time.
-Vec3 PassivityController::forceFelt() const {
+Vec6 PassivityController::forceFelt() const {
   const double back = std::min(options_.loop_delay / period_, kForces - 2.0);
   const int whole = static_cast<int>(back);
   const double share = back - whole;
   const auto sentBefore = [this](int ticks) {
-    return ticks < forces_.size() ? forces_[ticks] : Vec3(Vec3::Zero());
+    return ticks < forces_.size() ? forces_[ticks] : Vec6(Vec6::Zero());
   };
   return (1.0 - share) * sentBefore(whole) + share * sentBefore(whole + 1);
 }
 
-void PassivityController::observe(const Vec3& position, const HeldEnergy& held) {
-  if (positions_.size() > 0) energy_ -= forceFelt().dot(position - positions_[0]);
-  positions_.add(position);
-  const int window = positions_.size() - 1;
-  velocity_ = window > 0 ? Vec3((position - positions_[window]) / (window * period_)) : Vec3(Vec3::Zero());
-  energy_ += options_.device_damping * velocity_.squaredNorm() * period_;
+void PassivityController::observe(const Vec6& place, const HeldEnergy& held) {
+  if (places_.size() > 0) energy_ -= forceFelt().dot(place - places_[0]);
+  places_.add(place);
+  const int window = places_.size() - 1;
+  velocity_ = window > 0 ? Vec6((place - places_[window]) / (window * period_)) : Vec6(Vec6::Zero());
+  energy_ += options_.device_damping * velocity_.head<3>().squaredNorm() * period_;
   const double fallen = held.cloth > 0.0 ? cloth_ * std::exp(-period_ / kFall) : 0.0;
   cloth_ = std::min(options_.store, std::max(fallen, held.cloth));
   energy_ = std::clamp(energy_, -kMostDebt, held.coupling + cloth_);
@@ -73,9 +73,9 @@ void PassivityController::observe(const Vec3& position, const HeldEnergy& held) 
 
 /// α pays the debt within one tick, but is at most what the device bears: at rest, where the speed is a
 /// quantum of position now and then, the force stays that of a small damper.
-Vec3 PassivityController::damping() const {
+Vec6 PassivityController::damping() const {
   const double squared = velocity_.squaredNorm();
-  if (energy_ >= 0.0 || squared == 0.0) return Vec3::Zero();
+  if (energy_ >= 0.0 || squared == 0.0) return Vec6::Zero();
   const double wanted = -energy_ / (squared * period_);
   return -std::min(options_.damping, wanted) * velocity_;
 }
@@ -84,6 +84,6 @@ void PassivityController::forgive() {
   if (energy_ < 0.0) energy_ *= std::exp(-period_ / kForgetting);
 }
 
-void PassivityController::sent(const Vec3& force) { forces_.add(force); }
+void PassivityController::sent(const Vec6& force) { forces_.add(force); }
 
 }  // namespace haptic_cloth

@@ -3,6 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "contact/proxy.h"
+
 namespace haptic_cloth {
 namespace {
 
@@ -12,6 +14,13 @@ constexpr double kTrustedMove = 1e-5;
 /// Low pass of the drift [s]: a jump of one step, where cloth slips or the mesh changes, is no speed.
 constexpr double kDriftTime = 0.001;
 
+/// Motion, and turn times a radius [m].
+Vec6 motion(const Vec3& from, const Quat& turned_from, const Vec3& to, const Quat& turned_to, double radius) {
+  Vec6 motion;
+  motion << to - from, radius * turnBetween(turned_from, turned_to);
+  return motion;
+}
+
 }  // namespace
 
 ProbeSnapshot ProbeTracker::update(const ProbeReport& probe, const DeviceSample& device, double step_interval,
@@ -20,7 +29,10 @@ ProbeSnapshot ProbeTracker::update(const ProbeReport& probe, const DeviceSample&
   snapshot.taken = taken;
   snapshot.device_received = device.received;
   snapshot.device = probe.device;
+  snapshot.device_orientation = device.orientation;
   snapshot.proxy = probe.proxy;
+  snapshot.proxy_orientation = probe.orientation;
+  snapshot.turn_radius = probe.turn_radius;
   snapshot.force = probe.force;
   snapshot.torque = probe.torque;
   snapshot.contact = probe.present && probe.contact;
@@ -29,32 +41,43 @@ ProbeSnapshot ProbeTracker::update(const ProbeReport& probe, const DeviceSample&
     follow_.setIdentity();
     drift_.setZero();
   } else {
-    const Vec3 device_moved = probe.device - device_, proxy_moved = probe.proxy - proxy_;
-    if (touched_) learn(device_moved, proxy_moved);
+    // Of a coupling that did not turn the probe in the step before, or does not in this one, only positions
+    // are known.
+    if (last_.turn_radius != probe.turn_radius) forgetTurns();
+    const double radius = std::min(last_.turn_radius, probe.turn_radius);
+    const Vec6 device_moved =
+        motion(last_.device, last_.device_orientation, probe.device, device.orientation, radius);
+    const Vec6 proxy_moved =
+        motion(last_.proxy, last_.proxy_orientation, probe.proxy, probe.orientation, radius);
+    if (last_.contact) learn(device_moved, proxy_moved);
     // From moves of the same step, so that what the hand did cancels in what the proxy did beside it.
-    const Vec3 drift = (proxy_moved - follow_ * device_moved) / step_interval;
+    const Vec6 drift = (proxy_moved - follow_ * device_moved) / step_interval;
     drift_ -= std::expm1(-step_interval / kDriftTime) * (drift - drift_);
   }
   snapshot.follow = follow_;
   snapshot.drift = drift_;
   known_ = probe.present;
-  touched_ = snapshot.contact;
-  device_ = probe.device;
-  proxy_ = probe.proxy;
+  last_ = snapshot;
   return snapshot;
 }
 
-void ProbeTracker::learn(const Vec3& device_moved, const Vec3& proxy_moved) {
-  const Vec3 wrong = proxy_moved - follow_ * device_moved;
+void ProbeTracker::forgetTurns() {
+  const Mat3 kept = follow_.topLeftCorner<3, 3>();
+  follow_.setIdentity();
+  follow_.topLeftCorner<3, 3>() = kept;
+  drift_.tail<3>().setZero();
+}
+
+void ProbeTracker::learn(const Vec6& device_moved, const Vec6& proxy_moved) {
+  const Vec6 wrong = proxy_moved - follow_ * device_moved;
   const double length = device_moved.squaredNorm();
-  const Vec3 direction = device_moved / (length + kTrustedMove * kTrustedMove);
-  const Mat3 change = wrong * direction.transpose();
-  const Mat3 secant =
+  const Vec6 direction = device_moved / (length + kTrustedMove * kTrustedMove);
+  const Mat6 change = wrong * direction.transpose();
+  const Mat6 secant =
       follow_ + change + change.transpose() - wrong.dot(direction) * device_moved * direction.transpose();
   if (!secant.allFinite()) return;
-  Eigen::SelfAdjointEigenSolver<Mat3> solver;
-  solver.computeDirect(secant);
-  const Vec3 bounded = solver.eigenvalues().cwiseMax(0.0).cwiseMin(1.0);
+  const Eigen::SelfAdjointEigenSolver<Mat6> solver(secant);
+  const Vec6 bounded = solver.eigenvalues().cwiseMax(0.0).cwiseMin(1.0);
   follow_ = solver.eigenvectors() * bounded.asDiagonal() * solver.eigenvectors().transpose();
 }
 

@@ -21,17 +21,16 @@ class ProbeTracker {
   /// Forgets what was learned.
   void reset() { *this = ProbeTracker(); }
 
-  const Mat3& follow() const { return follow_; }
+  const Mat6& follow() const { return follow_; }
 
  private:
-  void learn(const Vec3& device_moved, const Vec3& proxy_moved);
+  void forgetTurns();
+  void learn(const Vec6& device_moved, const Vec6& proxy_moved);
 
-  Mat3 follow_ = Mat3::Identity();  ///< until more is known nothing resists
-  bool touched_ = false;            ///< in the last step
+  Mat6 follow_ = Mat6::Identity();  ///< until more is known nothing resists
+  Vec6 drift_ = Vec6::Zero();       ///< smoothed [m/s]
   bool known_ = false;              ///< there was a last step
-  Vec3 device_ = Vec3::Zero();      ///< of the last step [m]
-  Vec3 proxy_ = Vec3::Zero();       ///< of the last step [m]
-  Vec3 drift_ = Vec3::Zero();       ///< smoothed [m/s]
+  ProbeSnapshot last_;              ///< of it
 };
 
 }  // namespace haptic_cloth

@@ -1,4 +1,4 @@
-/// Velocity of a device from its poses.
+/// Velocity of a device from its poses, or its angular velocity.
 #pragma once
 
 #include "haptic_cloth/types.h"
@@ -19,15 +19,16 @@ class VelocityFilter {
     gap_ = gap;
   }
 
+  /// @param moved since the last pose [m], or turn since then [rad]
+  /// @param jumped the device has not moved there: the filter starts from rest
   /// @param time of receipt, steady clock [s]
-  /// @return velocity [m/s]
-  Vec3 update(const Vec3& position, double time);
+  /// @return velocity [m/s], or angular velocity [rad/s]
+  Vec3 update(const Vec3& moved, bool jumped, double time);
 
  private:
   double time_constant_;
   double gap_;
   double last_time_ = -1.0;
-  Vec3 last_position_ = Vec3::Zero();
   Vec3 velocity_ = Vec3::Zero();
 };
 

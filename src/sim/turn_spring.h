@@ -6,11 +6,13 @@
 
 namespace haptic_cloth {
 
-/// The coupling resists turns as if its spring and damper were spread over the probe, and over the arm at
-/// which the largest force of a small device has its largest torque: mean square distance from the axis [m²].
+/// Arm at which the largest force of a small device has its largest torque [m].
+constexpr double kTurnArm = 0.03;
+
+/// The coupling resists turns as if its spring and damper were spread over the probe, and over that arm: mean
+/// square distance from the axis [m²].
 inline double turnRadiusSquared(const ProbeOptions& probe) {
-  constexpr double kArm = 0.03;  // [m]
-  return kArm * kArm + probe.length * probe.length / 12.0;
+  return kTurnArm * kTurnArm + probe.length * probe.length / 12.0;
 }
 
 /// Spring of a coupling against turns, over its stiffness. Its torque grows with the angle between proxy and

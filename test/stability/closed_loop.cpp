@@ -71,11 +71,12 @@ LoopResult runLoop(const LoopRun& run, ProbeWorld& world) {
     const Vec3 seen = way_in.pass(position);
     if (k % steps_per_tick == 0) {
       if (time < run.device.dies_at) {
+        const DeviceSample before = sample;
         sample.received = time;
         for (int c = 0; c < 3; ++c)
           sample.position[c] =
               run.device.quantum * std::floor((seen[c] + noise(random)) / run.device.quantum);
-        sample.velocity = filter.update(sample.position, time);
+        sample.velocity = filter.update(sample.position - before.position, false, time);
       }
       solver.run(time, sample, snapshot);
       const Vec3 before = force;

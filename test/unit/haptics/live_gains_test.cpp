@@ -7,6 +7,7 @@
 
 #include "haptic_cloth/haptics.h"
 #include "haptics/gain_ramp.h"
+#include "support/straight.h"
 
 namespace haptic_cloth {
 namespace {
@@ -159,8 +160,8 @@ TEST(LivePassivity, SpeedIsRightAtTheNewRateAndTheEnergyOfTheHandStays) {
   double x = 0.0;
   const auto tick = [&](double period, double force) {
     x += speed * period;
-    passivity.observe(Vec3(x, 0.0, 0.0), {0.0, 0.05});
-    passivity.sent(Vec3(force, 0.0, 0.0));
+    passivity.observe(straight(x, 0.0, 0.0), {0.0, 0.05});
+    passivity.sent(straight(force, 0.0, 0.0));
   };
   for (int i = 0; i < 20; ++i) tick(1e-3, -1.0);
   EXPECT_NEAR(passivity.velocity().x(), speed, 1e-12);

@@ -6,8 +6,10 @@
 #include <random>
 #include <vector>
 
+#include "contact/proxy.h"
 #include "haptic_cloth/passivity.h"
 #include "haptics/probe_tracker.h"
+#include "support/straight.h"
 
 namespace haptic_cloth {
 namespace {
@@ -43,7 +45,39 @@ TEST(ProbeTracker, LearnsALinearAnswer) {
   }
   // A secant in a random direction leaves at most about 0.9 of the error; 200 secants leave
   // 0.9^200.
+  EXPECT_LT((tracker.follow().topLeftCorner<3, 3>() - truth).norm(), 1e-6);
+}
+
+TEST(ProbeTracker, LearnsHowTurnsAndMovesGoTogether) {
+  // Symmetric, with eigenvalues from 0.1 to 0.9 and axes between moves and turns.
+  constexpr double kRadius = 0.04;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> number(-1.0, 1.0);
+  const auto some = [&] { return Vec6(Vec6::NullaryExpr([&] { return number(random); })); };
+  Mat6 axes;
+  for (int c = 0; c < 6; ++c) axes.col(c) = some();
+  axes = Eigen::HouseholderQR<Mat6>(axes).householderQ();
+  const Mat6 truth = axes * Vec6::LinSpaced(0.1, 0.9).asDiagonal() * axes.transpose();
+  ProbeTracker tracker;
+  ProbeReport report = reportAt(Vec3::Zero(), Vec3::Zero());
+  report.turn_radius = kRadius;
+  DeviceSample device;
+  for (int k = 0; k < 600; ++k) {
+    const Vec6 moved = 1e-4 * some(), followed = truth * moved;
+    report.device += moved.head<3>();
+    report.proxy += followed.head<3>();
+    device.orientation = rotationBy(moved.tail<3>() / kRadius) * device.orientation;
+    report.orientation = rotationBy(followed.tail<3>() / kRadius) * report.orientation;
+    tracker.update(report, device, kTick, 0.0);
+  }
+  // 0.95^600 of the error is left, by the same reasoning as above.
   EXPECT_LT((tracker.follow() - truth).norm(), 1e-6);
+  // A grip that opens knows no more of turns, but all of moves.
+  report.turn_radius = 0.0;
+  const Mat6 follow = tracker.update(report, device, kTick, 0.0).follow;
+  Mat6 expected = Mat6::Identity();
+  expected.topLeftCorner<3, 3>() = truth.topLeftCorner<3, 3>();
+  EXPECT_LT((follow - expected).norm(), 1e-6);
 }
 
 TEST(ProbeTracker, StaysAPassiveAnswer) {
@@ -52,10 +86,10 @@ TEST(ProbeTracker, StaysAPassiveAnswer) {
     ProbeTracker tracker;
     for (const Vec3& device : poses(100)) {
       tracker.update(reportAt(device, factor * device), DeviceSample(), kTick, 0.0);
-      const Mat3& follow = tracker.follow();
+      const Mat6& follow = tracker.follow();
       ASSERT_TRUE(follow.allFinite());
       ASSERT_LT((follow - follow.transpose()).norm(), 1e-12);
-      const Vec3 eigenvalues = Eigen::SelfAdjointEigenSolver<Mat3>(follow).eigenvalues();
+      const Vec6 eigenvalues = Eigen::SelfAdjointEigenSolver<Mat6>(follow).eigenvalues();
       ASSERT_GE(eigenvalues.minCoeff(), -1e-9);
       ASSERT_LE(eigenvalues.maxCoeff(), 1.0 + 1e-9);
     }
@@ -66,12 +100,12 @@ TEST(ProbeTracker, ForgetsWithoutContact) {
   ProbeTracker tracker;
   for (const Vec3& device : poses(200))
     tracker.update(reportAt(device, Vec3::Zero()), DeviceSample(), kTick, 0.0);
-  EXPECT_LT(tracker.follow().norm(), 1e-6);
+  EXPECT_LT((tracker.follow().topLeftCorner<3, 3>().norm()), 1e-6);
   ProbeReport free = reportAt(Vec3::Zero(), Vec3::Zero());
   free.contact = false;
   const ProbeSnapshot snapshot = tracker.update(free, DeviceSample(), kTick, 0.05);
-  EXPECT_EQ(snapshot.follow, Mat3(Mat3::Identity()));
-  EXPECT_EQ(snapshot.drift, Vec3(Vec3::Zero()));
+  EXPECT_EQ(snapshot.follow, Mat6(Mat6::Identity()));
+  EXPECT_EQ(snapshot.drift, Vec6(Vec6::Zero()));
 }
 
 PassivityOptions bare() {
@@ -85,9 +119,9 @@ PassivityOptions bare() {
 /// end [J]
 double swing(PassivityController& controller, double stiffness, int cycles, double held) {
   for (int k = 0; k < cycles * 200; ++k) {
-    const Vec3 position(2e-3 * std::sin(2 * EIGEN_PI * 5.0 * k * kTick), 0, 0);
-    controller.observe(position, {0.0, k == 0 ? 0.0 : held});
-    controller.sent(-stiffness * position);
+    const double x = 2e-3 * std::sin(2 * EIGEN_PI * 5.0 * k * kTick);
+    controller.observe(straight(x, 0, 0), {0.0, k == 0 ? 0.0 : held});
+    controller.sent(straight(-stiffness * x, 0, 0));
   }
   return controller.energy();
 }
@@ -125,8 +159,8 @@ Ticked tickedFor(double rate, double delay, int ticks) {
   const int late = 1 + static_cast<int>(std::lround(delay * rate));
   double expected = held;
   for (int k = 0; k < ticks; ++k) {
-    controller.observe(Vec3(k * way, 0, 0), {held, 0.0});
-    controller.sent(Vec3(force(k), 0, 0));
+    controller.observe(straight(k * way, 0, 0), {held, 0.0});
+    controller.sent(straight(force(k), 0, 0));
     if (k >= late) expected -= force(k - late) * way;
   }
   return {controller.energy(), expected};
@@ -142,6 +176,28 @@ TEST(PassivityController, KnowsTheForceOfTheLongestDelayAtEveryRate) {
 }
 
 /// The memory of forces is overwritten hundreds of times, that of positions 100,000 times.
+TEST(PassivityController, CountsAndDampsTurnsAsMoves) {
+  // The same buzz along x and about y, where no damping of the hand is sure.
+  const auto buzz = [](const PassivityOptions& options, int axis) {
+    PassivityController controller(options, kTick);
+    for (int k = 0; k < 100; ++k) {
+      const double x = 2e-3 * std::sin(0.3 * k);
+      controller.observe(x * Vec6::Unit(axis), {0.0, k == 0 ? 0.0 : 1.0});
+      controller.sent(-400.0 * x * Vec6::Unit(axis));
+    }
+    return controller;
+  };
+  const PassivityController moved = buzz(bare(), 0), turned = buzz(bare(), 4);
+  EXPECT_LT(moved.energy(), -1e-4);
+  EXPECT_NEAR(turned.energy(), moved.energy(), 1e-15);
+  EXPECT_GT(std::abs(moved.damping()[0]), 0.1);
+  EXPECT_NEAR(turned.damping()[4], moved.damping()[0], 1e-12);
+  PassivityOptions sure = bare();
+  sure.device_damping = 10.0;
+  EXPECT_GT(buzz(sure, 0).energy(), 0.0);
+  EXPECT_NEAR(buzz(sure, 4).energy(), moved.energy(), 1e-15);
+}
+
 TEST(PassivityController, CountsForHoursAsAtTheStart) {
   const Ticked energy = tickedFor(1000.0, 0.02, 500000);
   EXPECT_NEAR(energy.counted, energy.expected, 1e-8) << "sums of 500,000 terms of 1e-4 J";
@@ -160,20 +216,20 @@ TEST(PassivityController, LongFrictionFillsNoStore) {
   // out.
   PassivityController controller(bare(), kTick);
   for (int k = 0; k < 10000; ++k) {
-    controller.observe(Vec3(0.2 * k * kTick, 0, 0), {0.0, 0.003});
-    controller.sent(Vec3(-1.0, 0, 0));
+    controller.observe(straight(0.2 * k * kTick, 0, 0), {0.0, 0.003});
+    controller.sent(straight(-1.0, 0, 0));
   }
   EXPECT_EQ(controller.energy(), 0.003);
   PassivityOptions small = bare();
   small.store = 0.001;
   PassivityController bounded(small, kTick);
-  bounded.observe(Vec3::Zero(), {0.0, 0.0});
-  bounded.sent(Vec3(-1.0, 0, 0));
-  bounded.observe(Vec3(0.5, 0, 0), {0.0, 1.0});
+  bounded.observe(Vec6::Zero(), {0.0, 0.0});
+  bounded.sent(straight(-1.0, 0, 0));
+  bounded.observe(straight(0.5, 0, 0), {0.0, 1.0});
   EXPECT_EQ(bounded.energy(), 0.001);
   // The energy of the coupling's own spring adds to the store, because it is known exactly.
-  bounded.sent(Vec3(-1.0, 0, 0));
-  bounded.observe(Vec3(1.0, 0, 0), {0.002, 1.0});
+  bounded.sent(straight(-1.0, 0, 0));
+  bounded.observe(straight(1.0, 0, 0), {0.002, 1.0});
   EXPECT_EQ(bounded.energy(), 0.003);
 }
 
@@ -181,16 +237,16 @@ TEST(PassivityController, ATickInWhichTheClothSeemsStiffCostsNothing) {
   // The cloth holds 10 mJ. At a tick it seems to hold a quarter, and then it gives 8 mJ back. What may come
   // out falls to 1/e in 5 ms, but not below what it seems to hold.
   PassivityController controller(bare(), kTick);
-  controller.observe(Vec3::Zero(), {0.0, 0.01});
-  controller.observe(Vec3::Zero(), {0.0, 0.0025});
-  controller.sent(Vec3(1.0, 0, 0));
-  controller.observe(Vec3(0.008, 0, 0), {0.0, 0.01});
+  controller.observe(Vec6::Zero(), {0.0, 0.01});
+  controller.observe(Vec6::Zero(), {0.0, 0.0025});
+  controller.sent(straight(1.0, 0, 0));
+  controller.observe(straight(0.008, 0, 0), {0.0, 0.01});
   EXPECT_NEAR(controller.energy(), 0.01 * std::exp(-kTick / 0.005) - 0.008, 1e-12);
   PassivityController held(bare(), kTick);
-  held.observe(Vec3::Zero(), {0.0, 0.01});
-  for (int k = 0; k < 4; ++k) held.observe(Vec3::Zero(), {0.0, 0.0025});
+  held.observe(Vec6::Zero(), {0.0, 0.01});
+  for (int k = 0; k < 4; ++k) held.observe(Vec6::Zero(), {0.0, 0.0025});
   EXPECT_NEAR(held.energy(), 0.01 * std::exp(-0.8), 1e-12);
-  for (int k = 0; k < 1000; ++k) held.observe(Vec3::Zero(), {0.0, 0.0025});
+  for (int k = 0; k < 1000; ++k) held.observe(Vec6::Zero(), {0.0, 0.0025});
   EXPECT_EQ(held.energy(), 0.0025);
 }
 
@@ -198,37 +254,37 @@ TEST(PassivityController, PaysWithABoundedDamperAndAWeakerForce) {
   const PassivityOptions options = bare();
   PassivityController controller(options, kTick);
   EXPECT_EQ(controller.gain(), 1.0);
-  EXPECT_EQ(controller.damping(), Vec3(Vec3::Zero()));
-  controller.observe(Vec3::Zero(), {0.0, 0.0});
-  controller.sent(Vec3(1.0, 0, 0));
+  EXPECT_EQ(controller.damping(), Vec6(Vec6::Zero()));
+  controller.observe(Vec6::Zero(), {0.0, 0.0});
+  controller.sent(straight(1.0, 0, 0));
   // 1 N over this distance: a debt of exactly options.debt.
-  controller.observe(Vec3(options.debt, 0, 0), {0.0, 1.0});
+  controller.observe(straight(options.debt, 0, 0), {0.0, 1.0});
   EXPECT_NEAR(controller.energy(), -options.debt, 1e-15);
   EXPECT_NEAR(controller.gain(), 0.5, 1e-12);
   EXPECT_NEAR(controller.damping().x(), -options.damping * controller.velocity().x(), 1e-12);
   // At rest the damper exerts no force, however large the debt.
   for (int k = 0; k < 10; ++k) {
-    controller.sent(Vec3(1.0, 0, 0));
-    controller.observe(Vec3(options.debt, 0, 0), {0.0, 1.0});
+    controller.sent(straight(1.0, 0, 0));
+    controller.observe(straight(options.debt, 0, 0), {0.0, 1.0});
   }
-  EXPECT_EQ(controller.damping(), Vec3(Vec3::Zero()));
+  EXPECT_EQ(controller.damping(), Vec6(Vec6::Zero()));
   EXPECT_LT(controller.energy(), 0.0);
 }
 
 TEST(PassivityController, AFaultLeavesWhatIsHeld) {
   PassivityController controller(bare(), kTick);
   controller.reset();
-  controller.observe(Vec3::Zero(), {0.0, 0.003});
+  controller.observe(Vec6::Zero(), {0.0, 0.003});
   EXPECT_EQ(controller.energy(), 0.003);
-  controller.observe(Vec3::Zero(), {0.0, 0.0});
+  controller.observe(Vec6::Zero(), {0.0, 0.0});
   EXPECT_EQ(controller.energy(), 0.0);
 }
 
 TEST(PassivityController, ADebtFadesWhereNothingIsTouched) {
   PassivityController controller(bare(), kTick);
-  controller.observe(Vec3::Zero(), {0.0, 0.0});
-  controller.sent(Vec3(1.0, 0, 0));
-  controller.observe(Vec3(0.01, 0, 0), {0.0, 1.0});
+  controller.observe(Vec6::Zero(), {0.0, 0.0});
+  controller.sent(straight(1.0, 0, 0));
+  controller.observe(straight(0.01, 0, 0), {0.0, 1.0});
   for (int k = 0; k < 1000; ++k) controller.forgive();
   EXPECT_NEAR(controller.energy(), -0.01 * std::exp(-1.0), 1e-9);
 }

@@ -1,9 +1,11 @@
-/// Torque on the hand: it follows the force, limited and ramped in the same way.
+/// Torque on the hand: it follows the force, or the turn of the device, limited and ramped in the same way.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "contact/proxy.h"
 #include "haptic_cloth/haptics.h"
 
 namespace haptic_cloth {
@@ -126,6 +128,33 @@ TEST(HapticTorque, ACoupleWithoutAForceIsKeptAndNeverMoreThanDoubled) {
   }
 }
 
+/// A probe whose coupling turns it: k r² times the turn that the cloth does not follow, as far as 0.5 rad,
+/// and c r² times the same share of the angular velocity.
+TEST(HapticTorque, AnswersATurnSinceTheSolve) {
+  constexpr double kRadius = 0.04;
+  const HapticOptions options = bareOptions();
+  const double square = kRadius * kRadius, stiffness = options.coupling_stiffness * square;
+  for (const double follow : {0.0, 0.75, 1.0}) {
+    for (const double angle : {-0.2, 0.1, 0.9}) {
+      ProbeSnapshot snapshot = loadedAt(Vec3::Zero(), 1.0);
+      snapshot.turn_radius = kRadius;
+      snapshot.follow.bottomRightCorner<3, 3>() = follow * Mat3::Identity();
+      const Quat at = rotationBy(Vec3(0.3, -0.5, 0.2));
+      snapshot.device_orientation = snapshot.proxy_orientation = at;
+      DeviceSample device = deviceAt(Vec3::Zero(), 1.001);
+      device.orientation = rotationBy(angle * Vec3::UnitY()) * at;
+      device.angular_velocity = Vec3(0.0, 0.0, 2.0);
+      HapticLoop loop(options);
+      const Vec3 force = loop.tick(device, snapshot, false, 1.001);
+      const double left = (1.0 - follow) * angle, spring = std::clamp(left, -0.5, 0.5);
+      const double damper = options.coupling_damping * square * (1.0 - follow) * 2.0;
+      EXPECT_LT((loop.torque() + Vec3(0.0, stiffness * spring, damper)).norm(), kRoundOff)
+          << follow << ", " << angle << " rad";
+      EXPECT_LT((force - snapshot.force).norm(), kRoundOff);
+    }
+  }
+}
+
 /// A limit reduces the torque by the same share as the force, so the arm stays.
 TEST(HapticTorque, IsCutWithTheForce) {
   HapticOptions options = bareOptions();
@@ -206,8 +235,8 @@ TEST(HapticTorque, ANewSnapshotIsBlendedIn) {
 
 /// Both end after ramp_time, whatever their size.
 TEST(HapticTorque, EndsInZeroWhereTheForceDoes) {
-  enum Fault { Pause, Pose, Snapshot, Jump, OtherCloth, NotFinite };
-  for (const Fault fault : {Pause, Pose, Snapshot, Jump, OtherCloth, NotFinite}) {
+  enum Fault { Pause, Pose, Snapshot, Jump, TurnJump, OtherCloth, NotFinite };
+  for (const Fault fault : {Pause, Pose, Snapshot, Jump, TurnJump, OtherCloth, NotFinite}) {
     SCOPED_TRACE(static_cast<int>(fault));
     LoadedLoop loaded;
     ASSERT_GT(loaded.loop.torque().norm(), 0.04);
@@ -221,6 +250,10 @@ TEST(HapticTorque, EndsInZeroWhereTheForceDoes) {
       DeviceSample device = deviceAt(Vec3::Zero(), fault == Pose ? start : next);
       ProbeSnapshot snapshot = loadedAt(kArm, fault == Snapshot ? start : next);
       if (fault == Jump) device.position.x() = 1.0;
+      if (fault == TurnJump) {
+        snapshot.turn_radius = 0.03;
+        device.orientation = rotationBy(1.5 * Vec3::UnitX());  // a turn of a hand: 1 rad and 30 rad/s
+      }
       if (fault == OtherCloth) snapshot.cloth = ++cloth;
       if (fault == NotFinite) snapshot.torque.y() = std::numeric_limits<double>::quiet_NaN();
       loaded.tick(device, snapshot, fault == Pause);

@@ -1,0 +1,15 @@
+/// Places and forces of a device that does not turn.
+#pragma once
+
+#include "haptic_cloth/types.h"
+
+namespace haptic_cloth {
+
+/// Place of a device that has not turned, or force without a torque.
+inline Vec6 straight(double x, double y, double z) {
+  Vec6 all = Vec6::Zero();
+  all.head<3>() = Vec3(x, y, z);
+  return all;
+}
+
+}  // namespace haptic_cloth
