@@ -72,8 +72,7 @@ class Simulation {
   /// or restore. Numerical trouble does not throw: the last good state is restored, and the report
   /// says `failed`.
   /// @param length of the step in units of the scene's solver.time_step; at least 1. Mesh
-  /// decisions and ages of cells count in these units, particles fall asleep by steps. With BDF2 at most
-  /// twice the length before: its formula is unstable for ratios above 2.4.
+  /// decisions and ages of cells count in these units, particles fall asleep by steps.
   StepReport step(int length = 1);
 
   /// Returns to the flat cloth at time 0, without probes, with the obstacles as in the scene.

@@ -7,6 +7,12 @@
 namespace haptic_cloth {
 namespace {
 
+/// Growth of a step beyond which BDF2 is not trusted [-]: it is unstable above 1 + √2, at each step.
+constexpr double kLargestRatio = 2.0;
+
+/// Steps after which what a force still adds to the velocity by BDF2 is forgotten, as 3⁻¹⁰ of it.
+constexpr int kForgotten = 10;
+
 BackwardDifference formula(double share, double span, double air_damping) {
   return {share, span, span / (1.0 + air_damping * span), (1.0 + air_damping * span) / (span * span)};
 }
@@ -25,8 +31,8 @@ BackwardDifference BackwardDifference::bdf2(double length, double ratio, double 
 TimeIntegrator::TimeIntegrator(Integrator kind, double time_step, double air_damping, const Grid& grid)
     : first_order_only_(kind == Integrator::Euler),
       length_(time_step),
+      unmixed_(kForgotten),
       air_damping_(air_damping),
-      owed_(0.5),
       first_(BackwardDifference::euler(time_step, air_damping)),
       usual_(first_) {
   if (first_order_only_) return;
@@ -35,10 +41,9 @@ TimeIntegrator::TimeIntegrator(Integrator kind, double time_step, double air_dam
 }
 
 void TimeIntegrator::begin(double length) {
-  const double ratio = length / length_;
+  ratio_ = length / length_;
   first_ = BackwardDifference::euler(length, air_damping_);
-  usual_ = knows_last_ ? BackwardDifference::bdf2(length, ratio, air_damping_) : first_;
-  owed_ = ratio * ratio / (1.0 + ratio);
+  usual_ = knows_last_ ? BackwardDifference::bdf2(length, ratio_, air_damping_) : first_;
   length_ = length;
   std::fill(jumps_.begin(), jumps_.end(), 0);
 }
@@ -68,6 +73,15 @@ void TimeIntegrator::scatter(const ActiveMesh& mesh, ParticleState& state) const
 
 void TimeIntegrator::expectJumps(const std::vector<char>& nodes) {
   for (std::size_t n = 0; n < jumps_.size(); ++n) jumps_[n] |= nodes[n];
+  const bool owes = jumping() > 0 || unmixed_ < kForgotten;
+  if (ratio_ <= kLargestRatio && (ratio_ == 1.0 || !owes)) return;
+  std::fill(jumps_.begin(), jumps_.end(), 1);
+  usual_ = first_;
+}
+
+/// Number of nodes that take the step by backward Euler.
+int TimeIntegrator::jumping() const {
+  return static_cast<int>(std::count_if(jumps_.begin(), jumps_.end(), [](char jumps) { return jumps != 0; }));
 }
 
 void TimeIntegrator::finish(const ActiveMesh& mesh, const Field& start, const Field& end, Field& velocities) {
@@ -75,6 +89,8 @@ void TimeIntegrator::finish(const ActiveMesh& mesh, const Field& start, const Fi
   for (int n = 0; n < mesh.active(); ++n) setVelocity(n, end[n] - start[n], velocities);
   for (Field* field : {&velocities, &moved_, &gained_}) mesh.interpolateGhosts(*field);
   knows_last_ = true;
+  const int first = jumping();
+  unmixed_ = first == mesh.nodes() ? kForgotten : first > 0 ? 0 : std::min(unmixed_ + 1, kForgotten);
 }
 
 void TimeIntegrator::finishPart(const Field& start, const Field& end, Field& velocities) {
@@ -116,6 +132,7 @@ void TimeIntegrator::stop(Field& velocities) {
 /// Velocities lead on as they are, without a step before.
 void TimeIntegrator::forget() {
   knows_last_ = false;
+  unmixed_ = kForgotten;
   for (Field* field : {&moved_, &gained_}) field->fill(0.0);
 }
 
@@ -136,7 +153,10 @@ void TimeIntegrator::slow(const ActiveMesh& mesh, const Field& positions, double
 
 void TimeIntegrator::serialize(Archive& archive) {
   archive("length", length_);
-  if (!first_order_only_) archive("knows_last", knows_last_);
+  if (!first_order_only_) {
+    archive("knows_last", knows_last_);
+    archive("unmixed", unmixed_);
+  }
   archive.check(length_ > 0.0, "length", "must be > 0");
 }
 

@@ -38,7 +38,9 @@ struct BackwardDifference {
 /// the formula takes a jump of velocity for smooth motion: it would throw the node back. A force changes Σ m
 /// (v + Δv/2) by h times itself with equal steps of BDF2, and Σ m v with backward Euler. So a node goes over
 /// with the velocity v + Δv/2, and back with Δv = 0; then opposite forces keep momentum whatever the nodes
-/// follow. The first step from a state of which nothing is kept is one of backward Euler for all nodes.
+/// follow. A step of another length than the one before keeps no such sum. So if any node touches something
+/// in it, or did a short time before, all take it by backward Euler; as they do in the first step from a
+/// state of which nothing is kept, and in one that is more than twice as long as the one before.
 class TimeIntegrator {
  public:
   /// @param time_step usual length of a step [s]
@@ -68,7 +70,7 @@ class TimeIntegrator {
   /// Motion of a node if no force acts on it in this step [m].
   Vec3 inertialMotion(int node, const Vec3& velocity) const {
     if (first_order_only_) return first_.reach * velocity;
-    if (jumps_[node] != 0) return first_.reach * (velocity + owed_ * gained_[node]);
+    if (jumps_[node] != 0) return first_.reach * (velocity + 0.5 * gained_[node]);
     return usual_.inertialMotion(velocity, moved_[node], gained_[node]);
   }
   /// Force by which a node resists a displacement from there, over mass and displacement [1/s²].
@@ -101,6 +103,7 @@ class TimeIntegrator {
   void setMeanVelocities(const Field& start, const Field& end, Field& velocities) const;
   void setVelocity(int node, const Vec3& moved, Field& velocities);
   void forget();
+  int jumping() const;
   const BackwardDifference& formula(int node) const {
     return first_order_only_ || jumps_[node] != 0 ? first_ : usual_;
   }
@@ -108,7 +111,8 @@ class TimeIntegrator {
   bool first_order_only_;
   double length_, air_damping_;       ///< [s], [1/s]
   bool knows_last_ = false;           ///< the nodes keep something of the step before; never without BDF2
-  double owed_;                       ///< part of Δv that BDF2 would still add to v [-]
+  int unmixed_;                       ///< steps since nodes followed different formulas, up to a limit
+  double ratio_ = 1.0;                ///< of the length of the current step to that of the one before [-]
   BackwardDifference first_, usual_;  ///< of nodes that jump in the step, and of all others
   Field moved_, gained_;              ///< Δx and Δv of the nodes [m], [m/s]
   std::vector<char> jumps_;           ///< flags of the nodes that take the current step by backward Euler

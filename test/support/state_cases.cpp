@@ -421,7 +421,7 @@ std::string sealState(const std::vector<StateEntry>& entries) {
   hash.add(content.data(), content.size());
   std::string sealed = kMagic;
   put(sealed, std::uint32_t{0x01020304});
-  put(sealed, std::uint32_t{14});
+  put(sealed, std::uint32_t{15});
   put(sealed, static_cast<std::uint64_t>(content.size()));
   put(sealed, hash.value());
   return sealed + content;
