@@ -164,7 +164,7 @@ void Replay::refuseScene(const std::string& line, const std::string& here) const
   const bool has_key = here.rfind(start, 0) == 0;
   throw InputError(origin_, found.substr(0, equals), found.substr(equals + sizeof(kEquals) - 1),
                    "the scene here has " + (has_key ? here.substr(start.size()) : "no such entry") +
-                       "; repeat the parameters of the node with --set");
+                       "; take the scene of the recording, and repeat the parameters of the node with --set");
 }
 
 bool Replay::next(Simulation& simulation, int& length) {
