@@ -7,9 +7,6 @@
 namespace haptic_cloth {
 namespace {
 
-/// Growth of a step beyond which BDF2 is not trusted [-]: it is unstable above 1 + √2, at each step.
-constexpr double kLargestRatio = 2.0;
-
 /// Steps after which what a force still adds to the velocity by BDF2 is forgotten, as 3⁻¹⁰ of it.
 constexpr int kForgotten = 10;
 
@@ -74,7 +71,7 @@ void TimeIntegrator::scatter(const ActiveMesh& mesh, ParticleState& state) const
 void TimeIntegrator::expectJumps(const std::vector<char>& nodes) {
   for (std::size_t n = 0; n < jumps_.size(); ++n) jumps_[n] |= nodes[n];
   const bool owes = jumping() > 0 || unmixed_ < kForgotten;
-  if (ratio_ <= kLargestRatio && (ratio_ == 1.0 || !owes)) return;
+  if (ratio_ == 1.0 || !owes) return;
   std::fill(jumps_.begin(), jumps_.end(), 1);
   usual_ = first_;
 }

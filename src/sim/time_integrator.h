@@ -40,7 +40,7 @@ struct BackwardDifference {
 /// with the velocity v + Δv/2, and back with Δv = 0; then opposite forces keep momentum whatever the nodes
 /// follow. A step of another length than the one before keeps no such sum. So if any node touches something
 /// in it, or did a short time before, all take it by backward Euler; as they do in the first step from a
-/// state of which nothing is kept, and in one that is more than twice as long as the one before.
+/// state of which nothing is kept.
 class TimeIntegrator {
  public:
   /// @param time_step usual length of a step [s]

@@ -125,7 +125,7 @@ TEST(TimeIntegrator, Bdf2IsExactForConstantAccelerationWithAnyLengths) {
   Sheet sheet(Integrator::Bdf2, 0.0);
   sheet.place(x, v, 1);
   int ticks = 1;
-  for (const int length : {1, 2, 4, 4, 1, 2, 3, 1, 1}) {
+  for (const int length : {1, 2, 4, 4, 1, 8, 3, 1, 1}) {
     sheet.step(kAcceleration, length * kStep);
     ticks += length;
     EXPECT_NEAR(sheet.position(), x(ticks * kStep), tolerance(kRounding)) << ticks;
