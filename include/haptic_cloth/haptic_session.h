@@ -108,9 +108,10 @@ class ProbeSession {
 
   // Solver's thread.
   bool closed_ = false;
-  int cloth_ = 0;               ///< see ProbeSnapshot
-  DeviceSample newest_device_;  ///< received before the current step
-  DeviceSample step_device_;    ///< of the current step, with velocities in simulated time
+  int cloth_ = 0;                      ///< see ProbeSnapshot
+  DeviceSample newest_device_;         ///< received before the current step
+  DeviceSample step_device_;           ///< of the current step
+  Vec3 step_velocity_ = Vec3::Zero();  ///< of the device in that step, in simulated time [m/s]
   std::unique_ptr<ProbeTracker> tracker_;
   std::unique_ptr<StepInterval> step_interval_;
 };

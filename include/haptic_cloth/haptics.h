@@ -147,16 +147,17 @@ class HapticLoop {
   Wrench handedOver(const DeviceSample& device, const ProbeSnapshot& snapshot, const Wrench& wrench,
                     double now);
   double torqueRate(double force_rate);
-  Vec6 placeOf(const DeviceSample& device);
+  void observe(const DeviceSample& device, const HeldEnergy& moved, const HeldEnergy& all);
 
   HapticOptions options_;
-  PassivityController passivity_;
-  Quat orientation_ = Quat::Identity();  ///< of the device at the last tick
-  Vec3 turned_ = Vec3::Zero();           ///< all turns of the device so far [rad]
-  ProbeSnapshot snapshot_;               ///< of the last tick
-  Wrench handover_;                      ///< wrench of the last snapshot minus that of the newest
-  double handover_start_ = 0.0;          ///< steady clock [s]
-  double handover_time_ = 0.0;           ///< time in which it fades [s]
+  PassivityController passivity_;         ///< of the force
+  PassivityController torque_passivity_;  ///< of the torque
+  Quat orientation_ = Quat::Identity();   ///< of the device at the last tick
+  Vec3 turned_ = Vec3::Zero();            ///< all turns of the device so far [rad]
+  ProbeSnapshot snapshot_;                ///< of the last tick
+  Wrench handover_;                       ///< wrench of the last snapshot minus that of the newest
+  double handover_start_ = 0.0;           ///< steady clock [s]
+  double handover_time_ = 0.0;            ///< time in which it fades [s]
   HapticStatus status_ = HapticStatus::NoPose;
   Wrench wrench_;             ///< of the last tick
   double torque_span_ = 0.0;  ///< max_torque, or more until a lowered one is reached [N·m]

@@ -76,8 +76,6 @@ struct ProbeReport {
   /// Orientation of the proxy. Under a torque it is not quite that of the device.
   Quat orientation = Quat::Identity();
   Vec3 velocity = Vec3::Zero();  ///< velocity of the proxy [m/s]
-  /// Angular velocity of the proxy, if its coupling turns it [rad/s].
-  Vec3 angular_velocity = Vec3::Zero();
   /// Radius at which the coupling resists turns [m]; 0: the probe has the orientation of its device.
   double turn_radius = 0.0;
   /// Force of the cloth on the probe; on one that grasps at most what its coupling exerts [N].

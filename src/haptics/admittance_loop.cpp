@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/proxy.h"
 #include "haptics/limits.h"
 
 namespace haptic_cloth {
@@ -40,11 +41,15 @@ HapticStatus judge(const AdmittanceOptions& options, const ForceSample& hand, do
 }  // namespace
 
 AdmittanceLoop::AdmittanceLoop(const HapticOptions& options)
-    : options_(checked(options)), tool_(options.admittance), cloth_(clothOptions(options)) {}
+    : options_(checked(options)),
+      tool_(options.admittance),
+      cloth_(clothOptions(options)),
+      turn_filter_(options.velocity_time_constant, options.pose_timeout) {}
 
 void AdmittanceLoop::setOptions(const HapticOptions& options, double unit) {
   options_ = options;
   tool_.setOptions(options.admittance);
+  turn_filter_.setTimes(options.velocity_time_constant, options.pose_timeout);
   cloth_.setOptions(clothOptions(options), unit);
 }
 
@@ -61,6 +66,9 @@ void AdmittanceLoop::tick(const ForceSample& hand, const ProbeSnapshot& snapshot
   started_ = started_ || fresh;
   device_.position = tool_.position();
   device_.velocity = tool_.velocity();
+  const Vec3 turned = turnBetween(turned_from_, device_.orientation);
+  device_.angular_velocity = turn_filter_.update(turned, isTurnJump(turned.norm(), elapsed), now);
+  turned_from_ = device_.orientation;
   if (fresh) device_.received = now;
   DeviceSample here = device_;
   here.received = now;  // the tool is where it is, whatever the hand says

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "haptic_cloth/haptics.h"
+#include "haptics/velocity_filter.h"
 
 namespace haptic_cloth {
 
@@ -48,6 +49,8 @@ class AdmittanceLoop {
   AdmittanceTool tool_;
   HapticLoop cloth_;
   DeviceSample device_;
+  VelocityFilter turn_filter_;
+  Quat turned_from_ = Quat::Identity();  ///< orientation at the last tick
   Vec3 reaction_ = Vec3::Zero();
   HapticStatus status_ = HapticStatus::NoForce;
   bool started_ = false;

@@ -29,23 +29,10 @@ constexpr double kFreeChange = 0.05;
 
 /// Spring and damper of the coupling. In all vectors, turns count times the radius at which it resists them.
 struct Coupling {
-  Vec6 stretch;   ///< force of the spring over its stiffness [m]
-  double energy;  ///< of the spring, over its stiffness [m²]
-  Vec6 slip;      ///< velocity of the proxy less that of the device [m/s]
+  Vec6 stretch = Vec6::Zero();                     ///< force of the spring over its stiffness [m]
+  double moved_energy = 0.0, turned_energy = 0.0;  ///< of the spring, over its stiffness [m²]
+  Vec6 slip = Vec6::Zero();                        ///< velocity of the proxy less that of the device [m/s]
 };
-
-/// Spring between a device and a proxy.
-Coupling springBetween(const Pose& device, const Pose& proxy, double turn_radius) {
-  Coupling spring{Vec6::Zero(), 0.0, Vec6::Zero()};
-  spring.stretch.head<3>() = proxy.position - device.position;
-  spring.energy = 0.5 * spring.stretch.squaredNorm();
-  if (turn_radius > 0.0) {
-    const TurnSpring turn(proxy.orientation, device.orientation);
-    spring.stretch.tail<3>() = -turn_radius * turn.torque();
-    spring.energy += turn_radius * turn_radius * turn.energy();
-  }
-  return spring;
-}
 
 Coupling couplingAt(const DeviceSample& device, const ProbeSnapshot& snapshot) {
   const double age = std::max(0.0, device.received - snapshot.device_received);
@@ -55,9 +42,15 @@ Coupling couplingAt(const DeviceSample& device, const ProbeSnapshot& snapshot) {
       radius * turnBetween(snapshot.device_orientation, device.orientation);
   velocity << device.velocity, radius * device.angular_velocity;
   const Vec6 followed = snapshot.follow * moved + kDriftMemory * (1.0 - fade) * snapshot.drift;
-  Pose proxy{snapshot.proxy + followed.head<3>(), snapshot.proxy_orientation};
-  if (radius > 0.0) proxy.orientation = rotationBy(followed.tail<3>() / radius) * proxy.orientation;
-  Coupling coupling = springBetween({device.position, device.orientation}, proxy, radius);
+  Coupling coupling;
+  coupling.stretch.head<3>() = snapshot.proxy + followed.head<3>() - device.position;
+  coupling.moved_energy = 0.5 * coupling.stretch.squaredNorm();
+  if (radius > 0.0) {
+    const Quat orientation = rotationBy(followed.tail<3>() / radius) * snapshot.proxy_orientation;
+    const TurnSpring spring(orientation, device.orientation);
+    coupling.stretch.tail<3>() = -radius * spring.torque();
+    coupling.turned_energy = radius * radius * spring.energy();
+  }
   // The damper's speeds are both the filtered ones: what the proxy shares with the device then cancels, noise
   // and lag of the filter included.
   coupling.slip = snapshot.follow * velocity + fade * snapshot.drift - velocity;
@@ -84,13 +77,18 @@ Wrench couplingWrench(const HapticOptions& options, const DeviceSample& device,
   return {wrench.force, snapshot.torque + limited(change, snapshot.torque.norm())};
 }
 
-HeldEnergy heldEnergy(const HapticOptions& options, const DeviceSample& device,
-                      const ProbeSnapshot& snapshot) {
+HeldEnergies heldEnergies(const HapticOptions& options, const DeviceSample& device,
+                          const ProbeSnapshot& snapshot) {
   const Coupling coupling = couplingAt(device, snapshot);
   const Mat6 hold = (1.0 + kLeastHold) * Mat6::Identity() - snapshot.follow;
-  const double relaxed = 0.5 * coupling.stretch.dot(hold.ldlt().solve(coupling.stretch));
-  const double spring = options.coupling_stiffness * coupling.energy;
-  return {spring, kHeldShare * options.coupling_stiffness * relaxed - spring};
+  const Vec3 moved = coupling.stretch.head<3>();
+  const auto held = [&](double energy, double relaxed) {
+    const double spring = options.coupling_stiffness * energy;
+    return HeldEnergy{spring, 0.5 * kHeldShare * options.coupling_stiffness * relaxed - spring};
+  };
+  return {held(coupling.moved_energy, moved.dot(hold.topLeftCorner<3, 3>().inverse() * moved)),
+          held(coupling.moved_energy + coupling.turned_energy,
+               coupling.stretch.dot(hold.ldlt().solve(coupling.stretch)))};
 }
 
 }  // namespace haptic_cloth

@@ -15,9 +15,14 @@ namespace haptic_cloth {
 Wrench couplingWrench(const HapticOptions& options, const DeviceSample& device,
                       const ProbeSnapshot& snapshot);
 
+struct HeldEnergies {
+  HeldEnergy moved;  ///< by the motion of the device alone
+  HeldEnergy all;    ///< by its motion and turns
+};
+
 /// Largest energy that coupling and cloth can give back when they relax: together a few times the
 /// energy of a spring of the local stiffness k (1 - follow).
-HeldEnergy heldEnergy(const HapticOptions& options, const DeviceSample& device,
-                      const ProbeSnapshot& snapshot);
+HeldEnergies heldEnergies(const HapticOptions& options, const DeviceSample& device,
+                          const ProbeSnapshot& snapshot);
 
 }  // namespace haptic_cloth

@@ -19,6 +19,12 @@ constexpr double kMinHandover = 0.0015, kMaxHandover = 0.02;
 /// a jump.
 constexpr double kMaxLateTicks = 5.0;
 
+Vec6 joined(const Vec3& motion, const Vec3& turn) {
+  Vec6 all;
+  all << motion, turn;
+  return all;
+}
+
 bool isFinite(const DeviceSample& sample) {
   return std::isfinite(sample.received) && sample.position.allFinite() && sample.velocity.allFinite() &&
          sample.orientation.coeffs().allFinite() && sample.angular_velocity.allFinite();
@@ -80,7 +86,9 @@ const char* toString(HapticStatus status) {
 }
 
 HapticLoop::HapticLoop(const HapticOptions& options)
-    : options_(options), passivity_(options.passivity, 1.0 / options.rate) {
+    : options_(options),
+      passivity_(options.passivity, 1.0 / options.rate),
+      torque_passivity_(options.passivity, 1.0 / options.rate) {
   validateHapticOptions(options, "haptic options");
 }
 
@@ -91,6 +99,7 @@ void HapticLoop::setOptions(const HapticOptions& options, double unit) {
   torque_span_ /= unit;
   // handover_ is a difference between two wrenches of the coupling, which knows no scale of the hand.
   passivity_.setOptions(options.passivity, 1.0 / options.rate, unit);
+  torque_passivity_.setOptions(options.passivity, 1.0 / options.rate, unit);
 }
 
 Vec3 HapticLoop::tick(const DeviceSample& device, const ProbeSnapshot& snapshot, bool paused, double now) {
@@ -116,17 +125,18 @@ Vec3 HapticLoop::tick(const DeviceSample& device, const ProbeSnapshot& snapshot,
   if (status_ == HapticStatus::Contact) {
     target = contactWrench(device, snapshot, now);
   } else if (status_ == HapticStatus::Free) {
-    passivity_.observe(placeOf(device), {});
+    observe(device, {}, {});
     passivity_.forgive();
+    torque_passivity_.forgive();
   } else {
     passivity_.reset();
+    torque_passivity_.reset();
     rate = std::min(rate, options_.max_force / options_.ramp_time);
   }
   wrench_.force = approach(wrench_.force, target.force, rate * elapsed);
   wrench_.torque = approach(wrench_.torque, target.torque, torqueRate(rate) * elapsed);
-  Vec6 sent;
-  sent << wrench_.force, wrench_.torque / kTurnArm;
-  passivity_.sent(sent);
+  passivity_.sent(joined(wrench_.force, Vec3::Zero()));
+  torque_passivity_.sent(joined(wrench_.force, wrench_.torque / kTurnArm));
   snapshot_ = snapshot;
   return wrench_.force;
 }
@@ -144,21 +154,24 @@ double HapticLoop::torqueRate(double force_rate) {
 Wrench HapticLoop::contactWrench(const DeviceSample& device, const ProbeSnapshot& snapshot, double now) {
   const double limit = soft_ * options_.max_force;
   const Wrench wrench = handedOver(device, snapshot, couplingWrench(options_, device, snapshot), now);
-  passivity_.observe(placeOf(device), heldEnergy(options_, device, snapshot));
-  const double gain = passivity_.gain();
-  const Vec6 damping = passivity_.damping();
-  return {limited(gain * limited(wrench.force, limit) + damping.head<3>(), limit),
-          limited(gain * shareWithin(wrench.force, limit) * wrench.torque + kTurnArm * damping.tail<3>(),
+  const HeldEnergies held = heldEnergies(options_, device, snapshot);
+  observe(device, held.moved, held.all);
+  const double gain = passivity_.gain(), torque_gain = std::min(gain, torque_passivity_.gain());
+  const Vec3 damping = passivity_.damping().head<3>();
+  const Vec3 torque_damping = kTurnArm * torque_passivity_.damping().tail<3>();
+  return {limited(gain * limited(wrench.force, limit) + damping, limit),
+          limited(torque_gain * shareWithin(wrench.force, limit) * wrench.torque + torque_damping,
                   soft_ * options_.max_torque)};
 }
 
-/// Position of the device, and all of its turns so far times an arm [m].
-Vec6 HapticLoop::placeOf(const DeviceSample& device) {
+/// Shows the pose to both controllers. That of the force counts the work of the force alone: otherwise a
+/// twist could pay for a buzz along the force, and a debt of the torque would weaken the force. That of the
+/// torque counts the work of both, because cloth gives back by a turn what a motion has put in.
+void HapticLoop::observe(const DeviceSample& device, const HeldEnergy& moved, const HeldEnergy& all) {
   turned_ += turnBetween(orientation_, device.orientation);
   orientation_ = device.orientation;
-  Vec6 place;
-  place << device.position, kTurnArm * turned_;
-  return place;
+  passivity_.observe(joined(device.position, Vec3::Zero()), moved);
+  torque_passivity_.observe(joined(device.position, kTurnArm * turned_), all);
 }
 
 /// Wrench of the newest snapshot. Its difference to that of the last one fades, so there is no step.

@@ -5,7 +5,6 @@
 #include "haptics/clock_keeper.h"
 #include "haptics/probe_tracker.h"
 #include "haptics/step_interval.h"
-#include "sim/turn_spring.h"
 
 namespace haptic_cloth {
 namespace {
@@ -20,17 +19,11 @@ HapticOptions coupledAs(const Scene& scene, int probe, HapticOptions options) {
   return options;
 }
 
-/// Moves the proxy where spring and damper of the coupling balance the cloth's load on the probe. A solve
-/// that was cut short leaves a proxy that carries cloth farther behind its device.
-/// @param device as it was in the step, with its velocities by the moves between steps
-void balanceProxy(const HapticOptions& options, const DeviceSample& device, ProbeReport& probe) {
-  const double stiffness = options.coupling_stiffness, damping = options.coupling_damping;
-  probe.proxy = probe.device + (probe.force - damping * (probe.velocity - device.velocity)) / stiffness;
-  if (probe.turn_radius == 0.0) return;
-  const double square = probe.turn_radius * probe.turn_radius;
-  const Vec3 slip = probe.angular_velocity - device.angular_velocity;
-  const Vec3 turn = (probe.torque / square - damping * slip) / stiffness;
-  if (turn.norm() < TurnSpring::kLargest) probe.orientation = rotationBy(turn) * device.orientation;
+/// Place of the proxy where spring and damper of the coupling balance the cloth's force on the probe [m]. A
+/// solve that was cut short leaves a proxy that carries cloth farther behind its device.
+Vec3 balancedProxy(const HapticOptions& options, const ProbeReport& probe, const Vec3& device_velocity) {
+  const Vec3 spring = probe.force - options.coupling_damping * (probe.velocity - device_velocity);
+  return probe.device + spring / options.coupling_stiffness;
 }
 
 }  // namespace
@@ -74,17 +67,14 @@ void ProbeSession::takeDevice(Simulation& simulation, const HapticOptions& optio
   // contact: one that moved no farther than the coupling stretches under the largest force.
   const bool far = options.coupling_stiffness * way > options.max_force;
   if (present_ && first && far && grasp_ != GraspState::Holding) leave(simulation);
-  DeviceSample device = catchingUp(newest);
+  const DeviceSample device = catchingUp(newest);
   if (fresh) {
     const double elapsed = device.received - step_device_.received;
     // By the moves between steps: without a filter's lag the damper feels no more than what the
     // proxy does not follow, and in slow motion the hand is as fast as it is in simulated time.
-    device.velocity = device.angular_velocity = Vec3::Zero();
-    if (present_) {
-      device.velocity = (device.position - step_device_.position) / time_step;
-      device.angular_velocity = turnBetween(step_device_.orientation, device.orientation) / time_step;
-    }
-    simulation.setDevice(number_, {device.position, device.velocity, device.orientation, elapsed});
+    const Vec3 moved = present_ ? Vec3(device.position - step_device_.position) : Vec3(Vec3::Zero());
+    step_velocity_ = moved / time_step;
+    simulation.setDevice(number_, {device.position, step_velocity_, device.orientation, elapsed});
     closed_ = grasp_wanted_;
     simulation.setGrasp(number_, closed_);
   } else {
@@ -131,7 +121,8 @@ void ProbeSession::open(Simulation& simulation) {
 
 void ProbeSession::afterStep(const Simulation& simulation, double now) {
   ProbeReport report = simulation.probe(number_);
-  if (report.grasps && report.contact) balanceProxy(options_for_solver_.read(), step_device_, report);
+  if (report.grasps && report.contact)
+    report.proxy = balancedProxy(options_for_solver_.read(), report, step_velocity_);
   ProbeSnapshot snapshot = tracker_->update(report, step_device_, step_interval_->seconds(), now);
   snapshot.cloth = cloth_;
   snapshot_.write(snapshot);

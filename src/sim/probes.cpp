@@ -132,7 +132,7 @@ void Probes::accept(const ClothObjective& solved, const ContactSet& contacts, co
     report.torque = torque;
     report.contact = report.grasps || contacts.probeTouched(k);
     report.orientation = steps_[k].turns ? solved.orientation(k).normalized() : steps_[k].prescribed;
-    memories_[k].spin = report.angular_velocity = solved.turn(k) / solved.timeStep();
+    memories_[k].spin = solved.turn(k) / solved.timeStep();
     report.turn_radius = steps_[k].turns ? std::sqrt(turnRadiusSquared(scene_.probes[k])) : 0.0;
     steps_[k].proxy = report.proxy;
     steps_[k].orientation = report.orientation;
@@ -142,7 +142,7 @@ void Probes::accept(const ClothObjective& solved, const ContactSet& contacts, co
 void Probes::restore() {
   for (Memory& memory : memories_) memory.spin.setZero();
   for (ProbeReport& report : reports_) {
-    report.velocity = report.angular_velocity = Vec3::Zero();
+    report.velocity = Vec3::Zero();
     report.force_error = std::max(report.force_error, report.force.norm());
     report.force = report.torque = Vec3::Zero();
     report.contact = false;
@@ -165,10 +165,7 @@ void Probes::serialize(Archive& archive) {
   archive.each("probe_torque", reports_, &ProbeReport::torque);
   archive.each("probe_contact", reports_, &ProbeReport::contact);
   archive.each("probe_grasps", reports_, &ProbeReport::grasps);
-  for (int k = 0; k < count(); ++k) {
-    reports_[k].orientation = steps_[k].orientation;
-    reports_[k].angular_velocity = memories_[k].spin;
-  }
+  for (int k = 0; k < count(); ++k) reports_[k].orientation = steps_[k].orientation;
 }
 
 void Probes::Memory::serialize(Archive& archive) {

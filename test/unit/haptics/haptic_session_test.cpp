@@ -10,6 +10,7 @@
 
 #include "haptic_cloth/error.h"
 #include "haptics/step_interval.h"
+#include "sim/turn_spring.h"
 #include "support/scenes.h"
 
 namespace haptic_cloth {
@@ -273,6 +274,38 @@ TEST_F(HapticSessionTest, AHandThatHoldsClothCatchesUpAtTwiceItsSpeed) {
   for (int k = 1; k < 400; ++k) tick(Vec3(0.0, 0.0, later + far));
   step();
   EXPECT_NEAR(probe().device.z() - later, 0.75 * far, kRoundOff);
+}
+
+/// A hand turns cloth in its grasp farther than the spring of the coupling answers. At each tick it feels the
+/// solver's torque of the step before: k r² 0.5 rad at most, and the damper's share of the turn.
+TEST(HapticSession, GivesTheTorqueOfTheCouplingAlsoWhereItsSpringIsSpent) {
+  Scene scene = pinnedSheet();
+  scene.probes[0].coupling_stiffness = 200.0;
+  Simulation simulation(scene);
+  HapticSession session(scene, 0, HapticOptions());
+  session.setGrasp(true);
+  constexpr double kTick = 1e-3, kRate = 2.0;  // [s], [rad/s]
+  double time = 10.0;
+  const auto turn = [&](double angle, double height) {
+    time += kTick;
+    const Wrench wrench = session.tick({Vec3(0.0, 0.0, height), rotationBy(angle * Vec3::UnitZ())}, time);
+    session.beforeStep(simulation, time);
+    simulation.step();
+    session.afterStep(simulation, time);
+    return wrench.torque;
+  };
+  for (int k = 0; k < 1000; ++k) turn(0.0, std::max(-0.005, 0.015 - 1e-4 * k));
+  ASSERT_EQ(session.grasp(), GraspState::Holding);
+  const double square = 0.03 * 0.03, spent = 200.0 * square * TurnSpring::kLargest;
+  Vec3 solved = simulation.probe().torque;
+  for (int k = 1; k <= 1500; ++k) {
+    const Vec3 torque = turn(std::min(1.2, kRate * kTick * k), -0.005);
+    // In a tick the hand turns on by kRate kTick, with the damper's c r² kRate at most.
+    const double change = (200.0 * kTick + 1.0) * square * kRate;
+    ASSERT_LT((torque - solved).norm(), change + 0.02 * spent) << k;
+    solved = simulation.probe().torque;
+  }
+  EXPECT_NEAR(solved.norm(), spent, 0.01 * spent);
 }
 
 TEST_F(HapticSessionTest, AHandThatHoldsClothInSlowMotionIsNotLate) {

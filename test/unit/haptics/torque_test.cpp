@@ -155,6 +155,27 @@ TEST(HapticTorque, AnswersATurnSinceTheSolve) {
   }
 }
 
+/// Turns and their torque have no part in the controller of the force: a wall that buzzes at a delay of 5 ms
+/// is weakened as much, to the bit, for a hand that turns the probe as for one that does not.
+TEST(HapticTorque, LeavesTheForceAlone) {
+  HapticOptions options = bareOptions();
+  options.passivity.loop_delay = 0.005;
+  HapticLoop still(options), turning(options);
+  double weakest = 1.0;
+  for (int k = 1; k <= 2000; ++k) {
+    const double now = 1.0 + k * kTick, height = -0.002 + 0.002 * std::sin(0.2 * k);
+    ProbeSnapshot snapshot = loadedAt(Vec3::Zero(), now);
+    snapshot.proxy.setZero();
+    DeviceSample device = deviceAt(Vec3(0.0, 0.0, height), now);
+    const Vec3 force = still.tick(device, snapshot, false, now);
+    snapshot.turn_radius = 0.03;
+    device.orientation = rotationBy(0.5 * std::sin(0.02 * k) * Vec3::UnitX());
+    ASSERT_EQ(turning.tick(device, snapshot, false, now), force) << k;
+    if (height < -0.003) weakest = std::min(weakest, force.norm() / (400.0 * -height));
+  }
+  EXPECT_LT(weakest, 0.9);
+}
+
 /// A limit reduces the torque by the same share as the force, so the arm stays.
 TEST(HapticTorque, IsCutWithTheForce) {
   HapticOptions options = bareOptions();
