@@ -61,9 +61,15 @@ StateCase slidingCapsule() {
 
 StateCase secondOrder() {
   StateCase run = slidingCapsule();
-  run.name = "a sliding capsule, BDF2, steps of varying length";
+  run.name = "a sliding capsule that leaves, BDF2, steps of varying length at last";
   run.scene.solver.integrator = Integrator::Bdf2;
-  run.length = [](int step) { return 1 + step % 3; };
+  run.drive = [](Simulation& simulation, int step) {
+    if (step < 80) return driveCapsule(simulation, step);
+    simulation.removeDevice(0);
+  };
+  run.length = [](int step) { return step < 85 ? 1 : 1 + step % 3; };
+  run.saves = {1, 37, 50, 82, 90};
+  run.exercises = [](const Exercised& did) { return did.touched > 30 && did.refined > 0; };
   return run;
 }
 
