@@ -124,8 +124,9 @@ class HapticLoop {
   /// Computes the force on the probe [N] in the cloth's frame for the newest pose at `now` (steady
   /// clock [s]). It is always finite, at most max_force, and changes by at most max_force_rate. It
   /// ramps to exactly zero during a pause, and if an input is stale or not finite or the device has
-  /// jumped, or turned a probe, away from what it felt. Without contact in the snapshot it is zero. torque()
-  /// then returns the torque, limited and ramped in the same way.
+  /// jumped away from the snapshot's position, or from its orientation where a coupling turns the probe.
+  /// Without contact in the snapshot it is zero. torque() then returns the torque, limited and ramped in the
+  /// same way.
   Vec3 tick(const DeviceSample& device, const ProbeSnapshot& snapshot, bool paused, double now);
 
   /// Takes other options from the next tick on. The force continues within max_force_rate.

@@ -12,6 +12,8 @@ using Quat = Eigen::Quaterniond;  ///< a rotation, of norm 1
 using Vec6 = Eigen::Matrix<double, 6, 1>;  ///< a vector for motion, then one for turns
 using Mat6 = Eigen::Matrix<double, 6, 6>;  ///< a linear map of such pairs
 
+inline Vec6 joined(const Vec3& motion, const Vec3& turn) { return (Vec6() << motion, turn).finished(); }
+
 /// Position [m] and orientation (unit quaternion) of a body in the world frame.
 struct Pose {
   Vec3 position = Vec3::Zero();

@@ -37,10 +37,9 @@ struct Coupling {
 Coupling couplingAt(const DeviceSample& device, const ProbeSnapshot& snapshot) {
   const double age = std::max(0.0, device.received - snapshot.device_received);
   const double fade = std::exp(-age / kDriftMemory), radius = snapshot.turn_radius;
-  Vec6 moved, velocity;
-  moved << device.position - snapshot.device,
-      radius * turnBetween(snapshot.device_orientation, device.orientation);
-  velocity << device.velocity, radius * device.angular_velocity;
+  const Vec6 moved = joined(device.position - snapshot.device,
+                            radius * turnBetween(snapshot.device_orientation, device.orientation));
+  const Vec6 velocity = joined(device.velocity, radius * device.angular_velocity);
   const Vec6 followed = snapshot.follow * moved + kDriftMemory * (1.0 - fade) * snapshot.drift;
   Coupling coupling;
   coupling.stretch.head<3>() = snapshot.proxy + followed.head<3>() - device.position;

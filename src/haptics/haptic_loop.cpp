@@ -19,12 +19,6 @@ constexpr double kMinHandover = 0.0015, kMaxHandover = 0.02;
 /// a jump.
 constexpr double kMaxLateTicks = 5.0;
 
-Vec6 joined(const Vec3& motion, const Vec3& turn) {
-  Vec6 all;
-  all << motion, turn;
-  return all;
-}
-
 bool isFinite(const DeviceSample& sample) {
   return std::isfinite(sample.received) && sample.position.allFinite() && sample.velocity.allFinite() &&
          sample.orientation.coeffs().allFinite() && sample.angular_velocity.allFinite();

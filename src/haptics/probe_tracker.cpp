@@ -14,13 +14,6 @@ constexpr double kTrustedMove = 1e-5;
 /// Low pass of the drift [s]: a jump of one step, where cloth slips or the mesh changes, is no speed.
 constexpr double kDriftTime = 0.001;
 
-/// Motion, and turn times a radius [m].
-Vec6 motion(const Vec3& from, const Quat& turned_from, const Vec3& to, const Quat& turned_to, double radius) {
-  Vec6 motion;
-  motion << to - from, radius * turnBetween(turned_from, turned_to);
-  return motion;
-}
-
 }  // namespace
 
 ProbeSnapshot ProbeTracker::update(const ProbeReport& probe, const DeviceSample& device, double step_interval,
@@ -41,14 +34,14 @@ ProbeSnapshot ProbeTracker::update(const ProbeReport& probe, const DeviceSample&
     follow_.setIdentity();
     drift_.setZero();
   } else {
-    // Of a coupling that did not turn the probe in the step before, or does not in this one, only positions
-    // are known.
+    // Only positions are known of a coupling that did not turn the probe in the step before, or does not in
+    // this one.
     if (last_.turn_radius != probe.turn_radius) forgetTurns();
     const double radius = std::min(last_.turn_radius, probe.turn_radius);
-    const Vec6 device_moved =
-        motion(last_.device, last_.device_orientation, probe.device, device.orientation, radius);
+    const Vec6 device_moved = joined(probe.device - last_.device,
+                                     radius * turnBetween(last_.device_orientation, device.orientation));
     const Vec6 proxy_moved =
-        motion(last_.proxy, last_.proxy_orientation, probe.proxy, probe.orientation, radius);
+        joined(probe.proxy - last_.proxy, radius * turnBetween(last_.proxy_orientation, probe.orientation));
     if (last_.contact) learn(device_moved, proxy_moved);
     // From moves of the same step, so that what the hand did cancels in what the proxy did beside it.
     const Vec6 drift = (proxy_moved - follow_ * device_moved) / step_interval;

@@ -6,10 +6,6 @@
 namespace haptic_cloth {
 
 /// Place of a device that has not turned, or force without a torque.
-inline Vec6 straight(double x, double y, double z) {
-  Vec6 all = Vec6::Zero();
-  all.head<3>() = Vec3(x, y, z);
-  return all;
-}
+inline Vec6 straight(double x, double y, double z) { return joined(Vec3(x, y, z), Vec3::Zero()); }
 
 }  // namespace haptic_cloth

@@ -175,7 +175,6 @@ TEST(PassivityController, KnowsTheForceOfTheLongestDelayAtEveryRate) {
   }
 }
 
-/// The memory of forces is overwritten hundreds of times, that of positions 100,000 times.
 TEST(PassivityController, CountsAndDampsTurnsAsMoves) {
   // The same buzz along x and about y, where no damping of the hand is sure.
   const auto buzz = [](const PassivityOptions& options, int axis) {
@@ -198,6 +197,7 @@ TEST(PassivityController, CountsAndDampsTurnsAsMoves) {
   EXPECT_NEAR(buzz(sure, 4).energy(), moved.energy(), 1e-15);
 }
 
+/// The memory of forces is overwritten hundreds of times, that of positions 100,000 times.
 TEST(PassivityController, CountsForHoursAsAtTheStart) {
   const Ticked energy = tickedFor(1000.0, 0.02, 500000);
   EXPECT_NEAR(energy.counted, energy.expected, 1e-8) << "sums of 500,000 terms of 1e-4 J";
