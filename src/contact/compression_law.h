@@ -1,6 +1,7 @@
 /// Pressure between two layers of cloth: pure functions.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "contact/contact_law.h"
@@ -10,9 +11,10 @@ namespace haptic_cloth {
 
 /// Pressure of two layers whose mid-surfaces are a distance g apart. Each layer takes half of the
 /// compression, so g is the thickness T of one layer under that pressure. The law of KES-FB3 holds
-/// up to P_m = 50 gf/cm², and a logarithmic barrier is added beyond it:
+/// up to P_m = 50 gf/cm². It goes on straight beyond, where a logarithmic barrier is added:
 ///
-///     p(g) = P_m x^n + P_b v²/(1-v),    x = (T0 - g)/(T0 - Tm),  n = 2/LC - 1,  v = 1 - g/Tm
+///     p(g) = P_m f(x) + P_b v²/(1-v),    x = (T0 - g)/(T0 - Tm),  n = 2/LC - 1,  v = 1 - g/Tm
+///     f(x) = x^n  up to x = 1,  else 1 + n (x - 1)
 ///
 /// where negative x and v count as zero. The pressure is zero from T0 on, has a continuous slope,
 /// and grows without bound towards g = 0. Without FB3 data Tm is the thickness and the barrier is
@@ -50,14 +52,31 @@ class CompressionLaw {
   const Constants& constants() const { return constants_; }
   double range() const { return constants_.range; }  ///< distance at which layers touch [m]
 
+  /// Distance that a change of the mesh must leave between layers [m]. At it the law of FB3 stores P_m Tm
+  /// beyond its largest pressure, about as much as the barrier gains where a distance is halved. So a steep
+  /// law makes no more energy than others. Without FB3 data it is 0.
+  double leastRoom() const {
+    const Constants& c = constants_;
+    if (c.pressure == 0.0) return 0.0;
+    const double stiffness = c.pressure * c.exponent / c.span;
+    const double way =
+        (std::sqrt(c.pressure * c.pressure + 2.0 * stiffness * c.pressure * c.barrier_range) - c.pressure) /
+        stiffness;
+    return std::max(0.0, c.barrier_range - way);
+  }
+
   /// @param distance g > 0 [m]
   Point operator()(double distance) const {
     const Constants& c = constants_;
     Point sum{0.0, 0.0, 0.0};
     const double x = (c.range - distance) / c.span;
     if (x > 0.0) {
-      const double steep = std::pow(x, c.exponent - 1.0), pressure = c.pressure * steep * x;
-      sum = {pressure * x * c.span / (c.exponent + 1.0), pressure, c.pressure * c.exponent * steep / c.span};
+      const double tested = std::min(x, 1.0), past = x - tested;
+      const double steep = std::pow(tested, c.exponent - 1.0), slope = c.exponent * steep;
+      const double pressure = steep * tested + past * slope;
+      sum = {c.pressure * c.span *
+                 (steep * tested * tested / (c.exponent + 1.0) + past * (1.0 + 0.5 * past * slope)),
+             c.pressure * pressure, c.pressure * slope / c.span};
     }
     const double left = distance / c.barrier_range, v = 1.0 - left;
     if (v > 0.0) {

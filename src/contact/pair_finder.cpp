@@ -223,10 +223,11 @@ void PairFinder::beginChange(const ActiveMesh& mesh, const Field& nodes) {
   tree_.fit(mesh, nodes, motion_, deviation_);
 }
 
-bool PairFinder::hasRoom(const ActiveMesh& mesh, const Field& nodes, const Cell& cell, double moved) {
+bool PairFinder::hasRoom(const ActiveMesh& mesh, const Field& nodes, const Cell& cell, double moved,
+                         double least) {
   if (moved < 1e-12 * std::min(grid_.dx, grid_.dy)) return true;  // rounding
   // Both parts of a pair may move.
-  within_ = lines_within_ = 2.0 * moved;
+  within_ = lines_within_ = least + 2.0 * moved;
   points_.clear();
   lines_.clear();
   return tree_.allAround(cell, within_, [&](int a, int b) {

@@ -55,8 +55,8 @@ class PairFinder {
   void beginChange(const ActiveMesh& mesh, const Field& nodes);
 
   /// Tells whether the surface may move by `moved` in a cell, and in its neighbours along with it,
-  /// without meeting another part that moves as little as its own room allows [m].
-  bool hasRoom(const ActiveMesh& mesh, const Field& nodes, const Cell& cell, double moved);
+  /// without coming nearer than `least` to another part that moves as little as its own room allows [m].
+  bool hasRoom(const ActiveMesh& mesh, const Field& nodes, const Cell& cell, double moved, double least);
 
   /// Starts a step, in which all parts may count as smooth; see ClothTree::staysSmooth().
   void forgetRough() { tree_.forgetRough(); }

@@ -121,13 +121,16 @@ HAPTIC_CLOTH_INLINE PressureLanes press(const CompressionLaw::Constants& law, co
                     law.barrier_pressure * v * v * inverse,
                     law.barrier_pressure / law.barrier_range * v * (2.0 - v) * inverse * inverse};
   if (law.pressure == 0.0) return sum;
-  const Lanes x = larger((law.range - distance) / law.span, none);
+  const Lanes x = larger((law.range - distance) / law.span, none), tested = smaller(x, all(1.0)),
+              past = x - tested;
   Lanes steep{};
   for (int l = 0; l < kLanes; ++l) {
-    if (x[l] > 0.0) steep[l] = law.pressure * std::pow(x[l], law.exponent - 1.0);
+    if (x[l] > 0.0) steep[l] = law.pressure * std::pow(tested[l], law.exponent - 1.0);
   }
-  sum.energy += steep * x * x * (law.span / (law.exponent + 1.0));
-  sum.pressure += steep * x;
+  const double slope = law.pressure * law.exponent;  // beyond the test
+  sum.energy += steep * tested * tested * (law.span / (law.exponent + 1.0)) +
+                law.span * past * (law.pressure + 0.5 * slope * past);
+  sum.pressure += steep * tested + slope * past;
   sum.stiffness += steep * (law.exponent / law.span);
   return sum;
 }

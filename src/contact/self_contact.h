@@ -50,7 +50,7 @@ class SelfContact {
 
   void beginChange(const ActiveMesh& mesh, const Field& nodes) { finder_.beginChange(mesh, nodes); }
   bool hasRoom(const ActiveMesh& mesh, const Field& nodes, const Cell& cell, double moved) {
-    return finder_.hasRoom(mesh, nodes, cell, moved);
+    return finder_.hasRoom(mesh, nodes, cell, moved, law_.leastRoom());
   }
 
   void forgetRough() { finder_.forgetRough(); }

@@ -235,9 +235,10 @@ Compression readCompression(const YamlValue& group, double fabric_thickness) {
   if (!(ratio < kAlike && ratio > 1.0 / kAlike))
     given.fail("must be within a factor of 10 of thickness = " + plain(fabric_thickness / kMillimetre) +
                " mm: it is in mm");
-  if (!(pressed < thickness)) map.require("Tm").fail("must be below T0");
-  const double linearity = positive(map.require("LC"));
-  if (!(linearity < 1.0)) map.require("LC").fail("must be > 0 and < 1");
+  // Steeper laws would be walls: solves of layers do not converge.
+  if (!(pressed <= 0.99 * thickness)) map.require("Tm").fail("must be at most 0.99 T0");
+  const double linearity = map.require("LC").number();
+  if (!(linearity >= 0.05 && linearity < 1.0)) map.require("LC").fail("must be >= 0.05 and < 1");
   if (const auto work = map.find("WC")) {
     // LC is defined by WC = LC P_m (T0 - Tm)/2; 50 gf/cm² · 1 mm = 5 gf·cm/cm². Sources round.
     constexpr double kRounding = 0.05;

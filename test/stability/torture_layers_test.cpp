@@ -240,6 +240,19 @@ TEST(Torture, ProbeHammersAFold) {
   tortureLayers(strip);
 }
 
+/// The steepest law of compression that a fabric file may hold, T0 = 1 mm: a change of the mesh that halves a
+/// distance could make any energy.
+TEST(Torture, PileOfAFabricThatHardlyYields) {
+  LinearFabric linear;
+  linear.thickness = 1e-3;
+  linear.rigidity = 4e-6;
+  linear.compression = 0.1;
+  linear.measured = Compression{1e-3, 0.99e-3, 0.05};
+  Torture strip = pile("pile_hard", writeFabric(linear));
+  strip.scene.stop.time = 0.5;
+  tortureLayers(strip);
+}
+
 struct Extreme {
   const char* name;
   double thickness, stiffness, rigidity;  ///< [m], [N/m], [N m]

@@ -41,9 +41,8 @@ Fabric slackFabric(double areal_density, bool measured) {
   linear.stiffness = 100.0;
   linear.compression = 1e-6;
   linear.shear_modulus = 1e-6;
-  Fabric fabric = makeFabric(linear);
-  if (measured) fabric.compression = Compression{linear.thickness, 0.7 * linear.thickness, 0.35};
-  return fabric;
+  if (measured) linear.measured = Compression{linear.thickness, 0.7 * linear.thickness, 0.35};
+  return makeFabric(linear);
 }
 
 Scene layersScene(const Layers& layers, const Fabric& fabric) {
@@ -61,9 +60,8 @@ Scene layersUnderSphere(const Layers& layers, bool measured) {
   linear.compression = 1e-3;
   linear.rigidity = 1e-7;
   linear.shear_modulus = 5.0;
-  Fabric fabric = makeFabric(linear);
-  if (measured) fabric.compression = slackFabric(linear.areal_density, true).compression;
-  Scene scene = layersScene(layers, fabric);
+  if (measured) linear.measured = slackFabric(linear.areal_density, true).compression;
+  Scene scene = layersScene(layers, makeFabric(linear));
   scene.obstacles = {Obstacle()};
   ProbeOptions& probe = scene.probes[0];
   probe.radius = 0.1;

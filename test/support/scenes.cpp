@@ -11,6 +11,7 @@ Fabric makeFabric(const LinearFabric& linear) {
   fabric.areal_density = linear.areal_density;
   fabric.thickness = linear.thickness;
   fabric.compression_ratio = linear.compression;
+  fabric.compression = linear.measured;
   const Curve tensile(-1.0, 1.0, {-linear.compression * linear.stiffness, 0.0, linear.stiffness});
   fabric.tensile = {tensile, tensile};
   fabric.bending = {Curve::linear(linear.rigidity), Curve::linear(linear.rigidity)};

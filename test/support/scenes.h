@@ -1,6 +1,7 @@
 /// Scenes shared by tests, benchmarks and validation.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,12 +12,13 @@ namespace haptic_cloth {
 
 /// Linear laws for a test. The defaults are a light fabric of 0.15 kg/m².
 struct LinearFabric {
-  double areal_density = 0.15;  ///< [kg/m²]
-  double stiffness = 1000.0;    ///< tension over strain [N/m]
-  double compression = 1.0;     ///< stiffness below zero strain / stiffness above [-]
-  double rigidity = 0.0;        ///< bending moment over curvature [N·m]
-  double shear_modulus = 30.0;  ///< [N/m per rad]
-  double thickness = 5e-4;      ///< [m]
+  double areal_density = 0.15;          ///< [kg/m²]
+  double stiffness = 1000.0;            ///< tension over strain [N/m]
+  double compression = 1.0;             ///< stiffness below zero strain / stiffness above [-]
+  double rigidity = 0.0;                ///< bending moment over curvature [N·m]
+  double shear_modulus = 30.0;          ///< [N/m per rad]
+  double thickness = 5e-4;              ///< [m]
+  std::optional<Compression> measured;  ///< data of KES-FB3
 };
 
 Fabric makeFabric(const LinearFabric& linear);

@@ -360,6 +360,10 @@ std::string writeFabric(const LinearFabric& linear) {
        << "\nthickness: " << linear.thickness << "\ntensile: {stiffness: " << linear.stiffness
        << "}\nbending: {rigidity: " << linear.rigidity << "}\nshear: {modulus: " << linear.shear_modulus
        << "}\ncompression_ratio: " << linear.compression << '\n';
+  if (const auto& measured = linear.measured) {
+    text << "compression: {T0: " << 1e3 * measured->thickness << ", Tm: " << 1e3 * measured->pressed_thickness
+         << ", LC: " << measured->linearity << "}\n";
+  }
   std::ostringstream name;
   name << testing::TempDir() << "haptic_cloth_fabric_" << std::hash<std::string>()(text.str()) << ".yaml";
   // Another process may write the same file.

@@ -1,7 +1,8 @@
 /// Pressure between two layers of cloth.
 /// Criteria: force and stiffness are derivatives, by central differences, whose error is δ²/6 of
 /// the third derivative; the values by which KES-FB3 is defined: P_m at Tm, work WC = LC P_m (T0 -
-/// Tm)/2; a continuous slope; no bound towards a distance of zero.
+/// Tm)/2; a continuous slope; no bound towards a distance of zero; beyond Tm
+/// the integrals of a straight line and of the barrier.
 #include "contact/compression_law.h"
 
 #include <gtest/gtest.h>
@@ -85,6 +86,29 @@ TEST(CompressionLaw, BeginsSmoothlyAndHasNoBound) {
     }
     EXPECT_GT(last, 1e12);  // the barrier is at least P_b Tm/g
   }
+}
+
+/// Beyond P_m the law of the test is a line of slope (2/LC - 1) P_m/(T0 - Tm). What it stores there is a
+/// polynomial of second degree; the barrier stores P_m Tm (-v²/2 - v - ln(1 - v)), v = 1 - g/Tm. At the
+/// least room of a mesh change the line has stored P_m Tm.
+TEST(CompressionLaw, GoesOnStraightBeyondTheTest) {
+  constexpr double kMost = 4903.325;  // P_m [Pa]
+  for (const double linearity : {0.05, 0.33, 0.95}) {
+    const CompressionLaw law = measured(linearity);
+    const double slope = (2.0 / linearity - 1.0) * kMost / (kFree - kPressed);
+    const auto beyond = [&](double distance) {
+      const double way = kPressed - distance;
+      return kMost * way + 0.5 * slope * way * way;
+    };
+    for (double distance = 0.05 * kPressed; distance < kPressed; distance += 0.1 * kPressed) {
+      const double v = 1.0 - distance / kPressed;
+      const double energy =
+          law(kPressed).energy + beyond(distance) + kMost * kPressed * (-0.5 * v * v - v - std::log(1.0 - v));
+      EXPECT_NEAR(law(distance).energy, energy, tolerance(1e-9) * energy);
+    }
+    EXPECT_NEAR(beyond(law.leastRoom()), kMost * kPressed, tolerance(1e-9) * kMost * kPressed);
+  }
+  EXPECT_EQ(unmeasured().leastRoom(), 0.0);
 }
 
 TEST(CompressionLaw, WithoutMeasurementIsTheContactLawWithoutItsLinearEnd) {

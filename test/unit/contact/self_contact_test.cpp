@@ -32,10 +32,17 @@ CompressionLaw law(double thickness = kThickness) {
   return CompressionLaw(fabric);
 }
 
+/// Law of a fabric that KES-FB3 found hard.
+CompressionLaw hardLaw() {
+  Fabric fabric;
+  fabric.compression = Compression{kThickness, 0.9 * kThickness, 0.2};
+  return CompressionLaw(fabric);
+}
+
 /// Cloth with self-contact, in positions that a test sets.
 struct Folded {
-  Folded(const Grid& grid, const LeafMesh& leaves, double friction, double thickness = kThickness)
-      : mesh(leaves, 0.2), contact(grid, {law(thickness), friction}, kSlip), surface(grid) {
+  Folded(const Grid& grid, const LeafMesh& leaves, double friction, const CompressionLaw& between = law())
+      : mesh(leaves, 0.2), contact(grid, {between, friction}, kSlip), surface(grid) {
     contact.rebuild(mesh);
     surface.rebuild(mesh);
     x.resize(mesh.nodes());
@@ -44,7 +51,8 @@ struct Folded {
     reach.assign(mesh.nodes(), 0.0);
     dented.assign(mesh.patches.size(), 0);
   }
-  explicit Folded(const Grid& grid, double friction = 0.0) : Folded(grid, LeafMesh(grid, {}, 0), friction) {}
+  explicit Folded(const Grid& grid, double friction = 0.0, const CompressionLaw& between = law())
+      : Folded(grid, LeafMesh(grid, {}, 0), friction, between) {}
 
   Vec3 flat(int n) const {
     return {mesh.grid.column(mesh.particle[n]) * kSpacing, mesh.grid.row(mesh.particle[n]) * kSpacing, 0.0};
@@ -262,11 +270,11 @@ TEST(SelfContact, PairsDoNotDependOnEarlierSearches) {
   for (const Case& c : {Case{down, mixedLeaves(grid, 3), kThickness},
                         Case{squeezed, LeafMesh(gridOf(11, 9, 0), {}, 0), kSpacing}}) {
     const Grid& own = c.leaves.grid();
-    Folded kept(own, c.leaves, 0.0, c.thickness);
+    Folded kept(own, c.leaves, 0.0, law(c.thickness));
     int empty = 0, found = 0;
     for (int step = 0; step < kSteps; ++step) {
       const auto share = [&](int k) { return static_cast<double>(k - std::max(0, k % 50 - 40)) / kSteps; };
-      Folded fresh(own, c.leaves, 0.0, c.thickness);
+      Folded fresh(own, c.leaves, 0.0, law(c.thickness));
       for (Folded* each : {&kept, &fresh}) {
         each->place([&](const Vec3& at) { return c.place(at, share(step)); });
         for (int n = 0; n < each->mesh.nodes(); ++n) {
@@ -381,21 +389,26 @@ TEST_P(ForcesOfLayers, ForcesDoNotDependOnTheWay) {
 /// The force between the layers of a hairpin is the law's pressure times the area where they lie
 /// above each other; the round end carries less than two rows of cells more or less.
 TEST_P(ForcesOfLayers, LayersPressByTheLaw) {
-  Folded cloth(gridOf(61, 21, 0));
-  cloth.dented = dents(cloth);
-  const double gap = 0.6 * kThickness, fold = 0.12;
-  cloth.place([&](const Vec3& at) { return hairpin(at, fold, gap); });
-  cloth.collect();
-  const Field gradient = cloth.gradient();
-  double up = 0.0, sum = 0.0;
-  for (int n = 0; n < cloth.mesh.nodes(); ++n) {
-    sum += gradient[n].z();
-    if (cloth.x[n].z() > 0.9 * gap) up -= gradient[n].z();
-  }
-  EXPECT_NEAR(sum, 0.0, 1e-12);  // action and reaction
-  const double pressure = law()(gap).pressure;
-  const double width = 20 * kSpacing, length = 0.24 - fold - EIGEN_PI * 0.5 * gap;
-  EXPECT_NEAR(up, pressure * width * length, pressure * width * 2.0 * kSpacing);
+  const double fold = 0.12;
+  const auto expectLaw = [&](const CompressionLaw& between, double gap) {
+    Folded cloth(gridOf(61, 21, 0), 0.0, between);
+    cloth.dented = dents(cloth);
+    cloth.place([&](const Vec3& at) { return hairpin(at, fold, gap); });
+    cloth.collect();
+    const Field gradient = cloth.gradient();
+    double up = 0.0, sum = 0.0;
+    for (int n = 0; n < cloth.mesh.nodes(); ++n) {
+      sum += gradient[n].z();
+      if (cloth.x[n].z() > 0.9 * gap) up -= gradient[n].z();
+    }
+    EXPECT_NEAR(sum, 0.0, 1e-12);  // action and reaction
+    const double pressure = between(gap).pressure;
+    const double width = 20 * kSpacing, length = 0.24 - fold - EIGEN_PI * 0.5 * gap;
+    EXPECT_NEAR(up, pressure * width * length, pressure * width * 2.0 * kSpacing);
+  };
+  expectLaw(law(), 0.6 * kThickness);
+  expectLaw(hardLaw(), 0.95 * kThickness);
+  for (const double beyond_test : {0.6, 0.3}) expectLaw(hardLaw(), beyond_test * kThickness);
 }
 
 /// Layers that stuck start the next step with the same friction, also in a contact that has loaded the
@@ -641,15 +654,21 @@ TEST(SelfContact, StepsCutShortGoOnInPart) {
 }
 
 /// Layers of a hairpin 1.5 thicknesses apart have room to move by a quarter of that, not by three
-/// quarters.
+/// quarters. If their law is hard, they must stay farther apart.
 TEST(SelfContact, TellsWhetherAChangeOfTheMeshHasRoom) {
-  Folded cloth(gridOf(33, 17, 2));
   const double gap = 1.5 * kThickness;
-  cloth.place([&](const Vec3& at) { return hairpin(at, 0.06, gap); });
-  cloth.contact.beginChange(cloth.mesh, cloth.x);
-  const Cell covered{8, 4, 2};
-  EXPECT_TRUE(cloth.contact.hasRoom(cloth.mesh, cloth.x, covered, 0.25 * gap));
-  EXPECT_FALSE(cloth.contact.hasRoom(cloth.mesh, cloth.x, covered, 0.75 * gap));
+  const auto hasRoom = [&](const CompressionLaw& between, double moved) {
+    Folded cloth(gridOf(33, 17, 2), 0.0, between);
+    cloth.place([&](const Vec3& at) { return hairpin(at, 0.06, gap); });
+    cloth.contact.beginChange(cloth.mesh, cloth.x);
+    return cloth.contact.hasRoom(cloth.mesh, cloth.x, {8, 4, 2}, moved);
+  };
+  EXPECT_TRUE(hasRoom(law(), 0.25 * gap));
+  EXPECT_FALSE(hasRoom(law(), 0.75 * gap));
+  const double left = 0.5 * (gap - hardLaw().leastRoom());
+  EXPECT_GT(hardLaw().leastRoom(), 0.5 * kThickness);
+  EXPECT_TRUE(hasRoom(hardLaw(), 0.99 * left));
+  EXPECT_FALSE(hasRoom(hardLaw(), 1.01 * left));
 }
 
 }  // namespace

@@ -130,9 +130,13 @@ TEST_F(FabricFile, WrongCompressionDataAreNamed) {
        "cloth.yaml:5: compression.T0 = 0.0009: must be within a factor of 10 of thickness = 0.5 mm: it is in "
        "mm"},
       {base + "compression: {T0: 0.65, Tm: 0.9, LC: 0.33}\n",
-       "cloth.yaml:5: compression.Tm = 0.9: must be below T0"},
+       "cloth.yaml:5: compression.Tm = 0.9: must be at most 0.99 T0"},
+      {base + "compression: {T0: 0.9, Tm: 0.892, LC: 0.33}\n",
+       "cloth.yaml:5: compression.Tm = 0.892: must be at most 0.99 T0"},
       {base + "compression: {T0: 0.9, Tm: 0.65, LC: 1}\n",
-       "cloth.yaml:5: compression.LC = 1: must be > 0 and < 1"},
+       "cloth.yaml:5: compression.LC = 1: must be >= 0.05 and < 1"},
+      {base + "compression: {T0: 0.9, Tm: 0.65, LC: 0.049}\n",
+       "cloth.yaml:5: compression.LC = 0.049: must be >= 0.05 and < 1"},
       {base + "compression: {T0: 0.9, Tm: 0.65, LC: 0.33, WC: 0.23}\n",
        "cloth.yaml:5: compression.WC = 0.23: must be 2.5 LC (T0 - Tm) within 5 %, 0.20625: it is in "
        "gf·cm/cm²"},
