@@ -115,6 +115,8 @@ enum class HapticStatus {
 /// Short name of a status for logs and diagnostics ("contact", ...).
 const char* toString(HapticStatus status);
 
+struct HeldEnergies;
+
 /// The haptic tick of one probe: pure arithmetic on its own state, no clock, no lock, no allocation.
 class HapticLoop {
  public:
@@ -144,11 +146,19 @@ class HapticLoop {
   double energy() const { return passivity_.energy(); }
 
  private:
+  /// Energy that coupling and cloth have taken from the device by their own account [J].
+  struct Taken {
+    double by_force = 0.0;
+    double all = 0.0;  ///< by force and torque
+  };
+
   Wrench contactWrench(const DeviceSample& device, const ProbeSnapshot& snapshot, double now);
   Wrench handedOver(const DeviceSample& device, const ProbeSnapshot& snapshot, const Wrench& wrench,
                     double now);
   double torqueRate(double force_rate);
-  void observe(const DeviceSample& device, const HeldEnergy& moved, const HeldEnergy& all);
+  Wrench withinLimits(const Wrench& wrench) const;
+  Taken takenSince(const ProbeSnapshot& solve, const Pose& place, const Wrench& wrench) const;
+  void observe(const DeviceSample& device, const HeldEnergies& held, const Taken& taken);
 
   HapticOptions options_;
   PassivityController passivity_;         ///< of the force
@@ -156,6 +166,7 @@ class HapticLoop {
   Quat orientation_ = Quat::Identity();   ///< of the device at the last tick
   Vec3 turned_ = Vec3::Zero();            ///< all turns of the device so far [rad]
   ProbeSnapshot snapshot_;                ///< of the last tick
+  Taken taken_;                           ///< until the solve of that snapshot
   Wrench handover_;                       ///< wrench of the last snapshot minus that of the newest
   double handover_start_ = 0.0;           ///< steady clock [s]
   double handover_time_ = 0.0;            ///< time in which it fades [s]

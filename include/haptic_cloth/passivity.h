@@ -1,6 +1,7 @@
 /// Passivity observer and controller: removes energy that the haptic loop has created.
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include "haptic_cloth/types.h"
@@ -37,13 +38,20 @@ struct HeldEnergy {
 ///
 /// E is kept at or below the energy that coupling and cloth hold and can give back, or could 5 ms ago.
 /// Otherwise friction would fill the store during a long contact and feed a later buzz.
+///
+/// Cloth may also give what the hand did not put in just before: a weight that is let down, the push of a
+/// moving obstacle, the pull of friction on a ball that the hand turns. So a second account L counts the loop
+/// alone: what the hand puts in minus what goes on into coupling and cloth, as the solver's forces say. A
+/// force that is held or late lowers both. The debt is that of the higher one.
 class PassivityController {
  public:
   /// @param period time between ticks [s], at least 1/kMostTickRate
   PassivityController(const PassivityOptions& options, double period);
 
   /// Records the place of the device [m] and the energy held there. Called once a tick, before damping().
-  void observe(const Vec6& place, const HeldEnergy& held);
+  /// @param taken energy that coupling and cloth have taken since some moment by their own account, in
+  /// which the force is never weakened [J]
+  void observe(const Vec6& place, const HeldEnergy& held, double taken);
 
   /// Force that pays the debt [N]; zero if there is none.
   Vec6 damping() const;
@@ -67,8 +75,8 @@ class PassivityController {
   /// counts as put in.
   void reset();
 
-  /// Energy put in by the hand and not given back [J]; < 0: debt.
-  double energy() const { return energy_; }
+  /// Energy put in by the hand and not given back [J]: the higher one of E and L; < 0: debt.
+  double energy() const { return std::max(by_hand_, by_loop_); }
 
   /// Velocity of the device over the last kWindow ticks [m/s].
   const Vec6& velocity() const { return velocity_; }
@@ -102,10 +110,12 @@ class PassivityController {
 
   PassivityOptions options_;
   double period_;
-  Last<kForces> forces_;      ///< since the last reset
-  Last<kWindow + 1> places_;  ///< since the last reset or change of the period
-  double energy_ = 0.0, gain_ = 1.0;
-  double cloth_ = 0.0;  ///< share of the cloth in the bound of E [J]
+  Last<kForces> forces_;                  ///< since the last reset
+  Last<kWindow + 1> places_;              ///< since the last reset or change of the period
+  double by_hand_ = 0.0, by_loop_ = 0.0;  ///< E and L [J]
+  double taken_ = 0.0;                    ///< see observe() [J]
+  double gain_ = 1.0;
+  double cloth_ = 0.0;  ///< share of the cloth in the bound of E and L [J]
   Vec6 velocity_ = Vec6::Zero();
 };
 

@@ -53,6 +53,10 @@ HapticStatus judge(const HapticOptions& options, const DeviceSample& device, con
   return hasJumped(device, snapshot) ? HapticStatus::NoSnapshot : HapticStatus::Contact;
 }
 
+Pose placeOf(const ProbeSnapshot& snapshot) { return {snapshot.device, snapshot.device_orientation}; }
+
+Wrench wrenchOf(const ProbeSnapshot& snapshot) { return {snapshot.force, snapshot.torque}; }
+
 }  // namespace
 
 const char* toString(HapticStatus status) {
@@ -116,10 +120,12 @@ Vec3 HapticLoop::tick(const DeviceSample& device, const ProbeSnapshot& snapshot,
 
   Wrench target;
   double rate = options_.max_force_rate;
+  if (good && snapshot.taken != snapshot_.taken && snapshot_.taken >= 0.0 && isFinite(snapshot_))
+    taken_ = takenSince(snapshot_, placeOf(snapshot), wrenchOf(snapshot));
   if (status_ == HapticStatus::Contact) {
     target = contactWrench(device, snapshot, now);
   } else if (status_ == HapticStatus::Free) {
-    observe(device, {}, {});
+    observe(device, {}, taken_);
     passivity_.forgive();
     torque_passivity_.forgive();
   } else {
@@ -135,6 +141,23 @@ Vec3 HapticLoop::tick(const DeviceSample& device, const ProbeSnapshot& snapshot,
   return wrench_.force;
 }
 
+/// Adds the energy that is taken on the way from a solve to another place, by the mean of the wrenches at
+/// both ends: exact for springs. What is beyond the limits cannot be felt and does not count.
+HapticLoop::Taken HapticLoop::takenSince(const ProbeSnapshot& solve, const Pose& place,
+                                         const Wrench& wrench) const {
+  const Wrench start = withinLimits(wrenchOf(solve)), end = withinLimits(wrench);
+  const double by_force = -0.5 * (start.force + end.force).dot(place.position - solve.device);
+  const double by_torque =
+      -0.5 * (start.torque + end.torque).dot(turnBetween(solve.device_orientation, place.orientation));
+  return {taken_.by_force + by_force, taken_.all + by_force + by_torque};
+}
+
+Wrench HapticLoop::withinLimits(const Wrench& wrench) const {
+  const double limit = soft_ * options_.max_force;
+  return {limited(wrench.force, limit),
+          limited(shareWithin(wrench.force, limit) * wrench.torque, soft_ * options_.max_torque)};
+}
+
 /// Largest change of the torque [N·m/s]: the same share of its limit as `force_rate` is of the force's.
 /// A torque above a lowered limit, which may be zero, goes down at the pace of the limit it had.
 double HapticLoop::torqueRate(double force_rate) {
@@ -147,9 +170,10 @@ double HapticLoop::torqueRate(double force_rate) {
 /// force: both come from the same contact.
 Wrench HapticLoop::contactWrench(const DeviceSample& device, const ProbeSnapshot& snapshot, double now) {
   const double limit = soft_ * options_.max_force;
-  const Wrench wrench = handedOver(device, snapshot, couplingWrench(options_, device, snapshot), now);
-  const HeldEnergies held = heldEnergies(options_, device, snapshot);
-  observe(device, held.moved, held.all);
+  const Wrench newest = couplingWrench(options_, device, snapshot);
+  const Wrench wrench = handedOver(device, snapshot, newest, now);
+  observe(device, heldEnergies(options_, device, snapshot),
+          takenSince(snapshot, {device.position, device.orientation}, newest));
   const double gain = passivity_.gain(), torque_gain = std::min(gain, torque_passivity_.gain());
   const Vec3 damping = passivity_.damping().head<3>();
   const Vec3 torque_damping = kTurnArm * torque_passivity_.damping().tail<3>();
@@ -161,11 +185,11 @@ Wrench HapticLoop::contactWrench(const DeviceSample& device, const ProbeSnapshot
 /// Shows the pose to both controllers. That of the force counts the work of the force alone: otherwise a
 /// twist could pay for a buzz along the force, and a debt of the torque would weaken the force. That of the
 /// torque counts the work of both, because cloth gives back by a turn what a motion has put in.
-void HapticLoop::observe(const DeviceSample& device, const HeldEnergy& moved, const HeldEnergy& all) {
+void HapticLoop::observe(const DeviceSample& device, const HeldEnergies& held, const Taken& taken) {
   turned_ += turnBetween(orientation_, device.orientation);
   orientation_ = device.orientation;
-  passivity_.observe(joined(device.position, Vec3::Zero()), moved);
-  torque_passivity_.observe(joined(device.position, kTurnArm * turned_), all);
+  passivity_.observe(joined(device.position, Vec3::Zero()), held.moved, taken.by_force);
+  torque_passivity_.observe(joined(device.position, kTurnArm * turned_), held.all, taken.all);
 }
 
 /// Wrench of the newest snapshot. Its difference to that of the last one fades, so there is no step.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace haptic_cloth {
 namespace {
@@ -29,7 +30,7 @@ void PassivityController::reset() {
   forces_.clear();
   places_.clear();
   // Energy held where the next contact begins may come out: after a fault the wall pushes the hand back out.
-  energy_ = std::numeric_limits<double>::max();  // until observe() bounds it
+  by_hand_ = by_loop_ = std::numeric_limits<double>::max();  // until observe() bounds them
   cloth_ = 0.0;
   gain_ = 1.0;
   velocity_ = Vec6::Zero();
@@ -37,8 +38,7 @@ void PassivityController::reset() {
 
 void PassivityController::setOptions(const PassivityOptions& options, double period, double unit) {
   options_ = options;
-  energy_ /= unit;
-  cloth_ /= unit;
+  for (double* energy : {&by_hand_, &by_loop_, &cloth_}) *energy /= unit;
   for (int age = 0; age < forces_.size(); ++age) forces_[age] /= unit;
   if (period == period_) return;
   period_ = period;
@@ -57,31 +57,40 @@ Vec6 PassivityController::forceFelt() const {
   return (1.0 - share) * sentBefore(whole) + share * sentBefore(whole + 1);
 }
 
-void PassivityController::observe(const Vec6& place, const HeldEnergy& held) {
-  if (places_.size() > 0) energy_ -= forceFelt().dot(place - places_[0]);
+void PassivityController::observe(const Vec6& place, const HeldEnergy& held, double taken) {
+  if (places_.size() > 0) {
+    const double given = forceFelt().dot(place - places_[0]);
+    by_hand_ -= given;
+    by_loop_ -= given + gain_ * (taken - taken_);
+  }
+  taken_ = taken;
   places_.add(place);
   const int window = places_.size() - 1;
   velocity_ = window > 0 ? Vec6((place - places_[window]) / (window * period_)) : Vec6(Vec6::Zero());
-  energy_ += options_.device_damping * velocity_.head<3>().squaredNorm() * period_;
+  const double damped = options_.device_damping * velocity_.head<3>().squaredNorm() * period_;
   const double fallen = held.cloth > 0.0 ? cloth_ * std::exp(-period_ / kFall) : 0.0;
   cloth_ = std::min(options_.store, std::max(fallen, held.cloth));
-  energy_ = std::clamp(energy_, -kMostDebt, held.coupling + cloth_);
-  const double debt = std::max(0.0, -energy_);
+  for (double* energy : {&by_hand_, &by_loop_})
+    *energy = std::clamp(*energy + damped, -kMostDebt, held.coupling + cloth_);
+  const double debt = std::max(0.0, -energy());
   const double wanted = options_.debt > 0.0 ? options_.debt / (options_.debt + debt) : 1.0;
-  gain_ = std::min(wanted, gain_ + period_ / kRecovery);
+  const double before = std::exchange(gain_, std::min(wanted, gain_ + period_ / kRecovery));
+  by_loop_ -= (gain_ - before) * held.coupling;
 }
 
 /// α pays the debt within one tick, but is at most what the device bears: at rest, where the speed is a
 /// quantum of position now and then, the force stays that of a small damper.
 Vec6 PassivityController::damping() const {
   const double squared = velocity_.squaredNorm();
-  if (energy_ >= 0.0 || squared == 0.0) return Vec6::Zero();
-  const double wanted = -energy_ / (squared * period_);
+  if (energy() >= 0.0 || squared == 0.0) return Vec6::Zero();
+  const double wanted = -energy() / (squared * period_);
   return -std::min(options_.damping, wanted) * velocity_;
 }
 
 void PassivityController::forgive() {
-  if (energy_ < 0.0) energy_ *= std::exp(-period_ / kForgetting);
+  for (double* energy : {&by_hand_, &by_loop_}) {
+    if (*energy < 0.0) *energy *= std::exp(-period_ / kForgetting);
+  }
 }
 
 void PassivityController::sent(const Vec6& force) { forces_.add(force); }

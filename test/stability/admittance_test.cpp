@@ -155,7 +155,7 @@ AdmittanceResult checked(const AdmittanceRun& run, ProbeWorld& world) {
 }
 
 AdmittanceResult pushWall(const AdmittanceRun& run, double stiffness = 1e9) {
-  WallWorld wall(run.options.coupling_stiffness, stiffness);
+  WallWorld wall(run.options, stiffness);
   return checked(run, wall);
 }
 

@@ -38,7 +38,7 @@ void moveDevice(const LoopRun& run, double time, const Vec3& force, Vec3& positi
 
 }  // namespace
 
-ProbeReport WallWorld::solve(const Vec3& device, const Vec3&) {
+ProbeReport WallWorld::solve(const Vec3& device, const Vec3& device_velocity) {
   constexpr double kTimeStep = 1e-3;
   ProbeReport report;
   report.present = true;
@@ -48,6 +48,8 @@ ProbeReport WallWorld::solve(const Vec3& device, const Vec3&) {
   if (known_) report.velocity = (report.proxy - proxy_) / kTimeStep;
   known_ = true;
   proxy_ = report.proxy;
+  if (report.contact)
+    report.force = coupling_ * (report.proxy - device) + damping_ * (report.velocity - device_velocity);
   return report;
 }
 

@@ -40,12 +40,16 @@ class ProbeWorld {
 /// Wall z < 0 behind the virtual coupling: rigid, or elastic along z. It is free along x and y.
 class WallWorld : public ProbeWorld {
  public:
-  /// @param coupling stiffness of the probe's coupling [N/m]
+  /// @param options of the loop, with the probe's coupling
   /// @param stiffness stiffness of the wall [N/m]
-  WallWorld(double coupling, double stiffness) : follow_(coupling / (coupling + stiffness)) {}
+  WallWorld(const HapticOptions& options, double stiffness)
+      : coupling_(options.coupling_stiffness),
+        damping_(options.coupling_damping),
+        follow_(coupling_ / (coupling_ + stiffness)) {}
   ProbeReport solve(const Vec3& device, const Vec3& device_velocity) override;
 
  private:
+  double coupling_, damping_;
   double follow_;
   bool known_ = false;
   Vec3 proxy_ = Vec3::Zero();

@@ -39,7 +39,7 @@ double buzz(const PublishedDevice& device) { return std::max(1.5e-4, 2.0 * devic
 class Devices : public testing::TestWithParam<PublishedDevice> {
  protected:
   void expectQuiet(const LoopRun& run, double wall_stiffness) {
-    WallWorld wall(run.options.coupling_stiffness, wall_stiffness);
+    WallWorld wall(run.options, wall_stiffness);
     const LoopResult result = runLoop(run, wall);
     const auto what = [&] {
       return std::to_string(run.options.coupling_stiffness) + " N/m, " +
@@ -105,7 +105,7 @@ TEST_P(Devices, ADeadDeviceGetsZero) {
   constexpr double kRamp = 0.05;
   LoopRun run = runOf(GetParam(), GetParam().stiffness, 1.0, 0.001);
   run.device.dies_at = 1.0;
-  WallWorld wall(run.options.coupling_stiffness, 1e9);
+  WallWorld wall(run.options, 1e9);
   const LoopResult result = runLoop(run, wall);
   EXPECT_GT(result.most_force, 0.5);
   EXPECT_TRUE(result.finite);

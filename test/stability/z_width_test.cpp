@@ -53,7 +53,7 @@ LoopRun runOf(double stiffness, double delay, double damping, bool controlled) {
 }
 
 LoopResult touchWall(const LoopRun& run) {
-  WallWorld wall(run.options.coupling_stiffness, 1e9);
+  WallWorld wall(run.options, 1e9);
   return runLoop(run, wall);
 }
 

@@ -160,7 +160,7 @@ TEST(LivePassivity, SpeedIsRightAtTheNewRateAndTheEnergyOfTheHandStays) {
   double x = 0.0;
   const auto tick = [&](double period, double force) {
     x += speed * period;
-    passivity.observe(straight(x, 0.0, 0.0), {0.0, 0.05});
+    passivity.observe(straight(x, 0.0, 0.0), {0.0, 0.05}, 0.0);
     passivity.sent(straight(force, 0.0, 0.0));
   };
   for (int i = 0; i < 20; ++i) tick(1e-3, -1.0);

@@ -120,7 +120,7 @@ PassivityOptions bare() {
 double swing(PassivityController& controller, double stiffness, int cycles, double held) {
   for (int k = 0; k < cycles * 200; ++k) {
     const double x = 2e-3 * std::sin(2 * EIGEN_PI * 5.0 * k * kTick);
-    controller.observe(straight(x, 0, 0), {0.0, k == 0 ? 0.0 : held});
+    controller.observe(straight(x, 0, 0), {0.0, k == 0 ? 0.0 : held}, 0.0);
     controller.sent(straight(-stiffness * x, 0, 0));
   }
   return controller.energy();
@@ -159,7 +159,7 @@ Ticked tickedFor(double rate, double delay, int ticks) {
   const int late = 1 + static_cast<int>(std::lround(delay * rate));
   double expected = held;
   for (int k = 0; k < ticks; ++k) {
-    controller.observe(straight(k * way, 0, 0), {held, 0.0});
+    controller.observe(straight(k * way, 0, 0), {held, 0.0}, 0.0);
     controller.sent(straight(force(k), 0, 0));
     if (k >= late) expected -= force(k - late) * way;
   }
@@ -181,7 +181,7 @@ TEST(PassivityController, CountsAndDampsTurnsAsMoves) {
     PassivityController controller(options, kTick);
     for (int k = 0; k < 100; ++k) {
       const double x = 2e-3 * std::sin(0.3 * k);
-      controller.observe(x * Vec6::Unit(axis), {0.0, k == 0 ? 0.0 : 1.0});
+      controller.observe(x * Vec6::Unit(axis), {0.0, k == 0 ? 0.0 : 1.0}, 0.0);
       controller.sent(-400.0 * x * Vec6::Unit(axis));
     }
     return controller;
@@ -216,20 +216,20 @@ TEST(PassivityController, LongFrictionFillsNoStore) {
   // out.
   PassivityController controller(bare(), kTick);
   for (int k = 0; k < 10000; ++k) {
-    controller.observe(straight(0.2 * k * kTick, 0, 0), {0.0, 0.003});
+    controller.observe(straight(0.2 * k * kTick, 0, 0), {0.0, 0.003}, 0.0);
     controller.sent(straight(-1.0, 0, 0));
   }
   EXPECT_EQ(controller.energy(), 0.003);
   PassivityOptions small = bare();
   small.store = 0.001;
   PassivityController bounded(small, kTick);
-  bounded.observe(Vec6::Zero(), {0.0, 0.0});
+  bounded.observe(Vec6::Zero(), {0.0, 0.0}, 0.0);
   bounded.sent(straight(-1.0, 0, 0));
-  bounded.observe(straight(0.5, 0, 0), {0.0, 1.0});
+  bounded.observe(straight(0.5, 0, 0), {0.0, 1.0}, 0.0);
   EXPECT_EQ(bounded.energy(), 0.001);
   // The energy of the coupling's own spring adds to the store, because it is known exactly.
   bounded.sent(straight(-1.0, 0, 0));
-  bounded.observe(straight(1.0, 0, 0), {0.002, 1.0});
+  bounded.observe(straight(1.0, 0, 0), {0.002, 1.0}, 0.0);
   EXPECT_EQ(bounded.energy(), 0.003);
 }
 
@@ -237,16 +237,16 @@ TEST(PassivityController, ATickInWhichTheClothSeemsStiffCostsNothing) {
   // The cloth holds 10 mJ. At a tick it seems to hold a quarter, and then it gives 8 mJ back. What may come
   // out falls to 1/e in 5 ms, but not below what it seems to hold.
   PassivityController controller(bare(), kTick);
-  controller.observe(Vec6::Zero(), {0.0, 0.01});
-  controller.observe(Vec6::Zero(), {0.0, 0.0025});
+  controller.observe(Vec6::Zero(), {0.0, 0.01}, 0.0);
+  controller.observe(Vec6::Zero(), {0.0, 0.0025}, 0.0);
   controller.sent(straight(1.0, 0, 0));
-  controller.observe(straight(0.008, 0, 0), {0.0, 0.01});
+  controller.observe(straight(0.008, 0, 0), {0.0, 0.01}, 0.0);
   EXPECT_NEAR(controller.energy(), 0.01 * std::exp(-kTick / 0.005) - 0.008, 1e-12);
   PassivityController held(bare(), kTick);
-  held.observe(Vec6::Zero(), {0.0, 0.01});
-  for (int k = 0; k < 4; ++k) held.observe(Vec6::Zero(), {0.0, 0.0025});
+  held.observe(Vec6::Zero(), {0.0, 0.01}, 0.0);
+  for (int k = 0; k < 4; ++k) held.observe(Vec6::Zero(), {0.0, 0.0025}, 0.0);
   EXPECT_NEAR(held.energy(), 0.01 * std::exp(-0.8), 1e-12);
-  for (int k = 0; k < 1000; ++k) held.observe(Vec6::Zero(), {0.0, 0.0025});
+  for (int k = 0; k < 1000; ++k) held.observe(Vec6::Zero(), {0.0, 0.0025}, 0.0);
   EXPECT_EQ(held.energy(), 0.0025);
 }
 
@@ -255,17 +255,17 @@ TEST(PassivityController, PaysWithABoundedDamperAndAWeakerForce) {
   PassivityController controller(options, kTick);
   EXPECT_EQ(controller.gain(), 1.0);
   EXPECT_EQ(controller.damping(), Vec6(Vec6::Zero()));
-  controller.observe(Vec6::Zero(), {0.0, 0.0});
+  controller.observe(Vec6::Zero(), {0.0, 0.0}, 0.0);
   controller.sent(straight(1.0, 0, 0));
   // 1 N over this distance: a debt of exactly options.debt.
-  controller.observe(straight(options.debt, 0, 0), {0.0, 1.0});
+  controller.observe(straight(options.debt, 0, 0), {0.0, 1.0}, 0.0);
   EXPECT_NEAR(controller.energy(), -options.debt, 1e-15);
   EXPECT_NEAR(controller.gain(), 0.5, 1e-12);
   EXPECT_NEAR(controller.damping().x(), -options.damping * controller.velocity().x(), 1e-12);
   // At rest the damper exerts no force, however large the debt.
   for (int k = 0; k < 10; ++k) {
     controller.sent(straight(1.0, 0, 0));
-    controller.observe(straight(options.debt, 0, 0), {0.0, 1.0});
+    controller.observe(straight(options.debt, 0, 0), {0.0, 1.0}, 0.0);
   }
   EXPECT_EQ(controller.damping(), Vec6(Vec6::Zero()));
   EXPECT_LT(controller.energy(), 0.0);
@@ -274,17 +274,57 @@ TEST(PassivityController, PaysWithABoundedDamperAndAWeakerForce) {
 TEST(PassivityController, AFaultLeavesWhatIsHeld) {
   PassivityController controller(bare(), kTick);
   controller.reset();
-  controller.observe(Vec6::Zero(), {0.0, 0.003});
+  controller.observe(Vec6::Zero(), {0.0, 0.003}, 0.0);
   EXPECT_EQ(controller.energy(), 0.003);
-  controller.observe(Vec6::Zero(), {0.0, 0.0});
+  controller.observe(Vec6::Zero(), {0.0, 0.0}, 0.0);
   EXPECT_EQ(controller.energy(), 0.0);
+}
+
+/// 1 N pulls the hand along for 1 m. The cloth gives all of that, or all but 10 μJ on the last millimetre.
+TEST(PassivityController, WhatTheClothGivesIsNoDebt) {
+  constexpr double kWay = 1e-3, kMissing = 1e-5;
+  for (const double missing : {0.0, kMissing}) {
+    PassivityController controller(bare(), kTick);
+    for (int k = 0; k <= 1000; ++k) {
+      controller.observe(straight(k * kWay, 0, 0), {0.0, 0.0}, -k * kWay + (k == 1000 ? missing : 0.0));
+      controller.sent(straight(1.0, 0, 0));
+    }
+    EXPECT_NEAR(controller.energy(), -missing, 1e-12);
+    EXPECT_NEAR(controller.gain(), bare().debt / (bare().debt + missing), 1e-9);
+  }
+}
+
+/// A spring that gets weaker while it is pressed, and strong again before it pushes the hand out, gives more
+/// than it took: with a debt that halves its force, half of its 2 mJ.
+TEST(PassivityController, AForceThatComesBackIsPaidForWhereItIsMade) {
+  PassivityOptions options = bare();
+  PassivityController controller(options, kTick);
+  constexpr double kStiffness = 400.0, kDeep = std::sqrt(2.0 * 2e-3 / kStiffness);
+  const double spring = 0.5 * kStiffness * kDeep * kDeep;
+  controller.observe(Vec6::Zero(), {0.0, 0.0}, 0.0);
+  // The loop makes a debt in the air, and pays it back when the hand is in the wall.
+  controller.sent(straight(1.0, 0, 0));
+  controller.observe(straight(options.debt, 0, 0), {0.0, 0.0}, 0.0);
+  EXPECT_NEAR(controller.gain(), 0.5, 1e-12);
+  const double before = controller.energy();
+  controller.sent(straight(-0.25 * kStiffness * kDeep, 0, 0));  // the mean of half the force
+  controller.observe(straight(options.debt + kDeep, 0, 0), {spring, 0.0}, spring);
+  EXPECT_NEAR(controller.energy(), before + 0.5 * spring, 1e-12) << "the hand's own account is the higher";
+  for (int k = 0; k < 100; ++k) {
+    controller.sent(Vec6::Zero());
+    controller.observe(straight(options.debt + kDeep, 0, 0), {spring, 0.0}, spring);
+  }
+  EXPECT_EQ(controller.gain(), 1.0);
+  controller.sent(straight(-0.5 * kStiffness * kDeep, 0, 0));
+  controller.observe(straight(options.debt, 0, 0), {0.0, 0.0}, 0.0);
+  EXPECT_LT(controller.energy(), -0.45 * spring);
 }
 
 TEST(PassivityController, ADebtFadesWhereNothingIsTouched) {
   PassivityController controller(bare(), kTick);
-  controller.observe(Vec6::Zero(), {0.0, 0.0});
+  controller.observe(Vec6::Zero(), {0.0, 0.0}, 0.0);
   controller.sent(straight(1.0, 0, 0));
-  controller.observe(straight(0.01, 0, 0), {0.0, 1.0});
+  controller.observe(straight(0.01, 0, 0), {0.0, 1.0}, 0.0);
   for (int k = 0; k < 1000; ++k) controller.forgive();
   EXPECT_NEAR(controller.energy(), -0.01 * std::exp(-1.0), 1e-9);
 }
