@@ -146,7 +146,8 @@ class HapticLoop {
   double energy() const { return passivity_.energy(); }
 
  private:
-  /// Energy that coupling and cloth have taken from the device by their own account [J].
+  /// Energy that coupling and cloth have taken by their own account, from the device and where the limit of
+  /// the force rose [J].
   struct Taken {
     double by_force = 0.0;
     double all = 0.0;  ///< by force and torque
@@ -167,6 +168,7 @@ class HapticLoop {
   Vec3 turned_ = Vec3::Zero();            ///< all turns of the device so far [rad]
   ProbeSnapshot snapshot_;                ///< of the last tick
   Taken taken_;                           ///< until the solve of that snapshot
+  double limit_ = 0.0;                    ///< of the force at the last tick with contact [N]
   Wrench handover_;                       ///< wrench of the last snapshot minus that of the newest
   double handover_start_ = 0.0;           ///< steady clock [s]
   double handover_time_ = 0.0;            ///< time in which it fades [s]

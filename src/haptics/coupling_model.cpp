@@ -76,18 +76,25 @@ Wrench couplingWrench(const HapticOptions& options, const DeviceSample& device,
   return {wrench.force, snapshot.torque + limited(change, snapshot.torque.norm())};
 }
 
+double springEnergy(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot,
+                    double limit) {
+  const double stiffness = options.coupling_stiffness;
+  const double stretch = couplingAt(device, snapshot).stretch.head<3>().norm();
+  const double elastic = std::min(stretch, limit / stiffness);  // the part with less than the limit
+  return 0.5 * stiffness * elastic * elastic + limit * (stretch - elastic);
+}
+
 HeldEnergies heldEnergies(const HapticOptions& options, const DeviceSample& device,
-                          const ProbeSnapshot& snapshot) {
+                          const ProbeSnapshot& snapshot, double limit) {
   const Coupling coupling = couplingAt(device, snapshot);
   const Mat6 hold = (1.0 + kLeastHold) * Mat6::Identity() - snapshot.follow;
   const Vec3 moved = coupling.stretch.head<3>();
-  const auto held = [&](double energy, double relaxed) {
-    const double spring = options.coupling_stiffness * energy;
-    return HeldEnergy{spring, 0.5 * kHeldShare * options.coupling_stiffness * relaxed - spring};
-  };
-  return {held(coupling.moved_energy, moved.dot(hold.topLeftCorner<3, 3>().inverse() * moved)),
-          held(coupling.moved_energy + coupling.turned_energy,
-               coupling.stretch.dot(hold.ldlt().solve(coupling.stretch)))};
+  const double stiffness = options.coupling_stiffness, felt = springEnergy(options, device, snapshot, limit);
+  const double turned = stiffness * coupling.turned_energy, spring = stiffness * coupling.moved_energy;
+  const auto relaxed = [&](double squared) { return 0.5 * kHeldShare * stiffness * squared; };
+  return {
+      {felt, relaxed(moved.dot(hold.topLeftCorner<3, 3>().inverse() * moved)) - spring},
+      {felt + turned, relaxed(coupling.stretch.dot(hold.ldlt().solve(coupling.stretch))) - spring - turned}};
 }
 
 }  // namespace haptic_cloth

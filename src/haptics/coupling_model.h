@@ -20,9 +20,14 @@ struct HeldEnergies {
   HeldEnergy all;    ///< by its motion and turns
 };
 
+/// Energy that the coupling's spring gives back to a device that moves, with a force within `limit` [N], [J].
+double springEnergy(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot,
+                    double limit);
+
 /// Largest energy that coupling and cloth can give back when they relax: together a few times the
 /// energy of a spring of the local stiffness k (1 - follow).
+/// @param limit of the force, which bounds what the coupling's spring gives back to motion [N]
 HeldEnergies heldEnergies(const HapticOptions& options, const DeviceSample& device,
-                          const ProbeSnapshot& snapshot);
+                          const ProbeSnapshot& snapshot, double limit);
 
 }  // namespace haptic_cloth

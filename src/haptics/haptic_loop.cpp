@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/haptics.h"
@@ -172,7 +173,12 @@ Wrench HapticLoop::contactWrench(const DeviceSample& device, const ProbeSnapshot
   const double limit = soft_ * options_.max_force;
   const Wrench newest = couplingWrench(options_, device, snapshot);
   const Wrench wrench = handedOver(device, snapshot, newest, now);
-  observe(device, heldEnergies(options_, device, snapshot),
+  // Where the limit rises, as after the start, the loop lets the spring give more back.
+  const double raised = springEnergy(options_, device, snapshot, limit) -
+                        springEnergy(options_, device, snapshot, std::exchange(limit_, limit));
+  taken_.by_force += raised;
+  taken_.all += raised;
+  observe(device, heldEnergies(options_, device, snapshot, limit),
           takenSince(snapshot, {device.position, device.orientation}, newest));
   const double gain = passivity_.gain(), torque_gain = std::min(gain, torque_passivity_.gain());
   const Vec3 damping = passivity_.damping().head<3>();
