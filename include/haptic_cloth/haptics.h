@@ -146,11 +146,14 @@ class HapticLoop {
   double energy() const { return passivity_.energy(); }
 
  private:
-  /// Energy that coupling and cloth have taken by their own account, from the device and where the limit of
-  /// the force rose [J].
-  struct Taken {
-    double by_force = 0.0;
-    double all = 0.0;  ///< by force and torque
+  /// Energy by forces and by torques [J].
+  struct Energy {
+    double by_force = 0.0, by_torque = 0.0;
+    double all() const { return by_force + by_torque; }
+  };
+  /// Factors by which debts weaken force and torque [-].
+  struct Gains {
+    double force, torque;
   };
 
   Wrench contactWrench(const DeviceSample& device, const ProbeSnapshot& snapshot, double now);
@@ -158,8 +161,9 @@ class HapticLoop {
                     double now);
   double torqueRate(double force_rate);
   Wrench withinLimits(const Wrench& wrench) const;
-  Taken takenSince(const ProbeSnapshot& solve, const Pose& place, const Wrench& wrench) const;
-  void observe(const DeviceSample& device, const HeldEnergies& held, const Taken& taken);
+  Energy takenSince(const ProbeSnapshot& solve, const Pose& place, const Wrench& wrench) const;
+  Gains gains() const;
+  void observe(const DeviceSample& device, const HeldEnergies& held, const Energy& taken);
 
   HapticOptions options_;
   PassivityController passivity_;         ///< of the force
@@ -167,11 +171,14 @@ class HapticLoop {
   Quat orientation_ = Quat::Identity();   ///< of the device at the last tick
   Vec3 turned_ = Vec3::Zero();            ///< all turns of the device so far [rad]
   ProbeSnapshot snapshot_;                ///< of the last tick
-  Taken taken_;                           ///< until the solve of that snapshot
-  double limit_ = 0.0;                    ///< of the force at the last tick with contact [N]
-  Wrench handover_;                       ///< wrench of the last snapshot minus that of the newest
-  double handover_start_ = 0.0;           ///< steady clock [s]
-  double handover_time_ = 0.0;            ///< time in which it fades [s]
+  /// Energy that coupling and cloth have taken by the solver's account, as if no force had been weakened:
+  /// until the solve of that snapshot, and until the last tick.
+  Energy taken_, taken_before_;
+  Energy let_;                   ///< that a gain which recovers lets the spring give more back
+  double limit_ = 0.0;           ///< of the force at the last tick with contact [N]
+  Wrench handover_;              ///< wrench of the last snapshot minus that of the newest
+  double handover_start_ = 0.0;  ///< steady clock [s]
+  double handover_time_ = 0.0;   ///< time in which it fades [s]
   HapticStatus status_ = HapticStatus::NoPose;
   Wrench wrench_;             ///< of the last tick
   double torque_span_ = 0.0;  ///< max_torque, or more until a lowered one is reached [N·m]

@@ -49,9 +49,9 @@ class PassivityController {
   PassivityController(const PassivityOptions& options, double period);
 
   /// Records the place of the device [m] and the energy held there. Called once a tick, before damping().
-  /// @param taken energy that coupling and cloth have taken since some moment by their own account, in
-  /// which the force is never weakened [J]
-  void observe(const Vec6& place, const HeldEnergy& held, double taken);
+  /// @param passed energy that has gone on into coupling and cloth since the last tick, by the solver's
+  /// account [J]
+  void observe(const Vec6& place, const HeldEnergy& held, double passed);
 
   /// Force that pays the debt [N]; zero if there is none.
   Vec6 damping() const;
@@ -113,7 +113,6 @@ class PassivityController {
   Last<kForces> forces_;                  ///< since the last reset
   Last<kWindow + 1> places_;              ///< since the last reset or change of the period
   double by_hand_ = 0.0, by_loop_ = 0.0;  ///< E and L [J]
-  double taken_ = 0.0;                    ///< see observe() [J]
   double gain_ = 1.0;
   double cloth_ = 0.0;  ///< share of the cloth in the bound of E and L [J]
   Vec6 velocity_ = Vec6::Zero();

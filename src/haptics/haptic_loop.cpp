@@ -132,6 +132,7 @@ Vec3 HapticLoop::tick(const DeviceSample& device, const ProbeSnapshot& snapshot,
   } else {
     passivity_.reset();
     torque_passivity_.reset();
+    taken_ = taken_before_ = let_ = {};
     rate = std::min(rate, options_.max_force / options_.ramp_time);
   }
   wrench_.force = approach(wrench_.force, target.force, rate * elapsed);
@@ -144,13 +145,13 @@ Vec3 HapticLoop::tick(const DeviceSample& device, const ProbeSnapshot& snapshot,
 
 /// Adds the energy that is taken on the way from a solve to another place, by the mean of the wrenches at
 /// both ends: exact for springs. What is beyond the limits cannot be felt and does not count.
-HapticLoop::Taken HapticLoop::takenSince(const ProbeSnapshot& solve, const Pose& place,
-                                         const Wrench& wrench) const {
+HapticLoop::Energy HapticLoop::takenSince(const ProbeSnapshot& solve, const Pose& place,
+                                          const Wrench& wrench) const {
   const Wrench start = withinLimits(wrenchOf(solve)), end = withinLimits(wrench);
   const double by_force = -0.5 * (start.force + end.force).dot(place.position - solve.device);
   const double by_torque =
       -0.5 * (start.torque + end.torque).dot(turnBetween(solve.device_orientation, place.orientation));
-  return {taken_.by_force + by_force, taken_.all + by_force + by_torque};
+  return {taken_.by_force + by_force, taken_.by_torque + by_torque};
 }
 
 Wrench HapticLoop::withinLimits(const Wrench& wrench) const {
@@ -177,10 +178,9 @@ Wrench HapticLoop::contactWrench(const DeviceSample& device, const ProbeSnapshot
   const double raised = springEnergy(options_, device, snapshot, limit) -
                         springEnergy(options_, device, snapshot, std::exchange(limit_, limit));
   taken_.by_force += raised;
-  taken_.all += raised;
   observe(device, heldEnergies(options_, device, snapshot, limit),
           takenSince(snapshot, {device.position, device.orientation}, newest));
-  const double gain = passivity_.gain(), torque_gain = std::min(gain, torque_passivity_.gain());
+  const auto [gain, torque_gain] = gains();
   const Vec3 damping = passivity_.damping().head<3>();
   const Vec3 torque_damping = kTurnArm * torque_passivity_.damping().tail<3>();
   return {limited(gain * limited(wrench.force, limit) + damping, limit),
@@ -191,11 +191,23 @@ Wrench HapticLoop::contactWrench(const DeviceSample& device, const ProbeSnapshot
 /// Shows the pose to both controllers. That of the force counts the work of the force alone: otherwise a
 /// twist could pay for a buzz along the force, and a debt of the torque would weaken the force. That of the
 /// torque counts the work of both, because cloth gives back by a turn what a motion has put in.
-void HapticLoop::observe(const DeviceSample& device, const HeldEnergies& held, const Taken& taken) {
+void HapticLoop::observe(const DeviceSample& device, const HeldEnergies& held, const Energy& taken) {
   turned_ += turnBetween(orientation_, device.orientation);
   orientation_ = device.orientation;
-  passivity_.observe(joined(device.position, Vec3::Zero()), held.moved, taken.by_force);
-  torque_passivity_.observe(joined(device.position, kTurnArm * turned_), held.all, taken.all);
+  const Gains before = gains();
+  Energy passed{before.force * (taken.by_force - taken_before_.by_force) + let_.by_force,
+                before.torque * (taken.by_torque - taken_before_.by_torque) + let_.by_torque};
+  taken_before_ = taken;
+  if (!std::isfinite(passed.all())) passed = taken_ = taken_before_ = {};
+  passivity_.observe(joined(device.position, Vec3::Zero()), held.moved, passed.by_force);
+  torque_passivity_.observe(joined(device.position, kTurnArm * turned_), held.all, passed.all());
+  const Gains now = gains();
+  let_ = {(now.force - before.force) * held.moved.coupling,
+          (now.torque - before.torque) * (held.all.coupling - held.moved.coupling)};
+}
+
+HapticLoop::Gains HapticLoop::gains() const {
+  return {passivity_.gain(), std::min(passivity_.gain(), torque_passivity_.gain())};
 }
 
 /// Wrench of the newest snapshot. Its difference to that of the last one fades, so there is no step.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 namespace haptic_cloth {
 namespace {
@@ -57,13 +56,12 @@ Vec6 PassivityController::forceFelt() const {
   return (1.0 - share) * sentBefore(whole) + share * sentBefore(whole + 1);
 }
 
-void PassivityController::observe(const Vec6& place, const HeldEnergy& held, double taken) {
+void PassivityController::observe(const Vec6& place, const HeldEnergy& held, double passed) {
   if (places_.size() > 0) {
     const double given = forceFelt().dot(place - places_[0]);
     by_hand_ -= given;
-    by_loop_ -= given + gain_ * (taken - taken_);
+    by_loop_ -= given + passed;
   }
-  taken_ = taken;
   places_.add(place);
   const int window = places_.size() - 1;
   velocity_ = window > 0 ? Vec6((place - places_[window]) / (window * period_)) : Vec6(Vec6::Zero());
@@ -74,8 +72,7 @@ void PassivityController::observe(const Vec6& place, const HeldEnergy& held, dou
     *energy = std::clamp(*energy + damped, -kMostDebt, held.coupling + cloth_);
   const double debt = std::max(0.0, -energy());
   const double wanted = options_.debt > 0.0 ? options_.debt / (options_.debt + debt) : 1.0;
-  const double before = std::exchange(gain_, std::min(wanted, gain_ + period_ / kRecovery));
-  by_loop_ -= (gain_ - before) * held.coupling;
+  gain_ = std::min(wanted, gain_ + period_ / kRecovery);
 }
 
 /// α pays the debt within one tick, but is at most what the device bears: at rest, where the speed is a

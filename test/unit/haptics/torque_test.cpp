@@ -176,6 +176,53 @@ TEST(HapticTorque, LeavesTheForceAlone) {
   EXPECT_LT(weakest, 0.9);
 }
 
+/// A debt of the force weakens the torque as well, so cloth that a hand turns against friction then takes
+/// more by the solver's account than the hand gives. That must not become a debt of the torque: when the
+/// force is paid for and the cloth turns the hand on, the hand meets all of its 0.03 N·m.
+TEST(HapticTorque, WhatIsWeakenedWithTheForceIsNoDebt) {
+  constexpr double kRadius = 0.03, kFriction = 0.03, kDeep = 0.004, kSpeed = 5.0;  // m, N·m, m, rad/s
+  HapticOptions options = bareOptions();
+  options.coupling_damping = 0.0;
+  options.passivity.device_damping = options.passivity.loop_delay = 0.0;
+  options.max_force = 8.0;
+  options.max_torque = 1.0;
+  const double lag = kFriction / (options.coupling_stiffness * kRadius * kRadius);
+  HapticLoop loop(options);
+  double angle = 0.0, felt = 0.0, most_owed = 0.0;
+  constexpr int kDrives = 7000, kEnd = 9000;
+  for (int k = 0; k < kEnd; ++k) {
+    const double now = 1.0 + k * kTick, phase = 8.0 * EIGEN_PI * k * kTick;
+    const bool owes = k < 1000, pays = k >= 5000 && k < kDrives, turns = !owes && !pays;
+    const double side = k < kDrives ? -1.0 : 1.0;  // the proxy lags behind, then it leads
+    if (turns) angle += kSpeed * kTick;
+    DeviceSample device = deviceAt(Vec3(0.0, 0.0, -kDeep), now);
+    if (!turns) device.position.z() += 0.5 * kDeep * std::sin(phase);
+    device.orientation = rotationBy(angle * Vec3::UnitX());
+    ProbeSnapshot snapshot = loadedAt(Vec3::Zero(), now);
+    snapshot.force.setZero();
+    snapshot.device = device.position;
+    snapshot.device_orientation = device.orientation;
+    snapshot.turn_radius = kRadius;
+    snapshot.follow.setIdentity();
+    snapshot.follow(2, 2) = 0.0;
+    // A force that is a quarter of a period early makes energy, which the solver does not know of; a late one
+    // takes it back.
+    snapshot.proxy.z() = owes ? 0.003 * std::cos(phase) : pays ? -0.003 * std::cos(phase) : 0.003;
+    if (turns) {
+      snapshot.force.z() = options.coupling_stiffness * (0.003 + kDeep);
+      snapshot.torque.x() = side * kFriction;
+      snapshot.proxy_orientation = rotationBy((angle + side * lag) * Vec3::UnitX());
+    } else {
+      snapshot.proxy_orientation = device.orientation;
+    }
+    loop.tick(device, snapshot, false, now);
+    if (owes) most_owed = std::max(most_owed, -loop.energy());
+    if (k >= kDrives + 100) felt += loop.torque().x() / (kEnd - kDrives - 100);
+  }
+  EXPECT_GT(most_owed, options.passivity.debt);
+  EXPECT_NEAR(felt, kFriction, 0.03 * kFriction);
+}
+
 /// A limit reduces the torque by the same share as the force, so the arm stays.
 TEST(HapticTorque, IsCutWithTheForce) {
   HapticOptions options = bareOptions();
