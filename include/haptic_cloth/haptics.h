@@ -174,7 +174,7 @@ class HapticLoop {
   /// Energy that coupling and cloth have taken by the solver's account, as if no force had been weakened:
   /// until the solve of that snapshot, and until the last tick.
   Energy taken_, taken_before_;
-  Energy let_;                   ///< that a gain which recovers lets the spring give more back
+  Energy recovered_;             ///< that a gain which recovers lets the spring give more back
   double limit_ = 0.0;           ///< of the force at the last tick with contact [N]
   Wrench handover_;              ///< wrench of the last snapshot minus that of the newest
   double handover_start_ = 0.0;  ///< steady clock [s]

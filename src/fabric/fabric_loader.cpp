@@ -235,7 +235,7 @@ Compression readCompression(const YamlValue& group, double fabric_thickness) {
   if (!(ratio < kAlike && ratio > 1.0 / kAlike))
     given.fail("must be within a factor of 10 of thickness = " + plain(fabric_thickness / kMillimetre) +
                " mm: it is in mm");
-  // Steeper laws would be walls: solves of layers do not converge.
+  // With far steeper laws mesh changes make energy that no step lets go of.
   if (!(pressed <= 0.99 * thickness)) map.require("Tm").fail("must be at most 0.99 T0");
   const double linearity = map.require("LC").number();
   if (!(linearity >= 0.05 && linearity < 1.0)) map.require("LC").fail("must be >= 0.05 and < 1");

@@ -132,7 +132,7 @@ Vec3 HapticLoop::tick(const DeviceSample& device, const ProbeSnapshot& snapshot,
   } else {
     passivity_.reset();
     torque_passivity_.reset();
-    taken_ = taken_before_ = let_ = {};
+    taken_ = taken_before_ = recovered_ = {};
     rate = std::min(rate, options_.max_force / options_.ramp_time);
   }
   wrench_.force = approach(wrench_.force, target.force, rate * elapsed);
@@ -195,15 +195,15 @@ void HapticLoop::observe(const DeviceSample& device, const HeldEnergies& held, c
   turned_ += turnBetween(orientation_, device.orientation);
   orientation_ = device.orientation;
   const Gains before = gains();
-  Energy passed{before.force * (taken.by_force - taken_before_.by_force) + let_.by_force,
-                before.torque * (taken.by_torque - taken_before_.by_torque) + let_.by_torque};
+  Energy passed{before.force * (taken.by_force - taken_before_.by_force) + recovered_.by_force,
+                before.torque * (taken.by_torque - taken_before_.by_torque) + recovered_.by_torque};
   taken_before_ = taken;
   if (!std::isfinite(passed.all())) passed = taken_ = taken_before_ = {};
   passivity_.observe(joined(device.position, Vec3::Zero()), held.moved, passed.by_force);
   torque_passivity_.observe(joined(device.position, kTurnArm * turned_), held.all, passed.all());
   const Gains now = gains();
-  let_ = {(now.force - before.force) * held.moved.coupling,
-          (now.torque - before.torque) * (held.all.coupling - held.moved.coupling)};
+  recovered_ = {(now.force - before.force) * held.moved.coupling,
+                (now.torque - before.torque) * (held.all.coupling - held.moved.coupling)};
 }
 
 HapticLoop::Gains HapticLoop::gains() const {
