@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/haptics.h"
@@ -174,12 +173,11 @@ Wrench HapticLoop::contactWrench(const DeviceSample& device, const ProbeSnapshot
   const double limit = soft_ * options_.max_force;
   const Wrench newest = couplingWrench(options_, device, snapshot);
   const Wrench wrench = handedOver(device, snapshot, newest, now);
+  const HeldEnergies held = heldEnergies(options_, device, snapshot, limit);
   // Where the limit rises, as after the start, the loop lets the spring give more back.
-  const double raised = springEnergy(options_, device, snapshot, limit) -
-                        springEnergy(options_, device, snapshot, std::exchange(limit_, limit));
-  taken_.by_force += raised;
-  observe(device, heldEnergies(options_, device, snapshot, limit),
-          takenSince(snapshot, {device.position, device.orientation}, newest));
+  taken_.by_force += held.moved.coupling - springEnergy(options_, device, snapshot, limit_);
+  limit_ = limit;
+  observe(device, held, takenSince(snapshot, {device.position, device.orientation}, newest));
   const auto [gain, torque_gain] = gains();
   const Vec3 damping = passivity_.damping().head<3>();
   const Vec3 torque_damping = kTurnArm * torque_passivity_.damping().tail<3>();
