@@ -1,8 +1,9 @@
 /// Hands that get energy from the cloth which they did not put in just before: the weight of cloth that is
 /// let down, the push of a floor that rises, the pull of friction on a ball that the hand turns. A controller
-/// that took such energy for the loop's own would take the force away. Criterion: the mean force of the ticks
-/// is the cloth's own within 2 %. Between solves of 1 ms the local model errs by 1 % (decision 0015). The
-/// cloth must have given at least ten times the debt that halves a force.
+/// that took such energy for the loop's own would take the force away.
+/// Criterion: the mean force of the ticks is the cloth's own within 2 %. Between solves of 1 ms the local
+/// model errs by 1 % (decision 0015). The cloth must have given at least ten times the debt that halves a
+/// force.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,17 +13,13 @@
 #include "haptic_cloth/haptic_session.h"
 #include "support/record.h"
 #include "support/scenes.h"
+#include "support/smooth.h"
 #include "support/tolerance.h"
 
 namespace haptic_cloth {
 namespace {
 
 constexpr double kTick = 1e-3;
-
-double smooth(double time, double from, double to) {
-  const double s = std::clamp((time - from) / (to - from), 0.0, 1.0);
-  return s * s * (3.0 - 2.0 * s);
-}
 
 struct Hand {
   const char* name;

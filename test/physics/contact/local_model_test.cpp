@@ -21,6 +21,7 @@
 #include "haptics/velocity_filter.h"
 #include "support/record.h"
 #include "support/scenes.h"
+#include "support/smooth.h"
 #include "support/tolerance.h"
 
 namespace haptic_cloth {
@@ -34,11 +35,6 @@ constexpr double kEnd = 1.45;       ///< [s]
 constexpr double kMeanTime = 0.1;   ///< length of the running mean [s]
 
 using Path = std::function<Pose(double)>;
-
-double smooth(double time, double from, double to) {
-  const double s = std::clamp((time - from) / (to - from), 0.0, 1.0);
-  return s * s * (3.0 - 2.0 * s);
-}
 
 /// Strokes of 36 mm to either side at kSpeed, reversed within 0.1 s.
 double stroke(double time) {
