@@ -161,6 +161,9 @@ class HapticSession : public ProbeSession {
   /// See HapticLoop::energy() [J].
   double energy() const { return loop_.energy(); }
 
+  /// See HapticLoop::forceShare() [-].
+  double forceShare() const { return loop_.forceShare(); }
+
  private:
   HapticLoop loop_;
   std::unique_ptr<VelocityFilter> filter_, turn_filter_;

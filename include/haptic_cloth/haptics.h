@@ -145,6 +145,10 @@ class HapticLoop {
   /// Energy that the hand has put in and not got back [J]; < 0: energy that the loop made and owes.
   double energy() const { return passivity_.energy(); }
 
+  /// Share of the coupling's force that was passed on at the last tick [-]; 1: nothing is owed, or no
+  /// contact.
+  double forceShare() const { return status_ == HapticStatus::Contact ? passivity_.gain() : 1.0; }
+
  private:
   /// Energy by forces and by torques [J].
   struct Energy {

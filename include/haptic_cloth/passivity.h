@@ -64,7 +64,7 @@ class PassivityController {
   void sent(const Vec6& force);
 
   /// Lets a debt fade. Called once a tick without contact. A bounce is too short for the debt to
-  /// fade much.
+  /// fade much. In contact a debt fades while the device rests, see fadeAtRest().
   void forgive();
 
   /// Changes the options; energy and debt stay.
@@ -107,6 +107,8 @@ class PassivityController {
   };
 
   Vec6 forceFelt() const;
+  void fadeAtRest(const Vec6& place);
+  void fade();
 
   PassivityOptions options_;
   double period_;
@@ -116,6 +118,10 @@ class PassivityController {
   double gain_ = 1.0;
   double cloth_ = 0.0;  ///< share of the cloth in the bound of E and L [J]
   Vec6 velocity_ = Vec6::Zero();
+  Vec6 resting_place_ = Vec6::Zero();  ///< from which the device has moved by less than the radius of rest
+  double rested_ = 0.0;                ///< time at the resting place [s]
+  double wait_ = 0.0;                  ///< time at rest after which a debt fades [s]
+  double fading_ = 0.0;                ///< debt that fades at rest; what is above it is newer [J]
 };
 
 }  // namespace haptic_cloth

@@ -8,7 +8,7 @@ namespace haptic_cloth {
 namespace {
 
 constexpr double kMostDebt = 1.0;    ///< more than a device with a hand on it has in motion [J]
-constexpr double kForgetting = 1.0;  ///< of a debt where nothing is touched [s]
+constexpr double kForgetting = 1.0;  ///< of a debt where nothing is touched or the device rests [s]
 
 /// Time in which the cloth's share of the bound falls to 1/e [s]. For a few ticks after cells have split, the
 /// local model may be several times too stiff. With 20 ms a falcon buzzes after a stall.
@@ -17,6 +17,15 @@ constexpr double kFall = 0.005;
 /// Return of the whole force when nothing is owed any more [s]. Among 0, 10, 20, 30 ms the one at which
 /// nothing buzzes in test/stability; from 0.1 s on slow swings take the buzz's place.
 constexpr double kRecovery = 0.02;
+
+/// A device that stays within this distance is at rest [m]: above the quantum of position of the devices in
+/// test/stability, below the swings that are felt as a buzz there.
+constexpr double kRestRadius = 1e-4;
+
+constexpr double kFirstWait = 0.25;    ///< shortest time at rest after which a debt fades [s]
+constexpr double kLongestWait = 60.0;  ///< and the longest [s]
+constexpr double kLongerWait = 4.0;    ///< factor for the wait of a debt that has grown again [-]
+constexpr double kGrowth = 0.1;        ///< share of the remaining force that a grown debt has taken [-]
 
 }  // namespace
 
@@ -33,11 +42,13 @@ void PassivityController::reset() {
   cloth_ = 0.0;
   gain_ = 1.0;
   velocity_ = Vec6::Zero();
+  rested_ = fading_ = 0.0;
+  wait_ = kFirstWait;
 }
 
 void PassivityController::setOptions(const PassivityOptions& options, double period, double unit) {
   options_ = options;
-  for (double* energy : {&by_hand_, &by_loop_, &cloth_}) *energy /= unit;
+  for (double* energy : {&by_hand_, &by_loop_, &cloth_, &fading_}) *energy /= unit;
   for (int age = 0; age < forces_.size(); ++age) forces_[age] /= unit;
   if (period == period_) return;
   period_ = period;
@@ -70,6 +81,7 @@ void PassivityController::observe(const Vec6& place, const HeldEnergy& held, dou
   cloth_ = std::min(options_.store, std::max(fallen, held.cloth));
   for (double* energy : {&by_hand_, &by_loop_})
     *energy = std::clamp(*energy + damped, -kMostDebt, held.coupling + cloth_);
+  fadeAtRest(place);
   const double debt = std::max(0.0, -energy());
   const double wanted = options_.debt > 0.0 ? options_.debt / (options_.debt + debt) : 1.0;
   gain_ = std::min(wanted, gain_ + period_ / kRecovery);
@@ -85,6 +97,32 @@ Vec6 PassivityController::damping() const {
 }
 
 void PassivityController::forgive() {
+  wait_ = std::max(kFirstWait, wait_ * std::exp(-period_ / kForgetting));
+  fade();
+}
+
+/// Nothing pays a debt where hand and cloth rest, so it fades there. What the loop creates meanwhile, as a
+/// buzz that the returning force has woken, does not fade at once: whenever the debt has grown, it waits
+/// four times as long as before.
+void PassivityController::fadeAtRest(const Vec6& place) {
+  rested_ += period_;
+  if ((place - resting_place_).norm() > kRestRadius) {
+    resting_place_ = place;
+    rested_ = 0.0;
+  }
+  const double debt = -energy();
+  if (rested_ < wait_ || debt <= 0.0) return;
+  if (debt > fading_ + kGrowth * (options_.debt + debt)) {
+    fading_ = debt;
+    wait_ = std::min(kLongestWait, kLongerWait * wait_);
+    rested_ = 0.0;
+    return;
+  }
+  fade();
+  fading_ -= debt + energy();
+}
+
+void PassivityController::fade() {
   for (double* energy : {&by_hand_, &by_loop_}) {
     if (*energy < 0.0) *energy *= std::exp(-period_ / kForgetting);
   }

@@ -18,6 +18,7 @@ constexpr double kNow = 0.5;            ///< longest interval between good messa
 constexpr double kLately = 5.0;         ///< time for which a past fault remains a warning [s]
 constexpr double kMostSlip = 0.05;      ///< share of the time that may slip [-]
 constexpr double kTransformAge = 1.0;   ///< older transforms are doubtful [s]
+constexpr double kWholeForce = 0.9;     ///< share of the coupling's force that is good enough [-]
 
 void add(DiagnosticStatus& status, const std::string& key, const std::string& value) {
   diagnostic_msgs::KeyValue entry;
@@ -185,12 +186,17 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
     judge(status, DiagnosticStatus::WARN, toText(doubt));
   } else if (counters.transform_age > kTransformAge) {
     judge(status, DiagnosticStatus::WARN, "the transform of the device's frame is old");
+  } else if (felt.share < kWholeForce) {
+    char text[64];
+    std::snprintf(text, sizeof text, "weakened to %.0f %% of the force, against a buzz", 100.0 * felt.share);
+    judge(status, DiagnosticStatus::WARN, text);
   } else {
     judge(status, DiagnosticStatus::OK, "receiving");
   }
   add(status, "status", std::string(toString(felt.status)));
   add(status, "force [N]", felt.force.norm());
   add(status, "error of the force, estimated [N]", force_error);
+  add(status, "share of the force passed on [%]", 100.0 * felt.share);
   add(status, "torque [N m]", felt.torque.norm());
   add(status, "grasp", std::string(graspText(grasp)));
   add(status, "received", counters.received.load());

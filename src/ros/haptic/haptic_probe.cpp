@@ -28,7 +28,7 @@ void HapticProbe::tick(double now, bool paused) {
   reaction_.publish(toWrench(wrenchForDriver(gains_.device(), device.frame_rotation, wrench),
                              answers ? device.stamp : ros::Time::now(),
                              answers ? device.frame_id : frame_id_));
-  felt_.note(session_.status(), wrenchOnHand(gains_.device(), wrench));
+  felt_.note(session_.status(), wrenchOnHand(gains_.device(), wrench), session_.forceShare());
   shared_.felt.write(felt_);
 }
 

@@ -112,13 +112,14 @@ struct HapticStats {
 /// Force and torque that a hand feels.
 struct FeltForce {
   HapticStatus status = HapticStatus::NoPose;
-  Vec3 force = Vec3::Zero();                          ///< on the hand, in the cloth's axes [N]
-  Vec3 torque = Vec3::Zero();                         ///< on the hand, in the cloth's axes [N·m]
+  Vec3 force = Vec3::Zero();   ///< on the hand, in the cloth's axes [N]
+  Vec3 torque = Vec3::Zero();  ///< on the hand, in the cloth's axes [N·m]
+  double share = 1.0;          ///< of the coupling's force, see HapticSession::forceShare() [-]
   std::uint64_t input_stops = 0, snapshot_stops = 0;  ///< how often either was stale, since start
   double stopped = -1e30;                             ///< when the last of these began, steady clock [s]
 
   /// Records the result of a tick.
-  void note(HapticStatus now, const Wrench& sent) {
+  void note(HapticStatus now, const Wrench& sent, double share_now = 1.0) {
     const auto stale = [](HapticStatus s) {
       return s == HapticStatus::PoseStale || s == HapticStatus::ForceStale;
     };
@@ -130,6 +131,7 @@ struct FeltForce {
     status = now;
     force = sent.force;
     torque = sent.torque;
+    share = share_now;
   }
 };
 

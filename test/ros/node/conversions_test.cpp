@@ -359,6 +359,13 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
   EXPECT_EQ(probe().message, "the transform of the device's frame is old");
   EXPECT_EQ(value(probe(), "age of the transform [s]"), "2");
   counters.transform_age = 0.0;
+  EXPECT_EQ(value(probe(), "share of the force passed on [%]"), "100");
+  felt.share = 0.95;
+  EXPECT_EQ(probe().level, DiagnosticStatus::OK);
+  felt.share = 0.45;
+  EXPECT_EQ(probe().level, DiagnosticStatus::WARN);
+  EXPECT_EQ(probe().message, "weakened to 45 % of the force, against a buzz");
+  felt.share = 1.0;
   const DiagnosticStatus shared =
       probeStatus("thumb", counters, felt, GraspState::Open, 0.0, 10.0, "pose", "/other");
   EXPECT_EQ(shared.level, DiagnosticStatus::WARN);

@@ -303,5 +303,79 @@ TEST(PassivityController, ADebtFadesWhereNothingIsTouched) {
   EXPECT_NEAR(controller.energy(), -0.01 * std::exp(-1.0), 1e-9);
 }
 
+/// A device that the loop pushes, by 1 N, over a way on which the cloth gives nothing.
+class Owing {
+ public:
+  explicit Owing(double way) {
+    tick();
+    push(way);
+  }
+  void push(double way) {
+    place_ += way;
+    tick();
+  }
+  /// Sways without a force, ten times a second.
+  void sway(double time, double amplitude) {
+    for (int k = 0; k < std::lround(time / kTick); ++k) {
+      controller_.sent(Vec6::Zero());
+      const double x = amplitude * std::sin(2.0 * EIGEN_PI * 10.0 * k * kTick);
+      controller_.observe(straight(place_ + x, 0, 0), {0.0, 0.0}, 0.0);
+    }
+    controller_.sent(straight(1.0, 0, 0));
+  }
+  void rest(double time) { sway(time, 2e-5); }
+  void leave(double time) {
+    for (int k = 0; k < std::lround(time / kTick); ++k) controller_.forgive();
+  }
+  double debt() const { return -controller_.energy(); }
+  double gain() const { return controller_.gain(); }
+
+ private:
+  void tick() {
+    controller_.observe(straight(place_, 0, 0), {0.0, 0.0}, 0.0);
+    controller_.sent(straight(1.0, 0, 0));
+  }
+
+  PassivityController controller_ = PassivityController(bare(), kTick);
+  double place_ = 0.0;
+};
+
+TEST(PassivityController, ADebtFadesWhereTheDeviceRests) {
+  // After 1.25 s the debt falls to 1/e in a second.
+  Owing device(5e-3);
+  device.rest(1.2);
+  EXPECT_NEAR(device.debt(), 5e-3, 1e-9) << "not before";
+  EXPECT_NEAR(device.gain(), 0.5e-3 / 5.5e-3, 1e-6);
+  device.rest(3.05);
+  EXPECT_NEAR(device.debt(), 5e-3 * std::exp(-3.0), 1e-5);
+  device.rest(4.0);
+  EXPECT_GT(device.gain(), 0.99);
+}
+
+TEST(PassivityController, AMovingDeviceKeepsItsDebt) {
+  Owing device(5e-3);
+  device.sway(30.0, 1.5e-4);  // a swing of 0.15 mm is what test/stability calls a buzz
+  EXPECT_NEAR(device.debt(), 5e-3, 1e-9);
+}
+
+TEST(PassivityController, ADebtThatGrowsAgainWaitsLonger) {
+  // The loop makes 1 mJ whenever the force is back. The device rests for w, and if the debt has grown since
+  // it last faded for 4 w more; then w becomes 4 w.
+  Owing device(1e-3);
+  for (const double wait : {0.25 + 1.0, 1.0 + 4.0, 4.0 + 16.0}) {
+    device.rest(wait - 0.01);
+    EXPECT_NEAR(device.debt(), 1e-3, 5e-5) << wait << " s";
+    device.rest(8.0);
+    EXPECT_LT(device.debt(), 1e-6) << wait << " s";
+    device.push(1e-3);
+  }
+  device.leave(10.0);
+  device.push(1e-3);
+  device.rest(1.24);
+  EXPECT_NEAR(device.debt(), 1e-3, 5e-5) << "after leaving the cloth as at the start";
+  device.rest(8.0);
+  EXPECT_LT(device.debt(), 1e-6);
+}
+
 }  // namespace
 }  // namespace haptic_cloth
