@@ -26,8 +26,11 @@ bool Signals::wait(long milliseconds) const {
 }
 
 void answerShutdownCall(std::atomic<bool>& asked) {
-  const auto answer = [&asked](XmlRpc::XmlRpcValue&, XmlRpc::XmlRpcValue& result) {
+  const auto answer = [&asked](XmlRpc::XmlRpcValue& call, XmlRpc::XmlRpcValue& result) {
     asked = true;
+    // The caller and its reason, such as a new node of the same name.
+    if (call.getType() == XmlRpc::XmlRpcValue::TypeArray && call.size() > 1)
+      ROS_WARN_STREAM("ending, as " << call[0] << " asks: " << call[1]);
     result = ros::xmlrpc::responseInt(1, "", 0);
   };
   if (!ros::XMLRPCManager::instance()->bind("shutdown", answer))
