@@ -91,7 +91,7 @@ class HapticClothServer::Implementation {
         master_(services(), outputs()),
         display_(options_, advertise(node_), {name(), probes_, obstacles_, haptics_, master_}, shared_),
         pose_spinner_(1, &pose_queue_) {
-    for (const std::string& warning : deviceWarnings(options_)) ROS_WARN_STREAM(warning);
+    for (const std::string& warning : startWarnings(options_)) ROS_WARN_STREAM(warning);
     offerServices();
     start([this] { solver_.run(); });
     start([this] { haptics_.run(); });

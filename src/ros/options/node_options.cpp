@@ -1,5 +1,7 @@
 #include "ros/options/node_options.h"
 
+#include <algorithm>
+
 #include "haptic_cloth/error.h"
 #include "ros/node/conversions.h"
 #include "ros/options/node_table.h"
@@ -31,9 +33,12 @@ NodeOptions parseNodeOptions(const XmlRpcValue& parameters, const std::string& o
 
   root.rejectRestBut(sceneKeys());
   const XmlRpcValue scene = root.rest();
-  options.scene = options.scene_file.empty()
-                      ? parseScene(toYaml(scene, origin, ""), origin, options.scene_directory)
-                      : loadScene(options.scene_file, toOverrides(scene, origin), origin);
+  if (options.scene_file.empty()) {
+    options.scene = parseScene(toYaml(scene, origin, ""), origin, options.scene_directory);
+  } else {
+    options.overrides = toOverrides(scene, origin);
+    options.scene = loadScene(options.scene_file, options.overrides, origin);
+  }
   options.time_budget = options.scene.solver.minimizer.time_budget;
   readDevices(devices, options);
   settle(options);
@@ -81,6 +86,20 @@ std::vector<std::string> deviceWarnings(const NodeOptions& options) {
     for (const std::string& warning : deviceWarnings(settings.device, settings.haptics))
       warnings.push_back(options.scene.probes[k].name + ": " + warning);
   }
+  return warnings;
+}
+
+std::vector<std::string> startWarnings(const NodeOptions& options) {
+  constexpr std::size_t kNamed = 5;
+  std::vector<std::string> warnings = deviceWarnings(options);
+  const std::size_t count = options.overrides.size(), named = std::min(count, kNamed);
+  if (count == 0) return warnings;
+  std::string text =
+      options.scene_file + " is overridden by parameters, perhaps those of an earlier launch: ";
+  for (std::size_t k = 0; k < named; ++k)
+    text += (k > 0 ? ", " : "") + options.overrides[k].substr(0, options.overrides[k].find('='));
+  if (count > named) text += " and " + std::to_string(count - named) + " more";
+  warnings.push_back(text);
   return warnings;
 }
 

@@ -33,8 +33,10 @@ struct MarkerOptions {
 struct NodeOptions {
   std::string frame_id = "world";  ///< frame of the cloth and of all output
   std::string scene_file;          ///< read first; scene parameters override its values
-  std::string scene_directory;     ///< without scene_file: folder of relative fabric paths
-  double max_pose_age = 0.2;       ///< a pose with an older stamp is dropped [s]; 0: never
+  /// Scene parameters that override a scene file, as KEY=VALUE; empty without a file.
+  std::vector<std::string> overrides;
+  std::string scene_directory;  ///< without scene_file: folder of relative fabric paths
+  double max_pose_age = 0.2;    ///< a pose with an older stamp is dropped [s]; 0: never
   /// Limit of wall time per step [s]; 0: none. The smaller of this and the scene's budget counts.
   /// Without it the force would time out during a hard step.
   double step_budget = 0.025;
@@ -59,6 +61,10 @@ void validateNodeOptions(const NodeOptions& options, const std::string& origin);
 
 /// deviceWarnings() of all probes, each with the name of its probe in front.
 std::vector<std::string> deviceWarnings(const NodeOptions& options);
+
+/// deviceWarnings(), and one that names the scene parameters that override the scene file: they may be those
+/// of an earlier launch.
+std::vector<std::string> startWarnings(const NodeOptions& options);
 
 /// Reads the tree of private parameters: the keys of a scene file and those of NodeOptions (all are
 /// in config/node.yaml).

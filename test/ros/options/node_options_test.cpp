@@ -49,6 +49,12 @@ TEST(NodeOptions, SceneByParametersOrByFile) {
   EXPECT_EQ(loaded.scene.cloth.particles[0], 17);
   EXPECT_EQ(loaded.scene.probes[0].coupling_stiffness, 250.0);
   EXPECT_EQ(loaded.probes[0].haptics.coupling_stiffness, 250.0);
+  EXPECT_EQ(startWarnings(direct), std::vector<std::string>());
+  EXPECT_EQ(
+      startWarnings(loaded),
+      std::vector<std::string>{std::string(HAPTIC_CLOTH_SOURCE_DIR) +
+                               "/test/ros/support/scene.yaml is overridden by parameters, perhaps those of "
+                               "an earlier launch: probe.coupling_stiffness"});
   file["solver"]["tolerance"] = -1.0;
   EXPECT_EQ(messageOf(file).find("/cloth (parameters): solver.tolerance = -1: must be"), 0u)
       << messageOf(file);
