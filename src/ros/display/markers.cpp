@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
+#include <string>
 
 #include "ros/node/conversions.h"
 #include "shape/shapes.h"
@@ -21,6 +23,7 @@ constexpr double kAmbient = 0.35;  ///< share of ambient light [-]
 constexpr double kLineLift = 3e-4;
 constexpr double kFoldedOver = -0.5;  ///< z of the normal of cloth that shows its back to one above [-]
 constexpr double kTextHeight = 0.01, kTextLift = 0.08;  ///< of the text on quality [m]
+constexpr std::size_t kTextWidth = 40;                  ///< of its longest line [characters]
 constexpr float kClothRed = 0.25F, kClothGreen = 0.50F, kClothBlue = 0.85F;
 
 std_msgs::ColorRGBA levelColor(int level) {
@@ -60,6 +63,18 @@ int surfaceStride(int columns, int rows) {
   return stride;
 }
 
+/// Breaks a line between words where it would be longer than kTextWidth.
+std::string wrapped(std::string text) {
+  std::size_t start = 0, space = std::string::npos;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    if (text[k] == ' ') space = k;
+    if (k - start < kTextWidth || space == std::string::npos || space < start) continue;
+    text[space] = '\n';
+    start = space + 1;
+  }
+  return text;
+}
+
 }  // namespace
 
 MarkerBuilder::MarkerBuilder(const Scene& scene, const std::string& frame_id, const MarkerOptions& options)
@@ -84,7 +99,7 @@ void MarkerBuilder::addProbe(const ProbeOptions& probe) {
   const SolidMarkers device(markers_, probe.name + "/device", solid, markerColor(0.9F, 0.9F, 0.2F, 0.4F),
                             frame_id_);
   const SolidMarkers proxy(markers_, probe.name + "/proxy", solid, graspColor(GraspState::Open), frame_id_);
-  probes_.push_back({device, proxy, markers_.markers.size()});
+  probes_.push_back({probe.name, device, proxy, markers_.markers.size()});
   Marker& arrow = addMarker(markers_, probe.name + "/force", Marker::ARROW, frame_id_);
   arrow.color = markerColor(0.85F, 0.1F, 0.5F);
   setScale(arrow, 0.004, 0.008, 0.0);
@@ -186,20 +201,21 @@ void MarkerBuilder::updateMesh(const DisplayFrame& frame) {
   mesh.colors.resize(2 * lines, levelColor(0));
 }
 
-/// Shows what is given up and the error of the force, above the middle of the cloth. Nothing is shown at the
-/// quality that the scene asks for.
+/// Shows what is given up and the error of the forces, above the cloth. Nothing is shown at the quality that
+/// the scene asks for. On one rung the number of lines stays, so that the text does not jump.
 void MarkerBuilder::updateQuality(const DisplayFrame& frame, const std::vector<Vec3>& forces) {
   Marker& text = markers_.markers.back();
-  text.text = frame.quality.given_up;
+  text.action = frame.quality.rung == 0 ? Marker::DELETE : Marker::ADD;
+  text.text = "reduced quality (rung " + std::to_string(frame.quality.rung) + "):\n" +
+              wrapped(frame.quality.given_up);
   for (std::size_t k = 0; k < frame.probes.size(); ++k) {
-    if (text.text.empty() || !frame.probes[k].report.contact) continue;
     char line[64];
-    std::snprintf(line, sizeof(line), "\nforce %.2f N, error %.2f N", forces[k].norm(),
+    std::snprintf(line, sizeof(line), ": force %.2f N, error %.2f N", forces[k].norm(),
                   frame.probes[k].force_error);
-    text.text += line;
+    text.text += '\n' + probes_[k].name + line;
   }
-  text.action = text.text.empty() ? Marker::DELETE : Marker::ADD;
-  const Vec3 middle = frame.positions[rows_ / 2 * columns_ + columns_ / 2];
+  const Vec3 middle = std::accumulate(frame.positions.begin(), frame.positions.end(), Vec3(Vec3::Zero())) /
+                      static_cast<double>(frame.positions.size());
   text.pose.position = toPoint(middle + kTextLift * Vec3::UnitZ());
 }
 

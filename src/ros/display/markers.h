@@ -28,6 +28,7 @@ class MarkerBuilder {
  private:
   /// Markers of one probe: its device, its proxy and its force.
   struct ProbeMarkers {
+    std::string name;
     SolidMarkers device, proxy;
     std::size_t arrow;  ///< index in the array
   };

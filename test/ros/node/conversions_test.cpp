@@ -192,14 +192,16 @@ TEST_F(MarkersTest, ATextSaysWhatIsGivenUp) {
   const Vec3 on_hand(0.0, 0.0, 1.5);
   const auto text = [&] { return builder.build(frame_, {on_hand}, ros::Time(1.0)).markers.back(); };
   EXPECT_EQ(text().action, visualization_msgs::Marker::DELETE);
-  frame_.quality.given_up = "tolerance 1";
-  EXPECT_EQ(text().action, visualization_msgs::Marker::ADD);
-  EXPECT_EQ(text().text, "tolerance 1");
-  EXPECT_GT(text().pose.position.z, frame_.positions[0].z());
-  frame_.probes[0].report.contact = true;
+  frame_.quality.rung = 5;
+  frame_.quality.given_up = "tolerance 1, steps to 2 ms, mesh thresholds x 5 beyond 4 cells of probes";
   frame_.probes[0].report.force = Vec3(0.0, 0.0, 3.0);  // on the probe
   frame_.probes[0].force_error = 0.03;
-  EXPECT_EQ(text().text, "tolerance 1\nforce 1.50 N, error 0.03 N");
+  EXPECT_EQ(text().action, visualization_msgs::Marker::ADD);
+  EXPECT_EQ(text().text,
+            "reduced quality (rung 5):\n"
+            "tolerance 1, steps to 2 ms, mesh\nthresholds x 5 beyond 4 cells of probes\n"
+            "probe: force 1.50 N, error 0.03 N");
+  EXPECT_GT(text().pose.position.z, frame_.positions[0].z());
 }
 
 TEST_F(MarkersTest, TheForceArrowPointsAlongTheForce) {
