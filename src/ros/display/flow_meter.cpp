@@ -123,18 +123,25 @@ std::string FlowMeter::line(double seconds) const {
   std::string text;
   char part[200];
   for (const Probe& probe : probes_) {
+    if (probe.reaction.count == 0) {
+      text += probe.reaction.name + ": no messages | ";
+      continue;
+    }
     std::snprintf(part, sizeof part, "%s %6.1f Hz  force %5.2f N (max %5.2f)  ", probe.reaction.name.c_str(),
                   probe.reaction.count / seconds, probe.force, probe.max_force);
     text += part;
     std::snprintf(part, sizeof part, "proxy z %6.1f mm | ", 1e3 * probe.height);
     text += probe.states_without < kAbsent ? part : "proxy absent | ";
   }
-  std::snprintf(
-      part, sizeof part,
-      "markers %4.1f Hz  state %4.1f Hz | cells %5zu  t %6.2f s  speed %4.2f  rung %d  slipped %.2f s | "
-      "self-contacts %3u  gap %s  failed %llu",
-      markers_.count / seconds, state_.count / seconds, cells_, time_, realTimeFactor(), rung_, slipped_,
-      pairs_, gapText(gap_).c_str(), static_cast<unsigned long long>(failed_));
+  std::snprintf(part, sizeof part, "markers %4.1f Hz  state %4.1f Hz", markers_.count / seconds,
+                state_.count / seconds);
+  text += part;
+  if (state_.count == 0) return text + " | no state of the cloth: does the node run?";
+  std::snprintf(part, sizeof part,
+                " | cells %5zu  t %6.2f s  speed %4.2f  rung %d  slipped %.2f s | self-contacts %3u  gap %s  "
+                "failed %llu",
+                cells_, time_, realTimeFactor(), rung_, slipped_, pairs_, gapText(gap_).c_str(),
+                static_cast<unsigned long long>(failed_));
   return text + part;
 }
 
