@@ -58,6 +58,17 @@ std::vector<std::string> fabricCandidates(const std::string& name_or_path,
   return files;
 }
 
+std::vector<std::string> fabricNames(const std::string& base_directory) {
+  std::set<std::string> names;
+  std::error_code ignored;
+  for (const std::string& directory : searchDirectories(base_directory)) {
+    for (const auto& entry : std::filesystem::directory_iterator(directory, ignored)) {
+      if (entry.path().extension() == kExtension) names.insert(entry.path().stem().string());
+    }
+  }
+  return {names.begin(), names.end()};
+}
+
 std::string findFabric(const std::string& name_or_path, const std::string& base_directory) {
   for (const std::string& file : fabricCandidates(name_or_path, base_directory)) {
     std::error_code ignored;

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -58,7 +60,7 @@ std::string readFile(const std::string& file) {
     text.append(part.data(), static_cast<std::size_t>(stream.gcount()));
   }
   if (!stream.is_open() || stream.bad())
-    throw InputError(file, "", "", "cannot be read, must be a YAML file");
+    throw InputError(file, "", "", "cannot be read: " + std::string(std::strerror(errno)));
   return text;
 }
 

@@ -103,7 +103,8 @@ Fabric readFabric(const YamlValue& value, const std::string& base_directory) {
   const std::string file = findFabric(name, base_directory);
   if (file.empty()) {
     value.fail("must be a fabric's name or the path of a .yaml file; no such file: " +
-               joined(fabricCandidates(name, base_directory)));
+               joined(fabricCandidates(name, base_directory)) +
+               "; names: " + joined(fabricNames(base_directory)));
   }
   return loadFabric(file);
 }

@@ -71,8 +71,7 @@ Options optionsOf(ProbeOptions& probe) {
   Options options{
       {"shape", OwnReader{"sphere", "`sphere`, `capsule`"}, kNoRange, "",
        "a capsule's axis is z of the device"},
-      {"radius", field(probe.radius), kLength, "m", "at least a fiftieth of the finest spacing", kFixed,
-       kInState},
+      {"radius", field(probe.radius), kLength, "m", "see below for its limits", kFixed, kInState},
       {"length", field(probe.length), kDistance, "m",
        "distance of the two centres of a capsule, which must name it", kFixed, kInState},
       {"friction", field(probe.friction), kNotNegative, "", "Coulomb coefficient", kFixed, kInState}};

@@ -129,7 +129,10 @@ void checkProbe(const Check& check, const std::string& prefix, ProbeOptions& pro
   const double smallest = smallestProbeRadius(cloth);
   check.that(probe.radius >= smallest, prefix + ".radius", probe.radius,
              "must be at least " + shortestText(smallest) +
-                 " m, a fiftieth of the finest spacing that cloth.size and cloth.particles give");
+                 " m, a fiftieth of the finest spacing that cloth.size (in metres) and cloth.particles give");
+  const double largest = std::max(cloth.size[0], cloth.size[1]);
+  check.that(probe.radius <= largest, prefix + ".radius", probe.radius,
+             "must be at most " + shortestText(largest) + " m, the longer side of cloth.size");
   checkPath(check, prefix + ".path", probe.path);
   check.that(probe.grasp.empty() || !probe.path.empty(), prefix + ".grasp",
              std::to_string(probe.grasp.size()) + " rows", "needs a path: its times are those of the path");

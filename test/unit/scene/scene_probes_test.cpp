@@ -44,7 +44,7 @@ TEST(SceneProbes, ACoarseClothWithoutAProbeIsNotRefusedForIt) {
     EXPECT_STREQ(
         error.what(),
         "scene: probe.radius = 0.008: must be at least 0.05 m, a fiftieth of the finest spacing that "
-        "cloth.size and cloth.particles give");
+        "cloth.size (in metres) and cloth.particles give");
   }
 }
 

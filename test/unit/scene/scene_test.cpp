@@ -233,9 +233,11 @@ TEST(Scene, WrongDocumentsAreNamed) {
                       "no such file: /fabrics/no_such.yaml, "),
             0U)
       << message("cloth: {fabric: no_such}");
-  EXPECT_EQ(message("cloth: {fabric: a/b.yaml}"),
-            "scene: cloth.fabric = a/b.yaml: must be a fabric's name or the path of a .yaml file; no such "
-            "file: /nowhere/a/b.yaml");
+  EXPECT_EQ(
+      message("cloth: {fabric: a/b.yaml}"),
+      "scene: cloth.fabric = a/b.yaml: must be a fabric's name or the path of a .yaml file; no such "
+      "file: /nowhere/a/b.yaml; names: cotton_twill, cupro, denim_a, denim_b, denim_c, denim_d, denim_e, "
+      "denim_f, linear, polyester_faille, stretch_twill, winter_suiting, wool_tropical");
 }
 
 TEST(Scene, UnknownAndDuplicateKeysAreNamed) {
@@ -467,7 +469,10 @@ TEST(ValidateScene, ChecksWhatIsBuiltInCode) {
   broken.probes[0].radius = 1e-5;
   EXPECT_EQ(fails(broken),
             "code: probe.radius = 1e-05: must be at least 7.894736842105263e-05 m, a fiftieth of the finest "
-            "spacing that cloth.size and cloth.particles give");
+            "spacing that cloth.size (in metres) and cloth.particles give");
+  broken = scene;
+  broken.probes[0].radius = 8.0;  // millimetres
+  EXPECT_EQ(fails(broken), "code: probe.radius = 8: must be at most 0.3 m, the longer side of cloth.size");
   broken = scene;
   broken.obstacles.emplace_back();
   broken.obstacles[0].shape = static_cast<Shape>(shapeNames().size());
