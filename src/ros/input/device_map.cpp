@@ -8,6 +8,8 @@ namespace {
 /// With scales beyond these a limit of the force could not be computed to rounding.
 constexpr Range kScale{1e-6, 1e5};
 
+constexpr double kStrongest = 250.0;  ///< largest force of a HapticMaster, the strongest device on sale [N]
+
 std::string tooHigh(const char* what, const char* unit, double felt, double limit, const char* parameter,
                     double value) {
   char text[300];
@@ -106,10 +108,17 @@ double feltDamping(const DeviceOptions& device, const HapticOptions& haptics) {
 }
 
 std::vector<std::string> deviceWarnings(const DeviceOptions& device, const HapticOptions& haptics) {
-  if (device.kind == DeviceKind::Admittance) return {};
+  std::vector<std::string> warnings;
+  if (haptics.max_force > kStrongest) {
+    char text[200];
+    std::snprintf(text, sizeof text,
+                  "haptics/max_force = %.4g N is more than any haptic device exerts (%.4g N)",
+                  haptics.max_force, kStrongest);
+    warnings.emplace_back(text);
+  }
+  if (device.kind == DeviceKind::Admittance) return warnings;
   const double scale = device.position_scale * device.force_scale;
   const double stiffness = feltStiffness(device, haptics), damping = feltDamping(device, haptics);
-  std::vector<std::string> warnings;
   if (device.max_stiffness > 0.0 && stiffness > device.max_stiffness) {
     warnings.push_back(tooHigh("stiffness", "N/m", stiffness, device.max_stiffness, "coupling_stiffness",
                                device.max_stiffness / scale));

@@ -248,6 +248,10 @@ TEST(DeviceMap, WarnsOfWhatTheDeviceCannotRender) {
       << warnings[1];
   device.force_scale = 0.5;
   EXPECT_TRUE(deviceWarnings(device, haptics).empty());
+  haptics.max_force = 3300.0;  // millinewtons of a Touch
+  EXPECT_EQ(
+      deviceWarnings(device, haptics),
+      std::vector<std::string>{"haptics/max_force = 3300 N is more than any haptic device exerts (250 N)"});
 }
 
 /// Result of the check for a hand that moves back and forth by 50 mm once a second (0.31 m/s at
