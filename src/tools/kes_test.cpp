@@ -99,12 +99,15 @@ std::string shellWord(const std::string& text) {
 }
 
 /// Has the plot written under the temporary name of `file`.
-void plotCurve(const NewFile& file, const std::string& csv) {
+void plotCurve(const NewFile& file, const std::string& csv, const Arguments& arguments) {
   std::string script = HAPTIC_CLOTH_SOURCE_SCRIPTS "/plot_kes.py";
   if (!std::filesystem::exists(script)) script = HAPTIC_CLOTH_INSTALL_SCRIPTS "/plot_kes.py";
   const std::string name = file.target().string();
-  const std::string command =
-      "/usr/bin/python3 " + shellWord(script) + ' ' + shellWord(name) + ' ' + shellWord(file.temporaryName());
+  const std::string title =
+      arguments.fabric + ", " + arguments.test + ", " + arguments.direction + ", " + arguments.mesh + " mesh";
+  std::string command = "/usr/bin/python3";
+  for (const std::string& word : {script, name, arguments.test, title, file.temporaryName()})
+    command += ' ' + shellWord(word);
   FILE* python = popen(command.c_str(), "w");
   if (python == nullptr) throw std::runtime_error(command + ": cannot be started");
   std::fwrite(csv.data(), 1, csv.size(), python);
@@ -132,7 +135,7 @@ int test(const Arguments& arguments) {
   const std::string csv = asCsv(rows);
   NewFiles files;
   if (!arguments.out.empty()) files.add(arguments.out).stream() << csv;
-  if (!arguments.plot.empty()) plotCurve(files.add(arguments.plot), csv);
+  if (!arguments.plot.empty()) plotCurve(files.add(arguments.plot), csv, arguments);
   files.publish();
   for (const auto& [name, value] : kesValues(rows, test)) std::cout << name << ' ' << value << '\n';
   const LoopAreas areas = loopAreas(rows, test);
