@@ -12,12 +12,12 @@ arguments=()
 while [ $# -gt 0 ]; do
   case "$1" in
     -h | --help) sed -n 2,6p "$0"; exit 0 ;;
-    --seconds) seconds="${2:?--seconds needs a number}"; shift ;;
+    --seconds) seconds="${2:-}"; shift ;;
     --seconds=*) seconds="${1#*=}" ;;
     *:=*) arguments+=("$1") ;;
     *) echo "demo.sh: unknown argument $1; see demo.sh --help" >&2; exit 2 ;;
   esac
-  shift
+  shift || true
 done
 if ! [[ "$seconds" =~ ^[0-9]+([.][0-9]+)?$ ]]; then
   echo "demo.sh: --seconds must be a number, got '$seconds'" >&2
@@ -32,6 +32,14 @@ if [ -f "$here/../CMakeLists.txt" ]; then
   source "${BUILD_DIR:-$here/../build}/devel/setup.bash"
   set -u
 fi
+
+launch_file="$(rospack find haptic_cloth)/launch/demo.launch"
+for argument in ${arguments[@]+"${arguments[@]}"}; do
+  if ! grep -q "<arg name=\"${argument%%:=*}\"" "$launch_file"; then
+    echo "demo.sh: $argument: demo.launch has only $(sed -n 's/ *<arg name="\([a-z_]*\)" default.*/\1/p' "$launch_file" | xargs)" >&2
+    exit 2
+  fi
+done
 export ROS_HOSTNAME="${ROS_HOSTNAME:-localhost}"
 
 rviz=false
