@@ -94,7 +94,8 @@ int main(int argc, char** argv) {
     good = good && force.allFinite() && force.norm() <= options.max_force * (1.0 + 1e-9);
     largest = std::max(largest, force.norm());
     if (tick % 100 == 0)
-      std::printf("device %6.1f mm, force %5.2f N\n", 1e3 * device.position().z(), force.z());
+      std::printf("%5.1f s: device %6.1f mm, force %5.2f N\n", tick * period, 1e3 * device.position().z(),
+                  force.z());
     due = std::max(due + period, now());  // lost time is not caught up
     sleepUntil(due);
   }
