@@ -103,8 +103,8 @@ void plotCurve(const NewFile& file, const std::string& csv, const Arguments& arg
   std::string script = HAPTIC_CLOTH_SOURCE_SCRIPTS "/plot_kes.py";
   if (!std::filesystem::exists(script)) script = HAPTIC_CLOTH_INSTALL_SCRIPTS "/plot_kes.py";
   const std::string name = file.target().string();
-  const std::string title =
-      arguments.fabric + ", " + arguments.test + ", " + arguments.direction + ", " + arguments.mesh + " mesh";
+  const std::string title = std::filesystem::path(arguments.fabric).stem().string() + ", " + arguments.test +
+                            ", " + arguments.direction + ", " + arguments.mesh + " mesh";
   std::string command = "/usr/bin/python3";
   for (const std::string& word : {script, name, arguments.test, title, file.temporaryName()})
     command += ' ' + shellWord(word);

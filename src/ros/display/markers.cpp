@@ -22,7 +22,7 @@ constexpr double kAmbient = 0.35;  ///< share of ambient light [-]
 /// Height of the mesh lines above the surface, against flicker [m].
 constexpr double kLineLift = 3e-4;
 constexpr double kFoldedOver = -0.5;  ///< z of the normal of cloth that shows its back to one above [-]
-constexpr double kTextHeight = 0.01, kTextLift = 0.08;  ///< of the text on quality [m]
+constexpr double kTextHeight = 0.035, kTextLift = 0.5;  ///< of the text on quality, in sides of the cloth [-]
 constexpr std::size_t kTextWidth = 40;                  ///< of its longest line [characters]
 constexpr float kClothRed = 0.25F, kClothGreen = 0.50F, kClothBlue = 0.85F;
 
@@ -81,6 +81,7 @@ MarkerBuilder::MarkerBuilder(const Scene& scene, const std::string& frame_id, co
     : columns_(scene.cloth.particles[0]),
       rows_(scene.cloth.particles[1]),
       stride_(surfaceStride(columns_, rows_)),
+      side_(std::max(scene.cloth.size[0], scene.cloth.size[1])),
       options_(options),
       frame_id_(frame_id) {
   addMarker(markers_, "surface", Marker::TRIANGLE_LIST, frame_id);
@@ -91,7 +92,7 @@ MarkerBuilder::MarkerBuilder(const Scene& scene, const std::string& frame_id, co
   }
   Marker& quality = addMarker(markers_, "quality", Marker::TEXT_VIEW_FACING, frame_id);
   quality.color = markerColor(0.95F, 0.75F, 0.1F);
-  quality.scale.z = kTextHeight;  // rviz uses no other
+  quality.scale.z = kTextHeight * side_;  // rviz uses no other
 }
 
 void MarkerBuilder::addProbe(const ProbeOptions& probe) {
@@ -216,7 +217,7 @@ void MarkerBuilder::updateQuality(const DisplayFrame& frame, const std::vector<V
   }
   const Vec3 middle = std::accumulate(frame.positions.begin(), frame.positions.end(), Vec3(Vec3::Zero())) /
                       static_cast<double>(frame.positions.size());
-  text.pose.position = toPoint(middle + kTextLift * Vec3::UnitZ());
+  text.pose.position = toPoint(middle + kTextLift * side_ * Vec3::UnitZ());
 }
 
 void MarkerBuilder::updateProbe(const ProbeMarkers& markers, const ProbeView& probe, const Vec3& force) {

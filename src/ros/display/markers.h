@@ -42,7 +42,8 @@ class MarkerBuilder {
   void updateProbe(const ProbeMarkers& markers, const ProbeView& probe, const Vec3& force);
 
   int columns_, rows_;
-  int stride_;  ///< distance of the surface's vertices on the finest grid
+  int stride_;   ///< distance of the surface's vertices on the finest grid
+  double side_;  ///< longer side of the cloth [m]
   MarkerOptions options_;
   std::string frame_id_;
   std::vector<Vec3> normals_;                ///< per finest particle
