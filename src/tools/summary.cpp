@@ -118,7 +118,7 @@ std::string briefReport(const Simulation& simulation, const RunTotals& totals) {
     text << ", force on " << (probes.size() == 1 ? "the probe" : probes[k].name) << " "
          << probe.force.transpose() << " N";
   }
-  const long short_steps = totals.steps - totals.converged_steps;
+  const int short_steps = totals.steps - totals.converged_steps;
   if (short_steps > 0) {
     text << "\n"
          << short_steps << " steps ended short of solver.tolerance, with a residual of up to "
