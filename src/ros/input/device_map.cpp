@@ -8,7 +8,7 @@ namespace {
 /// With scales beyond these a limit of the force could not be computed to rounding.
 constexpr Range kScale{1e-6, 1e5};
 
-constexpr double kStrongest = 250.0;  ///< largest force of a HapticMaster, the strongest device on sale [N]
+constexpr double kStrongest = 250.0;  ///< of a HapticMaster, the strongest device known to us [N]
 
 std::string tooHigh(const char* what, const char* unit, double felt, double limit, const char* parameter,
                     double value) {
