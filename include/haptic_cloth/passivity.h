@@ -27,6 +27,7 @@ struct PassivityOptions {
 /// cloth.
 struct HeldEnergy {
   double coupling = 0.0, cloth = 0.0;
+  double scaled = 0.0;  ///< of the part of the spring whose force gain() scales
 };
 
 /// Time-domain passivity observer and controller for the device port of one probe [Hannaford & Ryu
@@ -107,6 +108,7 @@ class PassivityController {
   };
 
   Vec6 forceFelt() const;
+  double gainAt(double debt, double spring) const;
   void fadeAtRest(const Vec6& place);
   void fade();
 
@@ -118,10 +120,11 @@ class PassivityController {
   double gain_ = 1.0;
   double cloth_ = 0.0;  ///< share of the cloth in the bound of E and L [J]
   Vec6 velocity_ = Vec6::Zero();
-  Vec6 resting_place_ = Vec6::Zero();  ///< from which the device has moved by less than the radius of rest
-  double rested_ = 0.0;                ///< time at the resting place [s]
+  Vec6 resting_place_ = Vec6::Zero();  ///< follows the device slowly, or at once where that moves
+  double rested_ = 0.0;                ///< time at rest [s]
   double wait_ = 0.0;                  ///< time at rest after which a debt fades [s]
-  double fading_ = 0.0;                ///< debt that fades at rest; what is above it is newer [J]
+  double fading_ = 0.0;                ///< debt that fades at rest, and may go on after a motion [J]
+  bool is_fading_ = false;
 };
 
 }  // namespace haptic_cloth

@@ -92,9 +92,9 @@ HeldEnergies heldEnergies(const HapticOptions& options, const DeviceSample& devi
   const double stiffness = options.coupling_stiffness, felt = springEnergy(options, device, snapshot, limit);
   const double turned = stiffness * coupling.turned_energy, spring = stiffness * coupling.moved_energy;
   const auto relaxed = [&](double squared) { return 0.5 * kHeldShare * stiffness * squared; };
-  return {
-      {felt, relaxed(moved.dot(hold.topLeftCorner<3, 3>().inverse() * moved)) - spring},
-      {felt + turned, relaxed(coupling.stretch.dot(hold.ldlt().solve(coupling.stretch))) - spring - turned}};
+  return {{felt, relaxed(moved.dot(hold.topLeftCorner<3, 3>().inverse() * moved)) - spring, felt},
+          {felt + turned,
+           relaxed(coupling.stretch.dot(hold.ldlt().solve(coupling.stretch))) - spring - turned, turned}};
 }
 
 }  // namespace haptic_cloth

@@ -200,8 +200,8 @@ void HapticLoop::observe(const DeviceSample& device, const HeldEnergies& held, c
   passivity_.observe(joined(device.position, Vec3::Zero()), held.moved, passed.by_force);
   torque_passivity_.observe(joined(device.position, kTurnArm * turned_), held.all, passed.all());
   const Gains now = gains();
-  recovered_ = {(now.force - before.force) * held.moved.coupling,
-                (now.torque - before.torque) * (held.all.coupling - held.moved.coupling)};
+  recovered_ = {(now.force - before.force) * held.moved.scaled,
+                (now.torque - before.torque) * held.all.scaled};
 }
 
 HapticLoop::Gains HapticLoop::gains() const {

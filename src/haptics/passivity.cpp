@@ -8,7 +8,7 @@ namespace haptic_cloth {
 namespace {
 
 constexpr double kMostDebt = 1.0;    ///< more than a device with a hand on it has in motion [J]
-constexpr double kForgetting = 1.0;  ///< of a debt where nothing is touched or the device rests [s]
+constexpr double kForgetting = 1.0;  ///< of a debt where nothing is touched [s]
 
 /// Time in which the cloth's share of the bound falls to 1/e [s]. For a few ticks after cells have split, the
 /// local model may be several times too stiff. With 20 ms a falcon buzzes after a stall.
@@ -18,10 +18,14 @@ constexpr double kFall = 0.005;
 /// nothing buzzes in test/stability; from 0.1 s on slow swings take the buzz's place.
 constexpr double kRecovery = 0.02;
 
-/// A device that stays within this distance is at rest [m]: above the quantum of position of the devices in
-/// test/stability, below the swings that are felt as a buzz there.
+/// A device that stays within this distance of a place, which may drift, is at rest [m]: above the quantum of
+/// position of the devices in test/stability, below the swings that are felt as a buzz there.
 constexpr double kRestRadius = 1e-4;
 
+/// A hand that yields to the returning force moves no faster [m/s]. A buzz of 0.15 mm does, from 5 Hz on.
+constexpr double kDrift = 2e-3;
+
+constexpr double kReturn = 2.0;        ///< of a debt to 1/e where the device rests [s]
 constexpr double kFirstWait = 0.25;    ///< shortest time at rest after which a debt fades [s]
 constexpr double kLongestWait = 60.0;  ///< and the longest [s]
 constexpr double kLongerWait = 4.0;    ///< factor for the wait of a debt that has grown again [-]
@@ -44,6 +48,7 @@ void PassivityController::reset() {
   velocity_ = Vec6::Zero();
   rested_ = fading_ = 0.0;
   wait_ = kFirstWait;
+  is_fading_ = false;
 }
 
 void PassivityController::setOptions(const PassivityOptions& options, double period, double unit) {
@@ -82,9 +87,18 @@ void PassivityController::observe(const Vec6& place, const HeldEnergy& held, dou
   for (double* energy : {&by_hand_, &by_loop_})
     *energy = std::clamp(*energy + damped, -kMostDebt, held.coupling + cloth_);
   fadeAtRest(place);
-  const double debt = std::max(0.0, -energy());
-  const double wanted = options_.debt > 0.0 ? options_.debt / (options_.debt + debt) : 1.0;
-  gain_ = std::min(wanted, gain_ + period_ / kRecovery);
+  const double wanted = std::max(gainAt(-by_hand_, 0.0), gainAt(-by_loop_, held.scaled));
+  gain_ = std::min({1.0, wanted, gain_ + period_ / kRecovery});
+}
+
+/// Gain at a debt, more than 1 where something is left [-]. A lower gain takes energy from the spring that it
+/// scales, which pays a part of the debt. The gain is the one at which both agree:
+/// gain = d / (d + debt + (gain - gain_) spring) with d = PassivityOptions::debt. If the payment came a tick
+/// later, the gain would swing between too low and too high.
+double PassivityController::gainAt(double debt, double spring) const {
+  if (options_.debt == 0.0) return 1.0;
+  const double half = 0.5 * (options_.debt + debt - gain_ * spring);
+  return options_.debt / (half + std::sqrt(half * half + spring * options_.debt));
 }
 
 /// α pays the debt within one tick, but is at most what the device bears: at rest, where the speed is a
@@ -101,25 +115,28 @@ void PassivityController::forgive() {
   fade();
 }
 
-/// Nothing pays a debt where hand and cloth rest, so it fades there. What the loop creates meanwhile, as a
-/// buzz that the returning force has woken, does not fade at once: whenever the debt has grown, it waits
-/// four times as long as before.
+/// Nothing pays a debt where hand and cloth rest, so it fades there. Meanwhile, what the returning force
+/// gives a hand that yields to it does not count. A debt that has grown since it last faded, as by a buzz
+/// that the force has woken, waits four times as long.
 void PassivityController::fadeAtRest(const Vec6& place) {
-  rested_ += period_;
-  if ((place - resting_place_).norm() > kRestRadius) {
-    resting_place_ = place;
-    rested_ = 0.0;
-  }
-  const double debt = -energy();
-  if (rested_ < wait_ || debt <= 0.0) return;
-  if (debt > fading_ + kGrowth * (options_.debt + debt)) {
+  const double distance = (place - resting_place_).norm();
+  const bool moves = distance > kRestRadius;
+  const double drift = moves ? 1.0 : std::min(1.0, kDrift * period_ / std::max(distance, 1e-300));
+  resting_place_ += drift * (place - resting_place_);
+  rested_ = moves ? 0.0 : rested_ + period_;
+  is_fading_ = is_fading_ && !moves;
+  if (rested_ < wait_) return;
+  const double debt = std::max(0.0, -energy());
+  if (!is_fading_ && debt > fading_ + kGrowth * (options_.debt + debt)) {
     fading_ = debt;
     wait_ = std::min(kLongestWait, kLongerWait * wait_);
     rested_ = 0.0;
     return;
   }
-  fade();
-  fading_ -= debt + energy();
+  is_fading_ = fading_ > kGrowth * options_.debt;
+  if (!is_fading_) return fade();
+  fading_ *= std::exp(-period_ / kReturn);
+  for (double* energy : {&by_hand_, &by_loop_}) *energy = std::max(*energy, -fading_);
 }
 
 void PassivityController::fade() {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include "haptics/velocity_filter.h"
 #include "stability/loop_parts.h"
@@ -19,6 +20,22 @@ struct Range {
   }
   double half() const { return 0.5 * (high - low).maxCoeff(); }
 };
+
+/// Half of the peak-to-peak distance from the straight line that fits the places best. They are evenly spaced
+/// in time.
+double swing(const std::vector<Vec3>& places) {
+  const auto count = static_cast<double>(places.size());
+  Vec3 mean = Vec3::Zero(), tilt = Vec3::Zero();
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    mean += places[k] / count;
+    tilt += (static_cast<double>(k) - 0.5 * (count - 1.0)) * places[k];
+  }
+  tilt *= 12.0 / (count * (count * count - 1.0));
+  Range range;
+  for (std::size_t k = 0; k < places.size(); ++k)
+    range.add(places[k] - mean - (static_cast<double>(k) - 0.5 * (count - 1.0)) * tilt);
+  return range.half();
+}
 
 Vec3 targetAt(const HandModel& hand, double time, Vec3& velocity) {
   const double s = std::clamp((time - hand.press_from) / hand.press_time, 0.0, 1.0);
@@ -65,12 +82,14 @@ LoopResult runLoop(const LoopRun& run, ProbeWorld& world) {
   DeviceSample sample;
   ProbeSnapshot snapshot;
   LoopResult result;
-  Range path, forces;
+  std::vector<Vec3> path;
+  Range forces;
   Vec3 sum = Vec3::Zero();
   const int steps = static_cast<int>(std::lround(run.time / kStep));
   for (int k = 0; k < steps; ++k) {
     const double time = k * kStep;
-    const Vec3 seen = way_in.pass(position);
+    const bool late = time < run.device.late_until;
+    const Vec3 delayed = way_in.pass(position), seen = late ? delayed : position;
     if (k % steps_per_tick == 0) {
       if (time < run.device.dies_at) {
         const DeviceSample before = sample;
@@ -91,16 +110,16 @@ LoopResult runLoop(const LoopRun& run, ProbeWorld& world) {
       else
         result.zero_since = std::min(result.zero_since, time);
     }
-    const Vec3 felt = way_out.pass(force);
+    const Vec3 delayed_force = way_out.pass(force), felt = late ? delayed_force : force;
     moveDevice(run, time, felt, position, velocity);
     if (time >= run.time - run.measured) {
-      path.add(position);
+      path.push_back(position);
       forces.add(felt);
       sum += felt;
       result.generated += felt.dot(velocity) * kStep;
     }
   }
-  result.amplitude = path.half();
+  result.amplitude = swing(path);
   result.force_ripple = forces.half();
   result.mean_force = sum.norm() * kStep / run.measured;
   result.force_at_end = force.norm();

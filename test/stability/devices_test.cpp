@@ -62,7 +62,7 @@ class Devices : public testing::TestWithParam<PublishedDevice> {
       for (const double damping : {0.0, 0.25 * device.damping, device.damping}) {
         for (const double delay : {0.0, 0.0005, 0.001}) {
           for (const double mass : {0.05, 0.1, 0.2}) {
-            for (const double hand : {100.0, 300.0, 1000.0}) {
+            for (const double hand : {200.0, 300.0, 1000.0}) {
               LoopRun run = runOf(device, stiffness, damping, delay);
               run.device.mass = mass;
               run.hand.stiffness = hand;
@@ -111,6 +111,30 @@ TEST_P(Devices, ADeadDeviceGetsZero) {
   EXPECT_TRUE(result.finite);
   EXPECT_EQ(result.force_at_end, 0.0);
   EXPECT_LE(result.zero_since, run.device.dies_at + run.options.pose_timeout + kRamp);
+}
+
+/// Poses that come 20 ms late for five seconds make the device swing, and the loop owes what that made. Then
+/// they come at once, and the whole force returns: at rest that of hand and coupling, two springs in series.
+TEST(LateDevice, ItsForceComesBack) {
+  for (const double hand : {200.0, 300.0, 1000.0}) {
+    LoopRun run;
+    run.options.coupling_stiffness = 1000.0;
+    run.options.max_force = 8.0;
+    run.options.max_force_rate = 1000.0;
+    run.hand.stiffness = hand;
+    run.device.delay = 0.02;
+    run.device.late_until = 5.0;
+    const auto resultAt = [&](double time) {
+      run.time = time;
+      WallWorld wall(run.options, 1e9);
+      return runLoop(run, wall);
+    };
+    const double whole = 1000.0 * hand / (1000.0 + hand) * -run.hand.pressed.z();
+    EXPECT_LT(resultAt(6.0).mean_force, 0.7 * whole) << hand << " N/m: something must be owed";
+    const LoopResult late = resultAt(25.0);
+    EXPECT_GT(late.mean_force, 0.95 * whole) << hand << " N/m";
+    EXPECT_LT(late.amplitude, 1.5e-4) << hand << " N/m";
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Published, Devices, testing::ValuesIn(publishedDevices()),

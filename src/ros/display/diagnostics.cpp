@@ -18,7 +18,6 @@ constexpr double kNow = 0.5;            ///< longest interval between good messa
 constexpr double kLately = 5.0;         ///< time for which a past fault remains a warning [s]
 constexpr double kMostSlip = 0.05;      ///< share of the time that may slip [-]
 constexpr double kTransformAge = 1.0;   ///< older transforms are doubtful [s]
-constexpr double kWholeForce = 0.9;     ///< share of the coupling's force that is good enough [-]
 
 void add(DiagnosticStatus& status, const std::string& key, const std::string& value) {
   diagnostic_msgs::KeyValue entry;
@@ -186,10 +185,8 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
     judge(status, DiagnosticStatus::WARN, toText(doubt));
   } else if (counters.transform_age > kTransformAge) {
     judge(status, DiagnosticStatus::WARN, "the transform of the device's frame is old");
-  } else if (felt.share < kWholeForce) {
-    char text[64];
-    std::snprintf(text, sizeof text, "weakened to %.0f %% of the force, against a buzz", 100.0 * felt.share);
-    judge(status, DiagnosticStatus::WARN, text);
+  } else if (now - felt.weakened < kLately) {
+    judge(status, DiagnosticStatus::WARN, "the force was weakened against a buzz within the last 5 s");
   } else {
     judge(status, DiagnosticStatus::OK, "receiving");
   }

@@ -115,6 +115,8 @@ struct FeltForce {
   Vec3 force = Vec3::Zero();   ///< on the hand, in the cloth's axes [N]
   Vec3 torque = Vec3::Zero();  ///< on the hand, in the cloth's axes [N·m]
   double share = 1.0;          ///< of the coupling's force, see HapticSession::forceShare() [-]
+  double weakened = -1e30;     ///< when it was last below kWholeForce, steady clock [s]
+  static constexpr double kWholeForce = 0.9;
   std::uint64_t input_stops = 0, snapshot_stops = 0;  ///< how often either was stale, since start
   double stopped = -1e30;                             ///< when the last of these began, steady clock [s]
 
@@ -132,6 +134,7 @@ struct FeltForce {
     force = sent.force;
     torque = sent.torque;
     share = share_now;
+    if (share < kWholeForce) weakened = steadyNow();
   }
 };
 

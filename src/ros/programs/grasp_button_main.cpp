@@ -5,6 +5,7 @@
 #include <std_msgs/Bool.h>
 
 #include <atomic>
+#include <optional>
 
 #include "ros/input/driver_messages.h"
 #include "ros/node/shutdown.h"
@@ -37,7 +38,8 @@ class GraspButton {
   }
 
   void close(bool closed) {
-    if (closed == closed_) return;
+    // A grasp may be closed already, by a button that ended before it was let go.
+    if (closed == closed_ || (!closed_ && grasp_.getNumSubscribers() == 0)) return;
     closed_ = closed;
     std_msgs::Bool message;
     message.data = closed;
@@ -64,7 +66,7 @@ class GraspButton {
   }
 
   std::size_t number_;
-  bool closed_ = false;
+  std::optional<bool> closed_;  ///< as last published; unknown until somebody hears it
   ros::Publisher grasp_;
   ros::Subscriber buttons_;
 };

@@ -13,6 +13,7 @@
 #include "haptic_cloth/simulation.h"
 #include "ros/display/diagnostics.h"
 #include "ros/display/markers.h"
+#include "ros/node/steady_clock.h"
 #include "ros/options/node_options.h"
 #include "ros/programs/hand_model.h"
 #include "ros/support/yaml_parameters.h"
@@ -362,12 +363,17 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
   EXPECT_EQ(value(probe(), "age of the transform [s]"), "2");
   counters.transform_age = 0.0;
   EXPECT_EQ(value(probe(), "share of the force passed on [%]"), "100");
-  felt.share = 0.95;
-  EXPECT_EQ(probe().level, DiagnosticStatus::OK);
-  felt.share = 0.45;
-  EXPECT_EQ(probe().level, DiagnosticStatus::WARN);
-  EXPECT_EQ(probe().message, "weakened to 45 % of the force, against a buzz");
-  felt.share = 1.0;
+  FeltForce weak;
+  weak.note(HapticStatus::Contact, Wrench(), 0.95);
+  EXPECT_LT(weak.weakened, 0.0);
+  weak.note(HapticStatus::Contact, Wrench(), 0.45);
+  weak.note(HapticStatus::Free, Wrench(), 1.0);
+  EXPECT_NEAR(weak.weakened, steadyNow(), 1.0);
+  felt.weakened = 6.0;
+  EXPECT_EQ(probe().level, DiagnosticStatus::WARN) << "4 s ago";
+  EXPECT_EQ(probe().message, "the force was weakened against a buzz within the last 5 s");
+  felt.weakened = 4.0;
+  EXPECT_EQ(probe().level, DiagnosticStatus::OK) << "6 s ago";
   const DiagnosticStatus shared =
       probeStatus("thumb", counters, felt, GraspState::Open, 0.0, 10.0, "pose", "/other");
   EXPECT_EQ(shared.level, DiagnosticStatus::WARN);
