@@ -88,17 +88,32 @@ class StopRule {
   bool at_rest_ = false;
 };
 
+/// Largest distance of an obstacle from where its path says it should be [m].
+double obstacleLag(const Simulation& simulation) {
+  const std::vector<Obstacle>& obstacles = simulation.scene().obstacles;
+  double lag = 0.0;
+  for (std::size_t k = 0; k < obstacles.size(); ++k) {
+    if (obstacles[k].path.empty()) continue;
+    const Vec3 place = simulation.obstaclePose(static_cast<int>(k)).position;
+    lag = std::max(lag, (pathPosition(obstacles[k].path, simulation.time()) - place).norm());
+  }
+  return lag;
+}
+
 }  // namespace
 
 RunRecord runScene(Simulation& simulation, Rows rows, const StepCallback& after_step) {
   StopRule stop(simulation);
-  const auto next = [&stop](Simulation& now, int&) {
+  double lag = 0.0;
+  const auto next = [&](Simulation& now, int&) {
+    lag = std::max(lag, obstacleLag(now));
     if (stop.ends(now)) return false;
     followPaths(now);
     return true;
   };
   RunRecord record = runSteps(simulation, rows, next, after_step);
   record.totals.at_rest = stop.atRest();
+  record.totals.max_obstacle_lag = lag;
   return record;
 }
 
@@ -108,7 +123,9 @@ RunRecord runInRealTime(Simulation& simulation, Rows rows, const StepCallback& a
   StopRule stop(simulation);
   StepPacer pacer(simulation);
   PaceTotals pace;
+  double lag = 0.0;
   const auto next = [&](Simulation& now, int& length) {
+    lag = std::max(lag, obstacleLag(now));
     if (stop.ends(now)) return false;
     std::this_thread::sleep_until(start + std::chrono::duration_cast<Clock::duration>(
                                               std::chrono::duration<double>(pacer.due(secondsSince(start)))));
@@ -131,6 +148,7 @@ RunRecord runInRealTime(Simulation& simulation, Rows rows, const StepCallback& a
   pacer.restoreQuality(simulation);  // a state that is saved now holds the scene's own options
   record.totals.at_rest = stop.atRest();
   record.totals.pace = pace;
+  record.totals.max_obstacle_lag = lag;
   return record;
 }
 

@@ -44,6 +44,7 @@ struct RunTotals {
   double mean_active = 0.0;            ///< particles
   long refined = 0, coarsened = 0;     ///< cells split, groups of four merged
   double max_penetration = 0.0;        ///< [m]
+  double max_obstacle_lag = 0.0;       ///< of an obstacle behind its path; not of a replay [m]
   /// Smallest StepReport::min_self_gap [m].
   double min_self_gap = std::numeric_limits<double>::infinity();
   double start_time = 0.0;         ///< simulated time before the first step: not 0 where a run is resumed [s]

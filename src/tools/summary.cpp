@@ -14,6 +14,8 @@ namespace {
 
 using nlohmann::json;
 
+constexpr double kLag = 1e-9;  ///< of an obstacle that is more than rounding [m]
+
 json toJson(const Vec3& v) { return json::array({v.x(), v.y(), v.z()}); }
 
 /// How the run kept the clock, as a line; empty if it did not.
@@ -77,6 +79,7 @@ std::string summaryJson(const Simulation& simulation, const RunTotals& totals, b
   summary["max_strain"] = simulation.maxStrain();
   summary["max_speed"] = simulation.maxSpeed();
   summary["max_penetration"] = totals.max_penetration;
+  summary["max_obstacle_lag"] = totals.max_obstacle_lag;
   summary["self_contacts"] = totals.last.self_contacts;
   // JSON has no infinity: null, if nothing came near.
   summary["min_self_gap"] = std::isfinite(totals.min_self_gap) ? json(totals.min_self_gap) : json();
@@ -118,6 +121,9 @@ std::string briefReport(const Simulation& simulation, const RunTotals& totals) {
     text << ", force on " << (probes.size() == 1 ? "the probe" : probes[k].name) << " "
          << probe.force.transpose() << " N";
   }
+  if (totals.max_obstacle_lag > kLag)
+    text << "\nan obstacle lagged behind its path by up to " << 1e3 * totals.max_obstacle_lag
+         << " mm: in one step it moves by at most a quarter of its narrowest half-width";
   const int short_steps = totals.steps - totals.converged_steps;
   if (short_steps > 0) {
     text << "\n"

@@ -77,7 +77,8 @@ void PoseAdapter::accept(const ros::MessageEvent<topic_tools::ShapeShifter const
     if (reader_) {
       ROS_INFO_STREAM("positions from " << message->getDataType());
     } else {
-      ROS_ERROR_STREAM(message->getDataType() << ": no known type of position");
+      ROS_ERROR_STREAM(message->getDataType() << ": no known type of position; for another one restart this "
+                                                 "program, whose subscription keeps the first type");
     }
   }
   if (!reader_) return;
@@ -152,7 +153,9 @@ void ForceAdapter::learn() {
     advertise(*name);
   } catch (const InputError& error) {
     refused_ = *name;
-    ROS_ERROR_STREAM(error.what());  // the driver may subscribe again with another type
+    ROS_ERROR_STREAM(
+        error.what() << "; the ROS master keeps this type of the topic until a program publishes "
+                        "it: for another one set ~force/type");
   }
 }
 

@@ -130,6 +130,22 @@ TEST_F(Simulate, WritesEveryFile) {
                                                               "steps.csv", "summary.json"}));
 }
 
+TEST_F(Simulate, SaysHowFarAnObstacleLags) {
+  // A ball of 20 mm goes 0.1 m in 10 ms. In each of these steps of 1 ms it makes a quarter of its radius, 5
+  // mm.
+  const std::string ball =
+      "scene.yaml --set 'obstacles=[{shape: sphere, radius: 0.02, position: [0, 0, -1], path: [[0, 0, 0, "
+      "-1], "
+      "[0.01, 0.1, 0, -1]]}]' --set solver.time_step=0.001 --set stop.time=0.01";
+  const Outcome outcome = run(ball);
+  EXPECT_NE(outcome.output.find("an obstacle lagged behind its path by up to 50 mm"), std::string::npos)
+      << outcome.output;
+  ASSERT_EQ(run(ball + " --out result").status, 0);
+  const auto summary = nlohmann::json::parse(readText(folder_ / "result/summary.json"));
+  EXPECT_NEAR(summary["max_obstacle_lag"], 0.05, 1e-9);
+  EXPECT_EQ(run("scene.yaml").output.find("lagged"), std::string::npos);
+}
+
 TEST_F(Simulate, SummaryHasItsKeys) {
   ASSERT_EQ(run("scene.yaml --out result").status, 0);
   const auto summary = nlohmann::json::parse(readText(folder_ / "result/summary.json"));
