@@ -19,6 +19,7 @@ constexpr double kMostParticles = 1 << 24;  ///< so that every index and offset 
 constexpr double kMostContacts = 1 << 26;
 constexpr std::size_t kMostProbes = 64, kMostObstacles = 1024, kMostPins = 4096;
 constexpr double kFinestProbe = 0.02;  ///< smallest radius of a probe / finest spacing [-]
+constexpr double kMostSides = 10.0;    ///< largest radius of a probe / longer side of the cloth [-]
 
 /// Prints a count that is far too large with six digits.
 std::string rounded(double count) {
@@ -130,9 +131,9 @@ void checkProbe(const Check& check, const std::string& prefix, ProbeOptions& pro
   check.that(probe.radius >= smallest, prefix + ".radius", probe.radius,
              "must be at least " + shortestText(smallest) +
                  " m, a fiftieth of the finest spacing that cloth.size (in metres) and cloth.particles give");
-  const double largest = std::max(cloth.size[0], cloth.size[1]);
+  const double largest = kMostSides * std::max(cloth.size[0], cloth.size[1]);
   check.that(probe.radius <= largest, prefix + ".radius", probe.radius,
-             "must be at most " + shortestText(largest) + " m, the longer side of cloth.size");
+             "must be at most " + shortestText(largest) + " m, ten times the longer side of cloth.size");
   checkPath(check, prefix + ".path", probe.path);
   check.that(probe.grasp.empty() || !probe.path.empty(), prefix + ".grasp",
              std::to_string(probe.grasp.size()) + " rows", "needs a path: its times are those of the path");

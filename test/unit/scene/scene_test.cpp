@@ -472,7 +472,8 @@ TEST(ValidateScene, ChecksWhatIsBuiltInCode) {
             "spacing that cloth.size (in metres) and cloth.particles give");
   broken = scene;
   broken.probes[0].radius = 8.0;  // millimetres
-  EXPECT_EQ(fails(broken), "code: probe.radius = 8: must be at most 0.3 m, the longer side of cloth.size");
+  EXPECT_EQ(fails(broken),
+            "code: probe.radius = 8: must be at most 3 m, ten times the longer side of cloth.size");
   broken = scene;
   broken.obstacles.emplace_back();
   broken.obstacles[0].shape = static_cast<Shape>(shapeNames().size());
