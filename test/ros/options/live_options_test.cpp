@@ -239,7 +239,7 @@ TEST(LiveMarkers, LinesAreColouredByWhatIsAskedFor) {
   const NodeOptions node = parseNodeOptions(sceneParameters(), "test");
   DisplayFrame frame;
   for (int p = 0; p < 17 * 17; ++p) frame.positions.push_back(Vec3(0.01 * (p % 17), 0.01 * (p / 17), 0.0));
-  frame.cells = {{{0, 16, 16 * 17, 17 * 17 - 1}, 4}};
+  frame.cells = {{{0, 16, 16 * 17, 17 * 17 - 1}, 4, false}};
   frame.tension = frame.bending = {0.0F};
   frame.probes.resize(1);
   MarkerOptions options;
