@@ -57,37 +57,6 @@ RunRecord runSteps(Simulation& simulation, Rows rows, const NextStep& next, cons
 
 namespace {
 
-/// The stop rule of a scene.
-class StopRule {
- public:
-  explicit StopRule(const Simulation& simulation)
-      : stop_(simulation.scene().stop), slack_(0.5 * simulation.scene().solver.time_step) {
-    slow_since_ = simulation.time();
-    for (const ProbeOptions& probe : simulation.scene().probes) {
-      if (!probe.path.empty()) scripted_until_ = std::max(scripted_until_, probe.path.back().time);
-      for (const auto& times : probe.grasp) scripted_until_ = std::max(scripted_until_, times[1]);
-    }
-    for (const Obstacle& obstacle : simulation.scene().obstacles) {
-      if (!obstacle.path.empty()) scripted_until_ = std::max(scripted_until_, obstacle.path.back().time);
-    }
-  }
-
-  bool ends(const Simulation& now) {
-    if (!(now.maxSpeed() < stop_.rest_speed) || now.time() < scripted_until_) slow_since_ = now.time();
-    at_rest_ = stop_.rest_speed > 0.0 && now.time() - slow_since_ >= kRestDuration - slack_;
-    return at_rest_ || !(now.time() < stop_.time - slack_);
-  }
-
-  bool atRest() const { return at_rest_; }
-
- private:
-  StopOptions stop_;
-  double slack_;  ///< half a step: many time steps may end a rounding error short of their limit [s]
-  double scripted_until_ = 0.0;  ///< end of all paths and grasps [s]
-  double slow_since_;
-  bool at_rest_ = false;
-};
-
 /// Largest distance of an obstacle from where its path says it should be [m].
 double obstacleLag(const Simulation& simulation) {
   const std::vector<Obstacle>& obstacles = simulation.scene().obstacles;
@@ -100,33 +69,65 @@ double obstacleLag(const Simulation& simulation) {
   return lag;
 }
 
+/// Watches a run whose probes and obstacles follow the paths of the scene: when it stops, and how far
+/// obstacles lag.
+class ScriptedRun {
+ public:
+  explicit ScriptedRun(const Simulation& simulation)
+      : stop_(simulation.scene().stop), slack_(0.5 * simulation.scene().solver.time_step) {
+    slow_since_ = simulation.time();
+    for (const ProbeOptions& probe : simulation.scene().probes) {
+      if (!probe.path.empty()) scripted_until_ = std::max(scripted_until_, probe.path.back().time);
+      for (const auto& times : probe.grasp) scripted_until_ = std::max(scripted_until_, times[1]);
+    }
+    for (const Obstacle& obstacle : simulation.scene().obstacles) {
+      if (!obstacle.path.empty()) scripted_until_ = std::max(scripted_until_, obstacle.path.back().time);
+    }
+  }
+
+  /// Called before each step, and after the last one.
+  bool ends(const Simulation& now) {
+    max_lag_ = std::max(max_lag_, obstacleLag(now));
+    if (!(now.maxSpeed() < stop_.rest_speed) || now.time() < scripted_until_) slow_since_ = now.time();
+    at_rest_ = stop_.rest_speed > 0.0 && now.time() - slow_since_ >= kRestDuration - slack_;
+    return at_rest_ || !(now.time() < stop_.time - slack_);
+  }
+
+  void report(RunTotals& totals) const {
+    totals.at_rest = at_rest_;
+    totals.max_obstacle_lag = max_lag_;
+  }
+
+ private:
+  StopOptions stop_;
+  double slack_;  ///< half a step: many time steps may end a rounding error short of their limit [s]
+  double scripted_until_ = 0.0;  ///< end of all paths and grasps [s]
+  double slow_since_, max_lag_ = 0.0;
+  bool at_rest_ = false;
+};
+
 }  // namespace
 
 RunRecord runScene(Simulation& simulation, Rows rows, const StepCallback& after_step) {
-  StopRule stop(simulation);
-  double lag = 0.0;
-  const auto next = [&](Simulation& now, int&) {
-    lag = std::max(lag, obstacleLag(now));
-    if (stop.ends(now)) return false;
+  ScriptedRun run(simulation);
+  const auto next = [&run](Simulation& now, int&) {
+    if (run.ends(now)) return false;
     followPaths(now);
     return true;
   };
   RunRecord record = runSteps(simulation, rows, next, after_step);
-  record.totals.at_rest = stop.atRest();
-  record.totals.max_obstacle_lag = lag;
+  run.report(record.totals);
   return record;
 }
 
 RunRecord runInRealTime(Simulation& simulation, Rows rows, const StepCallback& after_step) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point start = Clock::now();
-  StopRule stop(simulation);
+  ScriptedRun run(simulation);
   StepPacer pacer(simulation);
   PaceTotals pace;
-  double lag = 0.0;
   const auto next = [&](Simulation& now, int& length) {
-    lag = std::max(lag, obstacleLag(now));
-    if (stop.ends(now)) return false;
+    if (run.ends(now)) return false;
     std::this_thread::sleep_until(start + std::chrono::duration_cast<Clock::duration>(
                                               std::chrono::duration<double>(pacer.due(secondsSince(start)))));
     length = pacer.begin(now, secondsSince(start));
@@ -146,9 +147,8 @@ RunRecord runInRealTime(Simulation& simulation, Rows rows, const StepCallback& a
   };
   RunRecord record = runSteps(simulation, rows, next, after);
   pacer.restoreQuality(simulation);  // a state that is saved now holds the scene's own options
-  record.totals.at_rest = stop.atRest();
+  run.report(record.totals);
   record.totals.pace = pace;
-  record.totals.max_obstacle_lag = lag;
   return record;
 }
 

@@ -131,12 +131,10 @@ TEST_F(Simulate, WritesEveryFile) {
 }
 
 TEST_F(Simulate, SaysHowFarAnObstacleLags) {
-  // A ball of 20 mm goes 0.1 m in 10 ms. In each of these steps of 1 ms it makes a quarter of its radius, 5
-  // mm.
+  // A ball of 20 mm is sent 0.1 m in ten steps. In each it makes a quarter of its radius, 5 mm.
   const std::string ball =
-      "scene.yaml --set 'obstacles=[{shape: sphere, radius: 0.02, position: [0, 0, -1], path: [[0, 0, 0, "
-      "-1], "
-      "[0.01, 0.1, 0, -1]]}]' --set solver.time_step=0.001 --set stop.time=0.01";
+      "scene.yaml --set solver.time_step=0.001 --set stop.time=0.01 --set 'obstacles=[{shape: sphere, "
+      "radius: 0.02, position: [0, 0, -1], path: [[0, 0, 0, -1], [0.01, 0.1, 0, -1]]}]'";
   const Outcome outcome = run(ball);
   EXPECT_NE(outcome.output.find("an obstacle lagged behind its path by up to 50 mm"), std::string::npos)
       << outcome.output;
