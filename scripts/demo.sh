@@ -12,17 +12,27 @@ arguments=()
 while [ $# -gt 0 ]; do
   case "$1" in
     -h | --help) sed -n 2,6p "$0"; exit 0 ;;
-    --seconds) seconds="${2:-}"; shift ;;
+    --seconds) seconds="${2:-}"; shift $(($# > 1)) ;;
     --seconds=*) seconds="${1#*=}" ;;
     *:=*) arguments+=("$1") ;;
     *) echo "demo.sh: unknown argument $1; see demo.sh --help" >&2; exit 2 ;;
   esac
-  shift || true
+  shift
 done
 if ! [[ "$seconds" =~ ^[0-9]+([.][0-9]+)?$ ]]; then
   echo "demo.sh: --seconds must be a number, got '$seconds'" >&2
   exit 2
 fi
+
+launch_file="$here/../launch/demo.launch"
+if ! [ -f "$launch_file" ]; then launch_file="$(rospack find haptic_cloth)/launch/demo.launch"; fi
+known="$(sed -n 's/^  <arg name="\([a-z_]*\)" default.*/\1/p' "$launch_file" | xargs)"
+for argument in ${arguments[@]+"${arguments[@]}"}; do
+  if ! [[ " $known " == *" ${argument%%:=*} "* ]]; then
+    echo "demo.sh: $argument: demo.launch has only $known" >&2
+    exit 2
+  fi
+done
 
 # In the source tree, installs and builds first. An installed copy uses the caller's environment.
 if [ -f "$here/../CMakeLists.txt" ]; then
@@ -32,14 +42,6 @@ if [ -f "$here/../CMakeLists.txt" ]; then
   source "${BUILD_DIR:-$here/../build}/devel/setup.bash"
   set -u
 fi
-
-launch_file="$(rospack find haptic_cloth)/launch/demo.launch"
-for argument in ${arguments[@]+"${arguments[@]}"}; do
-  if ! grep -q "<arg name=\"${argument%%:=*}\"" "$launch_file"; then
-    echo "demo.sh: $argument: demo.launch has only $(sed -n 's/ *<arg name="\([a-z_]*\)" default.*/\1/p' "$launch_file" | xargs)" >&2
-    exit 2
-  fi
-done
 export ROS_HOSTNAME="${ROS_HOSTNAME:-localhost}"
 
 rviz=false
