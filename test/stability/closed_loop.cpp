@@ -21,20 +21,17 @@ struct Range {
   double half() const { return 0.5 * (high - low).maxCoeff(); }
 };
 
-/// Half of the peak-to-peak distance from the straight line that fits the places best. They are evenly spaced
-/// in time.
-double swing(const std::vector<Vec3>& places) {
+/// Finds the motion about the straight line that fits the places best, which are a step apart.
+void measureMotion(const std::vector<Vec3>& places, LoopResult& result) {
   const auto count = static_cast<double>(places.size());
-  Vec3 mean = Vec3::Zero(), tilt = Vec3::Zero();
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    mean += places[k] / count;
-    tilt += (static_cast<double>(k) - 0.5 * (count - 1.0)) * places[k];
-  }
-  tilt *= 12.0 / (count * (count * count - 1.0));
+  const auto time = [&](std::size_t k) { return kStep * (static_cast<double>(k) - 0.5 * (count - 1.0)); };
+  Vec3 velocity = Vec3::Zero();
+  for (std::size_t k = 0; k < places.size(); ++k) velocity += time(k) * places[k];
+  velocity *= 12.0 / (kStep * kStep * count * (count * count - 1.0));
   Range range;
-  for (std::size_t k = 0; k < places.size(); ++k)
-    range.add(places[k] - mean - (static_cast<double>(k) - 0.5 * (count - 1.0)) * tilt);
-  return range.half();
+  for (std::size_t k = 0; k < places.size(); ++k) range.add(places[k] - time(k) * velocity);
+  result.amplitude = range.half();
+  result.drift = velocity.norm();
 }
 
 Vec3 targetAt(const HandModel& hand, double time, Vec3& velocity) {
@@ -119,7 +116,7 @@ LoopResult runLoop(const LoopRun& run, ProbeWorld& world) {
       result.generated += felt.dot(velocity) * kStep;
     }
   }
-  result.amplitude = swing(path);
+  measureMotion(path, result);
   result.force_ripple = forces.half();
   result.mean_force = sum.norm() * kStep / run.measured;
   result.force_at_end = force.norm();
