@@ -24,7 +24,7 @@ struct MinimizerOptions {
   /// The solve stops when rms_m(|∇Φ|/m) <= tolerance · |gravity| [-]; without gravity |gravity|
   /// is 9.80665 m/s².
   double tolerance = 0.1;
-  int max_iterations = 200;  ///< [-]
+  int max_iterations = 1000;  ///< [-]
   /// Wall clock time from the start of a step to the end of its solve [s]; 0: no limit. At least
   /// one iteration is made, and the best state so far is kept. Work after the solve is not
   /// included.

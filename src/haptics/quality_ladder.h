@@ -8,6 +8,9 @@
 
 namespace haptic_cloth {
 
+/// Limit of the iterations of a solver that is late but keeps its forces: nearly all its steps need fewer.
+constexpr int kManyIterations = 200;
+
 /// Options of one rung of the ladder.
 struct Quality {
   SolverOptions solver;

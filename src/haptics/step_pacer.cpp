@@ -19,10 +19,11 @@ class StepPacer::Implementation {
     ladder_ = qualityLadder(solver, adapt, std::max(1, static_cast<int>(longest)));
     if (!options.keep_clock) ladder_.resize(1);
     std::vector<int> longest_steps;
-    int gentle = 0;  // rungs with all iterations
+    const int many = std::min(kManyIterations, solver.minimizer.max_iterations);
+    int gentle = 0;  // rungs that let nearly all steps converge
     for (const Quality& rung : ladder_) {
       longest_steps.push_back(rung.longest_step);
-      if (rung.solver.minimizer.max_iterations == solver.minimizer.max_iterations) ++gentle;
+      if (rung.solver.minimizer.max_iterations >= many) ++gentle;
     }
     clock.setRungs(longest_steps, gentle);
     air_damping_ = air_damping;
