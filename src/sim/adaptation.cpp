@@ -8,6 +8,7 @@ namespace haptic_cloth {
 Adaptation::Adaptation(const AdaptOptions& options, const Grid& grid)
     : options_(options),
       grid_(grid),
+      edge_means_(grid.particles()),
       born_(grid.cells(), kLongAgo),
       decided_below_(options.far_angle_factor * options.coarsen_below),
       decided_below_strain_(options.far_strain_factor * options.coarsen_below_strain),
@@ -16,7 +17,6 @@ Adaptation::Adaptation(const AdaptOptions& options, const Grid& grid)
       merge_transfer_(grid) {
   for (auto* list : {&leaves_, &marked_, &merged_, &split_}) list->reserve(grid.cells());
   for (auto& strains : strain_) strains.reserve(grid.particles());
-  edges_.reserve(grid.particles());
 }
 
 int Adaptation::startLevel(const AdaptOptions& options) {
@@ -118,20 +118,11 @@ Adaptation::Thresholds Adaptation::thresholdsOf(const Thresholds& near, const Pr
 }
 
 void Adaptation::measureStrain(const Field& nodes, const ActiveMesh& mesh) {
-  for (const int direction : {kWarp, kWeft}) {
-    std::vector<double>& strains = strain_[direction];
-    strains.assign(mesh.nodes(), 0.0);
-    edges_.assign(mesh.nodes(), 0);
-    for (const Edge& edge : mesh.edges) {
-      if (edge.direction != direction) continue;
-      const double strain = std::max(0.0, (nodes[edge.b] - nodes[edge.a]).norm() / edge.length - 1.0);
-      for (const int n : {edge.a, edge.b}) {
-        strains[n] += strain;
-        ++edges_[n];
-      }
-    }
-    for (int n = 0; n < mesh.nodes(); ++n) strains[n] /= std::max(1, edges_[n]);
-  }
+  const auto strain = [&](int e) {
+    const Edge& edge = mesh.edges[e];
+    return std::max(0.0, (nodes[edge.b] - nodes[edge.a]).norm() / edge.length - 1.0);
+  };
+  for (const int direction : {kWarp, kWeft}) edge_means_.compute(mesh, direction, strain, strain_[direction]);
 }
 
 /// Largest difference of strain, in one direction, among the particles at a cell's corners (parts 1) or at

@@ -9,11 +9,12 @@
 
 #include "haptic_cloth/options.h"
 #include "mesh/active_mesh.h"
+#include "mesh/edge_means.h"
 #include "mesh/transfer.h"
 
 namespace haptic_cloth {
 
-/// Balls around a probe in which cells are not as coarse as elsewhere.
+/// Two balls around a probe: cells are finest in the inner one, and keep the thresholds in the outer one.
 struct ProbeRegion {
   Vec3 centre;
   double finest_radius;  ///< in which cells stay finest [m]
@@ -113,7 +114,7 @@ class Adaptation {
   Grid grid_;
   /// Mean strain of a node's edges by direction, 0 if slack [-].
   std::array<std::vector<double>, 2> strain_;
-  std::vector<int> edges_;  ///< edges at each node, scratch of measureStrain()
+  EdgeMeans edge_means_;
   std::vector<long> born_;  ///< tick at which a leaf was created, at its lower left finest cell
   long decided_ = kNever;   ///< tick of the last decision
   double decided_below_, decided_below_strain_;  ///< its thresholds of merges far from probes [rad], [-]

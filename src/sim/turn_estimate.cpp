@@ -18,6 +18,12 @@ double rigidity(const Loop& bending) {
   return 0.5 * (bending.upper()(kCurvature).force + bending.lower()(kCurvature).force) / kCurvature;
 }
 
+/// Stiffness in compression [N/m].
+double compressiveStiffness(const Loop& tension) {
+  constexpr double kStrain = 0.005;
+  return -0.5 * (tension.upper()(-kStrain).force + tension.lower()(-kStrain).force) / kStrain;
+}
+
 }  // namespace
 
 TurnEstimate::TurnEstimate(const Fabric& fabric, const Grid& grid, const Vec3& gravity)
@@ -25,14 +31,15 @@ TurnEstimate::TurnEstimate(const Fabric& fabric, const Grid& grid, const Vec3& g
       density_(fabric.areal_density),
       gravity_(referenceAcceleration(gravity)),
       rigidity_{rigidity(fabric.bending[kWarp]), rigidity(fabric.bending[kWeft])},
+      compressive_{compressiveStiffness(fabric.tensile[kWarp]), compressiveStiffness(fabric.tensile[kWeft])},
       range_(fabric.thickness),
       weight_(density_ * gravity_ * (grid.columns - 1) * grid.dx * (grid.rows - 1) * grid.dy),
-      width_(std::sqrt((grid.columns - 1) * grid.dx * (grid.rows - 1) * grid.dy)) {
+      width_(std::sqrt((grid.columns - 1) * grid.dx * (grid.rows - 1) * grid.dy)),
+      edge_means_(grid.particles()) {
   for (auto& tension : tension_) tension.reserve(grid.particles());
   for (auto& compression : compression_) compression.assign(grid.particles(), kNone);
   curvature_.reserve(grid.particles());
   sum_.reserve(grid.particles());
-  edges_.reserve(grid.particles());
 }
 
 double TurnEstimate::turnUnder(double load, double tension, double length) const {
@@ -50,21 +57,9 @@ void TurnEstimate::serialize(Archive& archive) {
 
 void TurnEstimate::begin(const View& view, double least) {
   least_ = least;
-  const ActiveMesh& mesh = view.mesh;
+  const auto tension = [&view](int e) { return view.internal.tension(e, view.nodes); };
   for (const int direction : {kWarp, kWeft}) {
-    std::vector<double>& tensions = tension_[direction];
-    tensions.assign(mesh.nodes(), 0.0);
-    edges_.assign(mesh.nodes(), 0);
-    for (int e = 0; e < static_cast<int>(mesh.edges.size()); ++e) {
-      const Edge& edge = mesh.edges[e];
-      if (edge.direction != direction) continue;
-      const double tension = view.internal.tension(e, view.nodes);
-      for (const int n : {edge.a, edge.b}) {
-        tensions[n] += tension;
-        ++edges_[n];
-      }
-    }
-    for (int n = 0; n < mesh.nodes(); ++n) tensions[n] /= std::max(1, edges_[n]);
+    edge_means_.compute(view.mesh, direction, tension, tension_[direction]);
     followCompression(view, direction);
   }
   measureCurvature(view);
@@ -176,7 +171,8 @@ double TurnEstimate::missing(const View& view, const Cell& cell, int parts) cons
   return density_ * std::min(weightAround(view, cell), gravity_) * turn_by_load;
 }
 
-/// Turning angle for the compression of a cell over the load at which finer cells would buckle.
+/// Turning angle for the compression of a cell over the load at which finer cells would buckle. Merged, bent
+/// threads become chords, which are compressed by what they are shorter.
 double TurnEstimate::buckle(const View& view, const Cell& cell, int parts) const {
   constexpr double kEuler = 9.8696;  // π²
   constexpr double kOver = 2.0;      // over that load
@@ -187,13 +183,21 @@ double TurnEstimate::buckle(const View& view, const Cell& cell, int parts) const
     const double length = cell.span() * (direction == kWarp ? grid_.dx : grid_.dy);
     const double bears =
         kOver * (kEuler * rigidity_[direction] / (length * length) + kHeld * density_ * gravity_ * length);
+    const auto particle = [&](int along, int across) {
+      return direction == kWarp ? grid_.particle(cell.i + along, cell.j + across)
+                                : grid_.particle(cell.i + across, cell.j + along);
+    };
+    const auto position = [&](int along, int across) {
+      return view.nodes[view.mesh.node[particle(along, across)]];
+    };
     for (int line = 0; line <= parts; ++line) {
+      const int across = line * step;
       double compression = 0.0;
-      for (int k = 0; k <= parts; ++k) {
-        const int along = k * step, across = line * step;
-        const int p = direction == kWarp ? grid_.particle(cell.i + along, cell.j + across)
-                                         : grid_.particle(cell.i + across, cell.j + along);
-        compression += compression_[direction][p] / (parts + 1);
+      for (int k = 0; k <= parts; ++k)
+        compression += compression_[direction][particle(k * step, across)] / (parts + 1);
+      if (parts == 2) {
+        const double chord = (position(cell.span(), across) - position(0, across)).norm();
+        compression = std::max(compression, compressive_[direction] * (1.0 - chord / length));
       }
       largest = std::max(largest, compression / bears);
     }
@@ -204,8 +208,7 @@ double TurnEstimate::buckle(const View& view, const Cell& cell, int parts) const
 /// Smallest force on a probe that a wave from the cell reaches; infinite if there is none [N].
 double TurnEstimate::leastForce(const View& view, const Cell& cell) const {
   constexpr double kWaves = 3.0;
-  const double reach = 0.71 * cell.length(grid_);  // distance from the
-                                                   // centre to a corner
+  const double reach = 0.71 * cell.length(grid_);  // from the centre to a corner
   Vec3 centre = Vec3::Zero();
   for (const int corner : cell.corners(grid_)) centre += 0.25 * view.nodes[view.mesh.node[corner]];
   double least = std::numeric_limits<double>::infinity();

@@ -8,6 +8,7 @@
 #include "energy/internal_energy.h"
 #include "haptic_cloth/fabric.h"
 #include "mesh/active_mesh.h"
+#include "mesh/edge_means.h"
 #include "state/archive.h"
 
 namespace haptic_cloth {
@@ -21,10 +22,9 @@ namespace haptic_cloth {
 /// make that tension wrong by about φ²/12, and with it friction. So the angle counts twice where
 /// T κ is more than any weight that the cloth could carry.
 ///
-/// A leaf is straight along its threads, whatever acts on it. A
-/// particle that was merged away would feel the unbalanced load q [N/m²]: weight minus inertia and
-/// contact. With tension T and bending rigidity B the middle of a span of length L takes the
-/// curvature q / (T + 8B/L²), so the cell would turn by
+/// A leaf is straight along its threads, whatever acts on it. A particle that was merged away would feel the
+/// unbalanced load q [N/m²]: weight minus inertia and contact. With tension T and bending rigidity B the
+/// middle of a span of length L takes the curvature q / (T + 8B/L²), so the cell would turn by
 ///
 ///     θ = q L / (T + 8B/L² + ½ ρ g L)
 ///
@@ -108,11 +108,12 @@ class TurnEstimate {
   Under under(const View& view, const Cell& cell, const Points& points) const;
 
   Grid grid_;
-  double density_;                  ///< [kg/m²]
-  double gravity_;                  ///< [m/s²]; standard gravity if a scene has none
-  std::array<double, 2> rigidity_;  ///< of each direction [N·m]
-  double range_;                    ///< gap at which contact begins [m]
-  double weight_, width_;           ///< of the cloth; mean of both directions [N], [m]
+  double density_;                     ///< [kg/m²]
+  double gravity_;                     ///< [m/s²]; standard gravity if a scene has none
+  std::array<double, 2> rigidity_;     ///< of each direction [N·m]
+  std::array<double, 2> compressive_;  ///< stiffness of each direction in compression [N/m]
+  double range_;                       ///< gap at which contact begins [m]
+  double weight_, width_;              ///< of the cloth; mean of both directions [N], [m]
   double least_ = 0.0;
   std::array<std::vector<double>, 2> tension_;  ///< mean of a node's edges by direction [N/m]
   /// Compression of each particle by direction, which falls slowly [N/m].
@@ -120,7 +121,7 @@ class TurnEstimate {
   /// Largest of |κ|, |κ'|, each doubled where it counts twice, and |κ + κ'| at a node [1/m].
   std::vector<double> curvature_;
   std::vector<double> sum_;  ///< κ + κ' at a node [1/m], scratch
-  std::vector<int> edges_;   ///< edges at each node in one direction, scratch
+  EdgeMeans edge_means_;
 };
 
 }  // namespace haptic_cloth
