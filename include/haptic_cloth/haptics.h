@@ -36,8 +36,9 @@ struct ProbeSnapshot {
   Vec3 force = Vec3::Zero();   ///< on the probe at that solve [N]
   Vec3 torque = Vec3::Zero();  ///< on the probe about its proxy at that solve [N·m]
   bool contact = false;
-  bool holds = false;  ///< the probe holds cloth
-  int cloth = 0;       ///< number of restarts of the probe: jumps, resets, loaded states
+  bool holds = false;   ///< the probe holds cloth
+  bool inside = false;  ///< see ProbeReport
+  int cloth = 0;        ///< number of restarts of the probe: jumps, resets, loaded states
 };
 
 /// A device pose as received.
@@ -99,7 +100,8 @@ void validateHapticOptions(const HapticOptions& options, const std::string& orig
 
 /// State of the haptic tick. The force is on only in Contact; every other value says why it is zero.
 /// NoForce and ForceStale belong to admittance devices. NoSnapshot also means that the device has
-/// jumped away from the place of the snapshot.
+/// jumped away from the place of the snapshot. Inside: the probe appeared in the cloth, and touches nothing
+/// until it has been clear of it once.
 enum class HapticStatus {
   NoPose,
   NoForce,
@@ -108,12 +110,16 @@ enum class HapticStatus {
   ForceStale,
   SnapshotStale,
   Paused,
+  Inside,
   Free,
   Contact
 };
 
 /// Short name of a status for logs and diagnostics ("contact", ...).
 const char* toString(HapticStatus status);
+
+/// Tells whether pose and snapshot are good, so that a force may act.
+bool allowsForce(HapticStatus status);
 
 struct HeldEnergies;
 

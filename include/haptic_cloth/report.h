@@ -63,7 +63,7 @@ struct StepReport {
   double velocity_scale = 1.0;  ///< factor of the energy guard for velocities within the cloth; 1: not needed
   double adapt_seconds = 0.0;   ///< wall clock time of mesh adaptation [s]
   double max_penetration = 0.0;  ///< deepest contact sample below an obstacle or the probe [m]
-  int self_contacts = 0;         ///< nodes and lines of the cloth that press on another part of it
+  int self_contacts = 0;         ///< points and lines, by side, that press on another part of the cloth
   /// Smallest distance of parts of the cloth that may meet; infinite if there are none [m].
   double min_self_gap = std::numeric_limits<double>::infinity();
 };
@@ -89,6 +89,8 @@ struct ProbeReport {
   /// A sample of the cloth presses on the probe, or the probe grasps; false after a failed step.
   bool contact = false;
   bool grasps = false;  ///< the probe holds some of the cloth, after a failed step, too
+  /// The probe appeared in the cloth, and touches nothing until it has been clear of it once.
+  bool inside = false;
 };
 
 /// Where the cloth passes through itself. Cells are named by their particle (i, j) at the lower left.

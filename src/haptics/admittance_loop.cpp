@@ -77,7 +77,7 @@ void AdmittanceLoop::tick(const ForceSample& hand, const ProbeSnapshot& snapshot
   reaction_ = cloth_.tick(here, unlimited, paused || !fresh, now);
   status_ = fresh || paused ? cloth_.status() : hand_status;
 
-  if (status_ == HapticStatus::Free || status_ == HapticStatus::Contact) {
+  if (allowsForce(status_)) {
     soft_ = options_.soft_start > 0.0 ? std::min(1.0, soft_ + elapsed / options_.soft_start) : 1.0;
     moveTool(hand, snapshot, elapsed);
   } else {

@@ -49,7 +49,7 @@ HapticStatus judge(const HapticOptions& options, const DeviceSample& device, con
   if (!(now - device.received <= options.pose_timeout)) return HapticStatus::PoseStale;
   if (!isFinite(snapshot) || snapshot.taken < 0.0) return HapticStatus::NoSnapshot;
   if (!(now - snapshot.taken <= options.snapshot_timeout)) return HapticStatus::SnapshotStale;
-  if (!snapshot.contact) return HapticStatus::Free;
+  if (!snapshot.contact) return snapshot.inside ? HapticStatus::Inside : HapticStatus::Free;
   return hasJumped(device, snapshot) ? HapticStatus::NoSnapshot : HapticStatus::Contact;
 }
 
@@ -75,12 +75,18 @@ const char* toString(HapticStatus status) {
       return "snapshot stale";
     case HapticStatus::Paused:
       return "paused";
+    case HapticStatus::Inside:
+      return "inside the cloth";
     case HapticStatus::Free:
       return "free";
     case HapticStatus::Contact:
       return "contact";
   }
   return "unknown";
+}
+
+bool allowsForce(HapticStatus status) {
+  return status == HapticStatus::Inside || status == HapticStatus::Free || status == HapticStatus::Contact;
 }
 
 HapticLoop::HapticLoop(const HapticOptions& options)
@@ -111,7 +117,7 @@ Vec3 HapticLoop::tick(const DeviceSample& device, const ProbeSnapshot& snapshot,
   status_ = judge(options_, device, snapshot, paused, now);
   // A snapshot of another cloth counts as missing for one tick, so that the force starts softly.
   if (snapshot.cloth != snapshot_.cloth) status_ = HapticStatus::NoSnapshot;
-  const bool good = status_ == HapticStatus::Free || status_ == HapticStatus::Contact;
+  const bool good = allowsForce(status_);
 
   // A fault restarts the soft start. Its limit holds for the target only; the force comes down by the ramp.
   soft_ = !good                       ? 0.0
@@ -124,7 +130,7 @@ Vec3 HapticLoop::tick(const DeviceSample& device, const ProbeSnapshot& snapshot,
     taken_ = takenSince(snapshot_, placeOf(snapshot), wrenchOf(snapshot));
   if (status_ == HapticStatus::Contact) {
     target = contactWrench(device, snapshot, now);
-  } else if (status_ == HapticStatus::Free) {
+  } else if (good) {
     observe(device, {}, taken_);
     passivity_.forgive();
     torque_passivity_.forgive();

@@ -30,6 +30,7 @@ ProbeSnapshot ProbeTracker::update(const ProbeReport& probe, const DeviceSample&
   snapshot.torque = probe.torque;
   snapshot.contact = probe.present && probe.contact;
   snapshot.holds = probe.grasps;
+  snapshot.inside = probe.inside;
   if (!snapshot.contact || !known_) {
     follow_.setIdentity();
     drift_.setZero();

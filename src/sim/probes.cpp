@@ -131,6 +131,7 @@ void Probes::accept(const ClothObjective& solved, const ContactSet& contacts, co
     report.force = force;
     report.torque = torque;
     report.contact = report.grasps || contacts.probeTouched(k);
+    report.inside = !memories_[k].has_been_clear;
     report.orientation = steps_[k].turns ? solved.orientation(k).normalized() : steps_[k].prescribed;
     memories_[k].spin = solved.turn(k) / solved.timeStep();
     report.turn_radius = steps_[k].turns ? std::sqrt(turnRadiusSquared(scene_.probes[k])) : 0.0;
@@ -165,7 +166,10 @@ void Probes::serialize(Archive& archive) {
   archive.each("probe_torque", reports_, &ProbeReport::torque);
   archive.each("probe_contact", reports_, &ProbeReport::contact);
   archive.each("probe_grasps", reports_, &ProbeReport::grasps);
-  for (int k = 0; k < count(); ++k) reports_[k].orientation = steps_[k].orientation;
+  for (int k = 0; k < count(); ++k) {
+    reports_[k].orientation = steps_[k].orientation;
+    reports_[k].inside = steps_[k].present && !memories_[k].has_been_clear;
+  }
 }
 
 void Probes::Memory::serialize(Archive& archive) {

@@ -14,6 +14,7 @@ class ClothObjective;
 class ForceError;
 class Grasps;
 
+/// Devices, proxies and reports of all probes of a scene.
 class Probes {
  public:
   /// @param scene must outlive this object

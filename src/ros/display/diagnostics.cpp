@@ -153,7 +153,7 @@ DiagnosticStatus optionsStatus(const LiveReport& report) {
         report.refused_last ? "refused: " + report.refusal
         : report.taken > 0  ? "changed live"
                             : "as started");
-  add(status, "changes taken over", report.taken);
+  add(status, "changes accepted", report.taken);
   add(status, "changes refused", report.refused);
   add(status, "last refusal", report.refusal);
   return status;
@@ -166,10 +166,10 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
   status.name = name;
   const std::uint64_t dropped = counters.dropped();
   const UnitDoubt doubt = counters.doubt;
-  const bool stale = felt.status == HapticStatus::PoseStale || felt.status == HapticStatus::ForceStale;
-  if (!others.empty()) {
-    judge(status, DiagnosticStatus::WARN, "the device also gets messages of " + others);
-  } else if (counters.received == 0) {
+  const bool none_taken = felt.status == HapticStatus::NoPose || felt.status == HapticStatus::NoForce;
+  const bool stale =
+      none_taken || felt.status == HapticStatus::PoseStale || felt.status == HapticStatus::ForceStale;
+  if (counters.received == 0) {
     judge(status, DiagnosticStatus::OK, "no " + message + " yet");
   } else if (felt.status == HapticStatus::SnapshotStale) {
     judge(status, DiagnosticStatus::WARN, "the solver stalls; no force");
@@ -185,10 +185,18 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
     judge(status, DiagnosticStatus::WARN, toText(doubt));
   } else if (counters.transform_age > kTransformAge) {
     judge(status, DiagnosticStatus::WARN, "the transform of the device's frame is old");
+  } else if (now - counters.bad_turn < kLately) {
+    judge(status, DiagnosticStatus::WARN, "quaternions that are not of length 1; the probe does not turn");
+  } else if (felt.status == HapticStatus::Inside) {
+    judge(status, DiagnosticStatus::WARN, "the probe appeared in the cloth; move it clear of it once");
   } else if (now - felt.weakened < kLately) {
     judge(status, DiagnosticStatus::WARN, "the force was weakened against a buzz within the last 5 s");
   } else {
     judge(status, DiagnosticStatus::OK, "receiving");
+  }
+  if (!others.empty()) {
+    const std::string too = status.level == DiagnosticStatus::OK ? "" : "; " + status.message;
+    judge(status, DiagnosticStatus::WARN, "the device also gets messages of " + others + too);
   }
   add(status, "status", std::string(toString(felt.status)));
   add(status, "force [N]", felt.force.norm());

@@ -26,6 +26,7 @@ std::atomic<std::uint64_t>* InputCounters::of(PoseVerdict verdict) {
 DeviceInput::DeviceInput(const NodeOptions& options, std::size_t number, const tf2_ros::Buffer& transforms,
                          SharedState& shared)
     : name_(options.scene.probes[number].name),
+      is_capsule_(options.scene.probes[number].length > 0.0),
       device_(options.probes[number].device),
       frames_(options.frame_id, transforms),
       shared_(shared.probes[number]),
@@ -43,9 +44,8 @@ void DeviceInput::accept(const geometry_msgs::PoseStamped& pose, const std::stri
     counters_.drop(*counter, received);
     return;
   }
-  takeOrientation(pose.pose.orientation);
+  takeOrientation(pose.pose.orientation, received);
   const Vec3 position = toVec3(pose.pose.position);
-  checkUnits(position, received);
   taken.frame_id = pose.header.frame_id.empty() ? frames_.clothFrame() : pose.header.frame_id;
   const std::optional<FrameLookup::Found> frame =
       device_.use_tf ? frames_.find(taken.frame_id) : FrameLookup::Found();
@@ -57,8 +57,10 @@ void DeviceInput::accept(const geometry_msgs::PoseStamped& pose, const std::stri
   const Pose there = composed(*frame, {placed(device_, position), placed(device_, orientation_)});
   if (!(there.position.norm() < kFarthestPose)) {
     counters_.drop(counters_.too_far, received);
+    warn(notice_.unusable("too far away", received));
     return;
   }
+  checkUnits(position, received);
   counters_.transform_age = frame->stamp.isZero() ? 0.0 : secondsBetween(frame->stamp, ros::Time::now());
   gate_.take(pose.header, sender, received);
   notice_.taken();
@@ -81,6 +83,7 @@ std::atomic<std::uint64_t>* DeviceInput::refused(const geometry_msgs::PoseStampe
   const ros::Time now = ros::Time::now();
   const PoseVerdict verdict = gate_.judge(pose, sender, now, received);
   if (verdict == PoseVerdict::OtherSender) warnOf(sender);
+  if (verdict == PoseVerdict::NotFinite) warn(notice_.unusable("not finite", received));
   if (verdict == PoseVerdict::Late)
     warn(notice_.late(secondsBetween(pose.header.stamp, now), gate_.maxAge(), received));
   return counters_.of(verdict);
@@ -92,12 +95,19 @@ void DeviceInput::warnOf(const std::string& sender) const {
                               << " sends, too");
 }
 
-void DeviceInput::takeOrientation(const geometry_msgs::Quaternion& orientation) {
+void DeviceInput::takeOrientation(const geometry_msgs::Quaternion& orientation, double received) {
   if (isUnit(orientation)) {
     orientation_ = toQuat(orientation).normalized();
-  } else {
-    ++counters_.bad_quaternion;
+    return;
   }
+  const double norm = toQuat(orientation).norm();
+  if (norm != 0.0 || is_capsule_) {
+    if (counters_.bad_turn < 0.0)
+      ROS_WARN_STREAM("poses of " << name_ << ": quaternions of length " << norm
+                                  << " instead of 1; the probe keeps its last orientation");
+    counters_.bad_turn = received;
+  }
+  ++counters_.bad_quaternion;
 }
 
 void DeviceInput::checkUnits(const Vec3& position, double received) {

@@ -22,7 +22,10 @@ struct InputCounters {
   std::atomic<std::uint64_t> received{0}, not_finite{0}, unknown_frame{0}, out_of_order{0}, late{0};
   std::atomic<std::uint64_t> other_sender{0}, too_far{0};
   std::atomic<std::uint64_t> bad_quaternion{0};  ///< poses taken with the last good orientation
-  std::atomic<double> transform_age{0.0};        ///< of the frame of the last pose taken [s]
+  /// When one of these that should turn the probe last came, steady clock [s]. A device without orientation
+  /// sends zeros, which do not matter to a sphere.
+  std::atomic<double> bad_turn{-1e30};
+  std::atomic<double> transform_age{0.0};  ///< of the frame of the last pose taken [s]
   std::atomic<UnitDoubt> doubt{UnitDoubt::None};
   std::atomic<double> last_dropped{-1e30};                               ///< steady clock [s]
   std::atomic<const std::atomic<std::uint64_t>*> last_counter{nullptr};  ///< of the last dropped message
@@ -63,9 +66,10 @@ class DeviceInput {
   /// Warns once if the positions cannot be in metres.
   void checkUnits(const Vec3& position, double received);
   /// Remembers the orientation if it is a unit quaternion.
-  void takeOrientation(const geometry_msgs::Quaternion& orientation);
+  void takeOrientation(const geometry_msgs::Quaternion& orientation, double received);
 
   std::string name_;  ///< of the probe
+  bool is_capsule_;
   DeviceOptions device_;
   FrameLookup frames_;
   SharedProbe& shared_;

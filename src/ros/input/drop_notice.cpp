@@ -30,6 +30,11 @@ std::string DropNotice::late(double age, double max_age, double now) {
          ". Set it to 0 for a recording; a stamp of zero is always taken";
 }
 
+std::string DropNotice::unusable(const std::string& fault, double now) {
+  if (!isDue(Reason::Unusable, now)) return "";
+  return "all " + what_ + " are dropped: they are " + fault;
+}
+
 void warn(const std::string& text) {
   if (!text.empty()) ROS_WARN_STREAM(text);
 }

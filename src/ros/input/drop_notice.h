@@ -22,11 +22,14 @@ class DropNotice {
   /// A message was dropped because of its stamp. @param age of the stamp [s]
   std::string late(double age, double max_age, double now);
 
+  /// A message was dropped because of its values. @param fault what is wrong with them: "not finite"
+  std::string unusable(const std::string& fault, double now);
+
   /// A message was accepted.
   void taken() { since_ = -1.0; }
 
  private:
-  enum class Reason { UnknownFrame, Late };
+  enum class Reason { UnknownFrame, Late, Unusable };
   bool isDue(Reason reason, double now);
 
   std::string what_, cloth_frame_;

@@ -332,6 +332,8 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
   EXPECT_EQ(probe().name, "thumb");
   EXPECT_EQ(value(probe(), "error of the force, estimated [N]"), "0.25");
   counters.received = 5;
+  EXPECT_EQ(probe().message, "the poses stopped; no force") << "none was usable";
+  felt.status = HapticStatus::Free;
   EXPECT_EQ(probe().level, DiagnosticStatus::OK);
   for (int k = 0; k < 2; ++k) counters.drop(counters.late, 9.9);
   EXPECT_EQ(probe().level, DiagnosticStatus::WARN);
@@ -374,10 +376,20 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
   EXPECT_EQ(probe().message, "the force was weakened against a buzz within the last 5 s");
   felt.weakened = 4.0;
   EXPECT_EQ(probe().level, DiagnosticStatus::OK) << "6 s ago";
+  felt.status = HapticStatus::Inside;
+  EXPECT_EQ(probe().message, "the probe appeared in the cloth; move it clear of it once");
+  EXPECT_EQ(value(probe(), "status"), "inside the cloth");
+  felt.status = HapticStatus::Free;
+  counters.bad_turn = 6.0;
+  EXPECT_EQ(probe().message, "quaternions that are not of length 1; the probe does not turn");
+  counters.bad_turn = 4.0;
   const DiagnosticStatus shared =
       probeStatus("thumb", counters, felt, GraspState::Open, 0.0, 10.0, "pose", "/other");
   EXPECT_EQ(shared.level, DiagnosticStatus::WARN);
   EXPECT_EQ(shared.message, "the device also gets messages of /other");
+  counters.last_dropped = 9.0;
+  EXPECT_EQ(probeStatus("thumb", counters, felt, GraspState::Open, 0.0, 10.0, "pose", "/other").message,
+            "the device also gets messages of /other; 3 poses dropped, the last: unknown frame");
   EXPECT_EQ(displayStatus(0, 0, false, 0).level, DiagnosticStatus::WARN);
 }
 

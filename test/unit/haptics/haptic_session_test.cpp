@@ -96,6 +96,22 @@ TEST_F(HapticSessionTest, GivesNothingWithoutContact) {
   EXPECT_EQ(force(), 0.0);
 }
 
+TEST_F(HapticSessionTest, SaysThatAProbeAppearedInTheCloth) {
+  const auto hold = [&](double z) {
+    for (int k = 0; k < 20; ++k) {
+      tick(Vec3(0.0, 0.0, z));
+      step();
+    }
+  };
+  hold(0.003);  // the sheet is 3 mm below the centre of a sphere of 8 mm
+  EXPECT_EQ(session_.status(), HapticStatus::Inside);
+  EXPECT_EQ(force(), 0.0);
+  hold(0.03);
+  EXPECT_EQ(session_.status(), HapticStatus::Free);
+  hold(0.003);
+  EXPECT_EQ(session_.status(), HapticStatus::Contact);
+}
+
 TEST_F(HapticSessionTest, RampsToZeroWhilePaused) {
   press();
   for (int k = 0; k < 30; ++k) tick(Vec3(0.0, 0.0, -0.005), true);  // ramp_time: 20 ms
