@@ -56,6 +56,12 @@ Coupling couplingAt(const DeviceSample& device, const ProbeSnapshot& snapshot) {
   return coupling;
 }
 
+/// Energy of a spring that pulls with at most `limit` [N], [J].
+double energyOf(double stretch, double stiffness, double limit) {
+  const double elastic = std::min(stretch, limit / stiffness);  // the part with less than the limit
+  return 0.5 * stiffness * elastic * elastic + limit * (stretch - elastic);
+}
+
 }  // namespace
 
 Wrench couplingWrench(const HapticOptions& options, const DeviceSample& device,
@@ -78,10 +84,7 @@ Wrench couplingWrench(const HapticOptions& options, const DeviceSample& device,
 
 double springEnergy(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot,
                     double limit) {
-  const double stiffness = options.coupling_stiffness;
-  const double stretch = couplingAt(device, snapshot).stretch.head<3>().norm();
-  const double elastic = std::min(stretch, limit / stiffness);  // the part with less than the limit
-  return 0.5 * stiffness * elastic * elastic + limit * (stretch - elastic);
+  return energyOf(couplingAt(device, snapshot).stretch.head<3>().norm(), options.coupling_stiffness, limit);
 }
 
 HeldEnergies heldEnergies(const HapticOptions& options, const DeviceSample& device,
@@ -89,7 +92,7 @@ HeldEnergies heldEnergies(const HapticOptions& options, const DeviceSample& devi
   const Coupling coupling = couplingAt(device, snapshot);
   const Mat6 hold = (1.0 + kLeastHold) * Mat6::Identity() - snapshot.follow;
   const Vec3 moved = coupling.stretch.head<3>();
-  const double stiffness = options.coupling_stiffness, felt = springEnergy(options, device, snapshot, limit);
+  const double stiffness = options.coupling_stiffness, felt = energyOf(moved.norm(), stiffness, limit);
   const double turned = stiffness * coupling.turned_energy, spring = stiffness * coupling.moved_energy;
   const auto relaxed = [&](double squared) { return 0.5 * kHeldShare * stiffness * squared; };
   return {{felt, relaxed(moved.dot(hold.topLeftCorner<3, 3>().inverse() * moved)) - spring, felt},

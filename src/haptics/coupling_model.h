@@ -1,4 +1,4 @@
-/// What the virtual coupling does to the hand at poses that are newer than the solver's.
+/// Wrench and energy of the virtual coupling at poses that are newer than the solver's.
 #pragma once
 
 #include "haptic_cloth/haptics.h"

@@ -20,24 +20,10 @@ struct Rung {
   int max_iterations;      ///< at most this [-]
 };
 
-// Why this order. A probe slides over a drape (haptic_slide, 5929 particles) and pushes a fold together
-// (fold_probe); error of its force, rms, and iterations times particles in millions
-// (docs/decisions/0028-the-node-keeps-the-clock.md):
-//
-//                                      haptic_slide     fold_probe
-//     as asked, 1 ms                   0.5 %, 77        0.9 %, 2.5
-//     tolerance 1, 1 ms                0.6 %, 36        0.9 %, 1.1
-//     tolerance 1, 2 ms                1.1 %, 33        2.5 %, 1.2
-//     ... far angles x 5/3, 2 ms       1.1 %, 22        2.3 %, 1.1
-//     ... far angles x 8/3, 2 ms       1.2 %, 13        2.3 %, 1.1
-//     ... far angles x 5, 2 ms         1.4 %, 9.5       2.3 %, 1.1
-//     ... beyond 4 cells, 2 ms         1.4 %, 8.2       2.5 %, 0.9
-//     ... beyond 2 cells, 4 ms         2.0 %, 7.1       4.6 %, 1.0
-//     ... 50 iterations                2.0 %, 5.3       4.9 %, 0.8
-//
-// The tolerance costs no force. The mesh costs the shape (1 mm becomes 2 to 7 mm) but hardly the force, and
-// saves most. Steps beyond 2 ms cost force and save little once the mesh is coarse. Iterations that are cut
-// off cost a fold up to a quarter of its force (0028), so they come last.
+// Why this order (figures in docs/decisions/0028-the-node-keeps-the-clock.md): the tolerance costs no force.
+// The mesh costs the shape (1 mm becomes 2 to 7 mm) but hardly the force, and saves most. Steps beyond 2 ms
+// cost force and save little once the mesh is coarse. Iterations that are cut off cost a fold up to a quarter
+// of its force, so they come last.
 constexpr int kAny = INT_MAX;
 constexpr double kAll = HUGE_VAL;
 constexpr double kNoLoad = 100.0;                       ///< more than a cell carries [-]

@@ -87,10 +87,9 @@ void ClothObjective::begin(const Field& positions, const Field& velocities,
   // The proxy has no mass. Over a step its coupling resists like this mass.
   const auto proxy_mass = [this](int k) { return timeStep() * timeStep() * couplingStiffness(k); };
   if (mesh_.free == 0) forPresent([&](int k) { total_mass += proxy_mass(k); });
-  const double g = referenceAcceleration(gravity_);
-  reference_ = total_mass * g * g;
-  reference_acceleration_ = g * g;
-  const auto weight = [&](double mass) { return 1.0 / (mass * reference_); };
+  acceleration_unit_ = referenceAcceleration(gravity_);
+  residual_unit_ = total_mass * acceleration_unit_ * acceleration_unit_;
+  const auto weight = [&](double mass) { return 1.0 / (mass * residual_unit_); };
   for (int n = 0; n < mesh_.free; ++n) residual_weight_[n] = weight(mesh_.mass[n]);
   for (const int c : {1, 2}) {
     residual_weight_.segment(c * mesh_.free, mesh_.free) = residual_weight_.head(mesh_.free);

@@ -164,11 +164,11 @@ class ClothObjective : public Objective {
   double timeStep() const { return integrator_.stepLength(); }  ///< length of the step [s]
 
   /// Unit of residuals, |gravity| [m/s²].
-  double accelerationUnit() const { return std::sqrt(reference_acceleration_); }
+  double accelerationUnit() const { return acceleration_unit_; }
 
   /// residual() of a state with this motionCost() [J]; 0 if all nodes are pinned.
   double residualOf(double cost) const {
-    return reference_ > 0.0 ? std::sqrt(2.0 * cost / reference_) / timeStep() : 0.0;
+    return residual_unit_ > 0.0 ? std::sqrt(2.0 * cost / residual_unit_) / timeStep() : 0.0;
   }
 
   /// Values at the last evaluated point:
@@ -250,10 +250,10 @@ class ClothObjective : public Objective {
   Team& team_;
   Vec3 gravity_;
   Preconditioner preconditioner_;
-  std::vector<Coupling> couplings_;      ///< one for each probe of the scene
-  double reference_acceleration_ = 1.0;  ///< |gravity|² [m²/s⁴]
+  std::vector<Coupling> couplings_;  ///< one for each probe of the scene
+  double acceleration_unit_ = 1.0;   ///< |gravity| [m/s²]
   /// Mass of the free nodes times |gravity|², the unit of squared residuals [kg m²/s⁴].
-  double reference_ = 1.0;
+  double residual_unit_ = 1.0;
 
   std::vector<ProbeStep> probes_;
   std::vector<HeldNode> held_;
