@@ -24,7 +24,7 @@ struct MinimizerOptions {
   /// The solve stops when rms_m(|∇Φ|/m) <= tolerance · |gravity| [-]; without gravity |gravity|
   /// is 9.80665 m/s².
   double tolerance = 0.1;
-  int max_iterations = 1000;  ///< [-]
+  int max_iterations = 1000;  ///< of one solve; most steps need one [-]
   /// Wall clock time from the start of a step to the end of its solve [s]; 0: no limit. At least
   /// one iteration is made, and the best state so far is kept. Work after the solve is not
   /// included.
@@ -60,10 +60,10 @@ struct AdaptOptions {
   double coarsen_below_strain = 0.0025;
   /// Factors of these angles and of these strains for cells that are far from all probes, 1 or more [-].
   double far_angle_factor = 1.0, far_strain_factor = 1.0;
-  /// How far beyond the finest cells around a probe cells still are near it [spacings of finest particles].
+  /// Cells within this distance of a probe's finest cells keep the thresholds [spacings of finest particles].
   double near_reach = 8.0;
-  /// Cells whose tension carries more than this share of the largest force of a probe, or of the weight of
-  /// the cloth if that is more, are near, too, wherever they are [-].
+  /// So do cells, wherever they are, whose tension carries more than this share of the largest force of a
+  /// probe, or of the weight of the cloth if that is more [-].
   double near_load = 0.03;
   int minimum_age = 30;  ///< time steps before a new cell may merge; prevents chatter
 };

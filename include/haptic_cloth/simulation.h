@@ -23,7 +23,7 @@ struct CellView {
 };
 
 /// Poses of devices and obstacles beyond this distance from the origin are ignored [m], and devices that
-/// are faster [m/s]: the circumference of the earth. Squares and quotients could overflow a double.
+/// are faster [m/s], so that no square or quotient overflows: about the circumference of the earth.
 constexpr double kFarthestPose = 4e7;
 
 /// Cloth, obstacles and probes, advanced step by step. Not thread-safe: one thread owns it. Calls about a

@@ -129,9 +129,10 @@ Options optionsOf(AdaptOptions& adapt) {
           {"far_strain_factor", field(adapt.far_strain_factor), kFactor, "",
            "factor of both strain differences far from probes", Live{1.0, 100.0}, kInState},
           {"near_reach", field(adapt.near_reach), kNotNegative, "finest cells",
-           "cells less far beyond the finest ones around a probe are near it", Live{0.0, 20.0}, kInState},
+           "cells within this distance of a probe's finest ones are near it", Live{0.0, 20.0}, kInState},
           {"near_load", field(adapt.near_load), kNotNegative, "",
-           "cells that carry a larger share of the load of probes are near them", Live{0.0, 1.0}, kInState},
+           "so are cells that carry a larger share of the largest load, wherever they are", Live{0.0, 1.0},
+           kInState},
           {"minimum_age", field(adapt.minimum_age), atLeast(0), "", "time steps before a new cell may merge",
            Live{0, 1000}, kInState}};
 }

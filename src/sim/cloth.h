@@ -85,7 +85,7 @@ class Cloth {
   /// @return factor of all other velocities
   double limitKineticEnergy(double allowed);
 
-  /// Completes an accepted step: stores the state by particle, and loads the fabric's memory.
+  /// Completes an accepted step: stores the state by particle, and updates the fabric's memory.
   void commit(Team& team);
 
   /// Stops all nodes where they are.

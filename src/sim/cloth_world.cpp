@@ -50,7 +50,8 @@ StepReport ClothWorld::step(int length) {
   return report;
 }
 
-/// One step: move obstacles, adapt the mesh, find contacts and solve, accept or restore, balance energy.
+/// One step: move obstacles, adapt the mesh, update grasps, find contacts and solve, accept or restore,
+/// balance energy.
 void ClothWorld::takeStep(int length, StepReport& report) {
   const double h = length * scene_.solver.time_step;
   solver_.startBudget();

@@ -7,7 +7,7 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kReach = 3.0;      // [radii of the probe]
+constexpr double kReach = 3.0;      // [extents of the probe]
 constexpr double kMemory = 0.02;    // motion by which U_past fades to 1/e [radii of the probe]
 constexpr double kPastShare = 0.5;  // [-]
 // Fitted to scenes of bench/force_error, and rounded.

@@ -16,8 +16,9 @@ namespace haptic_cloth {
 ///
 ///     δF² = max(U, U_past / 2)² + min(√(2 k e_s), s |F|)² + 2 k e_b + (d |F - F_before|)² + (r |F|)²
 ///
-///     U         net unbalanced force on the nodes near the probe, or on it: what the solve did not finish
-///     [N] U_past    largest U of the steps before; it fades with the distance that the probe moves,
+///     U         net unbalanced force on the nodes near the probe, or on it [N]: what the solve did not
+///               finish
+///     U_past    largest U of the steps before; it fades with the distance that the probe moves,
 ///               because cloth that was left in a wrong place stays there while the hand rests [N]
 ///     e_s, e_b  energies of stretch and bending that coarse cells cannot represent [J]; a spring
 ///               of stiffness k, that of the coupling, with the energy e pulls with √(2 k e)
@@ -41,8 +42,8 @@ class ForceError {
   /// @param before, force forces at the ends of the last step and of this one [N]
   double estimate(int probe, double moved, double unbalanced, const Vec3& before, const Vec3& force);
 
-  /// Net unbalanced force on the free nodes within 3 radii of a proxy, or that on the proxy if it is larger,
-  /// at the end of a solve [N].
+  /// Net unbalanced force on the free nodes within 3 extents of a proxy, or that on the proxy if it is
+  /// larger, at the end of a solve [N].
   double unbalancedForce(int probe, const ClothObjective& solved, const ActiveMesh& mesh) const;
 
   void serialize(Archive& archive);

@@ -52,13 +52,16 @@ constexpr const char* kFooter =
     "  mesh.ply       the active mesh as triangles\n"
     "With --real-time the results depend on the machine, and steps.csv has no rows: energies take time.\n"
     "To continue from a state, let it stop later: simulate drape.yaml --save-state drape.state, then\n"
-    "simulate drape.yaml --resume drape.state --set stop.time=4. The files then describe the second run "
+    "simulate drape.yaml --resume drape.state --set stop.time=4. The files then describe the second run\n"
     "only.\n"
-    "Exit status: 0 success; 2 bad input, nothing written; 3 the simulation failed (a final state\n"
-    "that is not finite, more than 10 % of the steps failed, or a replay that ends in another state than\n"
-    "its recording), files are written; a state only where it is finite; 4 output cannot be written, for "
-    "instance because the disk is full: then none of the\n"
-    "files of this run is there. They are whole where only the report cannot be printed.";
+    "Exit status:\n"
+    "  0   success\n"
+    "  2   bad input; nothing is written\n"
+    "  3   the simulation failed: a final state that is not finite, more than 10 % of the steps failed, or\n"
+    "      a replay that ends in another state than its recording. Files are written; a state only if it\n"
+    "      is finite\n"
+    "  4   output cannot be written, for instance because the disk is full. Then none of the files of\n"
+    "      this run is there; they are whole if only the report cannot be printed";
 
 struct Arguments {
   std::string scene;

@@ -12,7 +12,7 @@
 
 namespace haptic_cloth {
 
-/// What the node starts with.
+/// Input of the node.
 struct NodeInput {
   NodeOptions options;
   RecordFile recording;  ///< null: nothing is recorded
@@ -24,6 +24,8 @@ struct NodeInput {
 std::optional<NodeInput> readParameters(
     const ros::NodeHandle& private_node, const std::function<bool()>& called_off = [] { return false; });
 
+/// Runs the simulation, the haptic loop and the display in threads of their own, and serves their topics and
+/// services.
 class HapticClothServer {
  public:
   /// Starts all threads. @param input from readParameters()
