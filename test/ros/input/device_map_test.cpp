@@ -313,7 +313,9 @@ TEST(UnitCheck, DiagnosticsNameTheRemedy) {
   InputCounters counters;
   counters.received = 5;
   counters.doubt = UnitDoubt::TooFar;
-  const auto status = probeStatus("probe", counters, FeltForce(), GraspState::Open, 0.0, 0.0);
+  FeltForce felt;
+  felt.status = HapticStatus::Free;
+  const auto status = probeStatus("probe", counters, felt, GraspState::Open, 0.0, 0.0);
   EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::WARN);
   EXPECT_NE(status.message.find("device/position_unit to 0.001"), std::string::npos) << status.message;
 }
