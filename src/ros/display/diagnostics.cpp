@@ -179,6 +179,8 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
           std::to_string(dropped) + " " + message + "s dropped, the last: " + lastDropped(counters) + and_so);
   } else if (stale) {
     judge(status, DiagnosticStatus::WARN, "the " + message + "s stopped; no force");
+  } else if (felt.status == HapticStatus::Inside) {
+    judge(status, DiagnosticStatus::WARN, "the probe appeared in the cloth; move it clear of it once");
   } else if (now - felt.stopped < kLately) {
     judge(status, DiagnosticStatus::WARN, "the force was off within the last 5 s");
   } else if (doubt != UnitDoubt::None) {
@@ -187,8 +189,6 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
     judge(status, DiagnosticStatus::WARN, "the transform of the device's frame is old");
   } else if (now - counters.bad_turn < kLately) {
     judge(status, DiagnosticStatus::WARN, "quaternions that are not of length 1; the probe does not turn");
-  } else if (felt.status == HapticStatus::Inside) {
-    judge(status, DiagnosticStatus::WARN, "the probe appeared in the cloth; move it clear of it once");
   } else if (now - felt.weakened < kLately) {
     judge(status, DiagnosticStatus::WARN, "the force was weakened against a buzz within the last 5 s");
   } else {
