@@ -12,16 +12,12 @@ namespace {
 /// Compression of a particle that is not in the mesh: less than any [N/m].
 constexpr double kNone = std::numeric_limits<double>::lowest();
 
-/// Secant of the law's middle line at a curvature that cloth takes easily.
-double rigidity(const Loop& bending) {
-  constexpr double kCurvature = 50.0;  // [1/m], a fold of radius 20 mm
-  return 0.5 * (bending.upper()(kCurvature).force + bending.lower()(kCurvature).force) / kCurvature;
-}
+constexpr double kCurvature = 50.0;     ///< that cloth takes easily: a fold of radius 20 mm [1/m]
+constexpr double kCompressed = -0.005;  ///< strain of a thread that a merge shortens [-]
 
-/// Stiffness in compression [N/m].
-double compressiveStiffness(const Loop& tension) {
-  constexpr double kStrain = 0.005;
-  return -0.5 * (tension.upper()(-kStrain).force + tension.lower()(-kStrain).force) / kStrain;
+/// Secant of a law's middle line.
+double secant(const Loop& law, double at) {
+  return 0.5 * (law.upper()(at).force + law.lower()(at).force) / at;
 }
 
 }  // namespace
@@ -30,8 +26,8 @@ TurnEstimate::TurnEstimate(const Fabric& fabric, const Grid& grid, const Vec3& g
     : grid_(grid),
       density_(fabric.areal_density),
       gravity_(referenceAcceleration(gravity)),
-      rigidity_{rigidity(fabric.bending[kWarp]), rigidity(fabric.bending[kWeft])},
-      compressive_{compressiveStiffness(fabric.tensile[kWarp]), compressiveStiffness(fabric.tensile[kWeft])},
+      rigidity_{secant(fabric.bending[kWarp], kCurvature), secant(fabric.bending[kWeft], kCurvature)},
+      compressive_{secant(fabric.tensile[kWarp], kCompressed), secant(fabric.tensile[kWeft], kCompressed)},
       range_(fabric.thickness),
       weight_(density_ * gravity_ * (grid.columns - 1) * grid.dx * (grid.rows - 1) * grid.dy),
       width_(std::sqrt((grid.columns - 1) * grid.dx * (grid.rows - 1) * grid.dy)),
@@ -171,8 +167,8 @@ double TurnEstimate::missing(const View& view, const Cell& cell, int parts) cons
   return density_ * std::min(weightAround(view, cell), gravity_) * turn_by_load;
 }
 
-/// Turning angle for the compression of a cell over the load at which finer cells would buckle. Merged, bent
-/// threads become chords, which are compressed by what they are shorter.
+/// Turning angle for the compression of a cell over the load at which finer cells would buckle. A merge
+/// turns bent threads into chords, and by as much as these are shorter it compresses the threads.
 double TurnEstimate::buckle(const View& view, const Cell& cell, int parts) const {
   constexpr double kEuler = 9.8696;  // π²
   constexpr double kOver = 2.0;      // over that load

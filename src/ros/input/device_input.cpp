@@ -26,7 +26,7 @@ std::atomic<std::uint64_t>* InputCounters::of(PoseVerdict verdict) {
 DeviceInput::DeviceInput(const NodeOptions& options, std::size_t number, const tf2_ros::Buffer& transforms,
                          SharedState& shared)
     : name_(options.scene.probes[number].name),
-      is_capsule_(options.scene.probes[number].length > 0.0),
+      is_capsule_(options.scene.probes[number].isTurned(false)),
       device_(options.probes[number].device),
       frames_(options.frame_id, transforms),
       shared_(shared.probes[number]),

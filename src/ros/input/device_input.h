@@ -65,7 +65,7 @@ class DeviceInput {
   void warnOf(const std::string& sender) const;
   /// Warns once if the positions cannot be in metres.
   void checkUnits(const Vec3& position, double received);
-  /// Remembers the orientation if it is a unit quaternion.
+  /// Remembers the orientation if it is a unit quaternion. Warns once of one that should turn the probe.
   void takeOrientation(const geometry_msgs::Quaternion& orientation, double received);
 
   std::string name_;  ///< of the probe
