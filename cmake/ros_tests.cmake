@@ -22,6 +22,7 @@ foreach(launch ${launches})
   list(APPEND ros_test_programs ros_${name}_test)
 endforeach()
 haptic_cloth_test(ros_unit_tests ${unit_sources})
+target_link_libraries(ros_unit_tests test_support)
 
 add_test(NAME bench_latency_smoke COMMAND "${PROJECT_SOURCE_DIR}/bench/latency" --smoke
   --build "${PROJECT_BINARY_DIR}" --out "${PROJECT_BINARY_DIR}/bench_latency")

@@ -71,7 +71,7 @@ class ObjectiveTest : public ::testing::Test {
     probe.device_velocity = Vec3(0.1, 0, -0.2);
     probe.proxy = Vec3(-0.01, 0.01, 0.0083);
     if (probe.turns) {
-      probe.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitX());
+      probe.orientation = lyingAlong(Vec3::UnitX());
       probe.device_turn = Vec3(0.02, -0.01, 0.03);
       probe.device_orientation = rotationBy(Vec3(0.04, 0.03, -0.05)) * probe.orientation;
     }

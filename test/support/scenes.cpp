@@ -122,6 +122,8 @@ Scene capsuleOnStrip(Strategy strategy) {
   return scene;
 }
 
+Quat lyingAlong(const Vec3& axis) { return Quat::FromTwoVectors(Vec3::UnitZ(), axis); }
+
 Settled settle(Simulation& simulation, double rest_speed, double max_time, const Vec3* device) {
   constexpr int kQuietSteps = 20;
   Settled settled;

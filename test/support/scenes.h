@@ -57,6 +57,9 @@ struct CapsuleOnStrip {
 };
 Scene capsuleOnStrip(Strategy strategy);
 
+/// Orientation of a capsule that lies along an axis. (Eigen's function takes a compiler seven seconds.)
+Quat lyingAlong(const Vec3& axis);
+
 /// Result of a run until rest.
 struct Settled {
   bool at_rest = false;

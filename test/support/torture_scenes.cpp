@@ -26,7 +26,7 @@ ProbeOptions gripper(double length, double coupling_stiffness) {
   ProbeOptions probe;
   probe.radius = 0.004;
   probe.length = length;
-  probe.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY());
+  probe.orientation = lyingAlong(Vec3::UnitY());
   probe.coupling_stiffness = coupling_stiffness;
   return probe;
 }

@@ -1,6 +1,8 @@
 #include "ros/input/frame_lookup.h"
 
+#include <geometry_msgs/TransformStamped.h>
 #include <tf2/exceptions.h>
+#include <tf2_ros/buffer.h>
 
 #include "ros/node/conversions.h"
 

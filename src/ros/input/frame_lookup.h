@@ -1,12 +1,16 @@
 /// Looks up frames of poses in tf.
 #pragma once
 
-#include <tf2_ros/buffer.h>
+#include <ros/time.h>
 
 #include <optional>
 #include <string>
 
 #include "haptic_cloth/types.h"
+
+namespace tf2_ros {
+class Buffer;
+}
 
 namespace haptic_cloth {
 

@@ -7,6 +7,7 @@
 #include <ros/this_node.h>
 #include <std_srvs/Empty.h>
 #include <std_srvs/SetBool.h>
+#include <tf2_ros/buffer.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include <algorithm>

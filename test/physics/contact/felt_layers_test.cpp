@@ -227,8 +227,7 @@ TEST(ProbeBetweenLayers, FeelsTheWeightThatItLifts) {
   });
   const auto lower = [&] { return particle(simulation, kMiddle, kRows / 2); };
   const auto upper = [&](int i) { return particle(simulation, kSide + i, kRows / 2); };
-  Hand hand(simulation, {Vec3(upper(kMiddle).x(), 0.0, 5.5e-3)},
-            Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY()));
+  Hand hand(simulation, {Vec3(upper(kMiddle).x(), 0.0, 5.5e-3)}, lyingAlong(Vec3::UnitY()));
   hand.hold(0.2);
   const Vec3 lay = lower();
   const double height = upper(kMiddle).z();
@@ -276,8 +275,7 @@ double slipOfFold(double share) {
   const double t = linear.thickness, gap = 1e-4, apart = kRadius + 1.5 * t + gap;
   placeCloth(simulation, [&](int i, int j) { return placeInLayers(layers, {-0.5 * t, 0.5 * t}, i, j); });
   const Vec3 pinched(kBelow * kSpacing, 0.0, 0.0), out = Vec3::UnitZ();
-  Hand hand(simulation, {pinched + apart * out, pinched - apart * out},
-            Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY()));
+  Hand hand(simulation, {pinched + apart * out, pinched - apart * out}, lyingAlong(Vec3::UnitY()));
   hand.hold(0.001);
   const double way = gap + 0.5 * t + 2.0 * kPress / kStiffness;
   hand.move({-way * out, way * out}, 0.004);

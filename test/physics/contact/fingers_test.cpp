@@ -46,7 +46,7 @@ TEST_P(PressedStrip, FeelsTheCapsuleAlongItsWholeSide) {
   using Strip = CapsuleOnStrip;
   constexpr double kRadius = Strip::kRadius, kThickness = Strip::kThickness;
   Simulation simulation(capsuleOnStrip(GetParam()));
-  const Quat lying = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY());
+  const Quat lying = lyingAlong(Vec3::UnitY());
   std::vector<Vec3> device{Vec3(0.0, 0.0, kRadius + 0.002)};
   move(simulation, device, {Vec3(0.0, 0.0, -0.1)}, 0.25, lying);
   move(simulation, device, {Vec3::Zero()}, 0.5, lying);

@@ -128,7 +128,7 @@ std::vector<Case> cases() {
 std::vector<Case> turnedCases() {
   const auto turned = [](const Vec3& axis, double height) {
     return [=](double t) {
-      const Quat along = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY());
+      const Quat along = lyingAlong(Vec3::UnitY());
       return Pose{Vec3(0, 0, 0.13 - height * smooth(t, 0.4, 0.7)), rotationBy(20.0 * beat(t) * axis) * along};
     };
   };

@@ -33,7 +33,7 @@ class TorqueOfAStrip : public testing::TestWithParam<Strategy> {};
 TEST_P(TorqueOfAStrip, IsTheForceAtTheStripsMiddle) {
   constexpr double kRadius = CapsuleOnStrip::kRadius, kAside = 0.015;
   Simulation simulation(capsuleOnStrip(GetParam()));
-  const Quat lying = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY());
+  const Quat lying = lyingAlong(Vec3::UnitY());
   Vec3 device(0.0, kAside, kRadius + 0.002);
   move(simulation, device, Vec3(0.0, 0.0, -0.1), 0.25, lying);
   move(simulation, device, Vec3::Zero(), 0.5, lying);
@@ -110,7 +110,7 @@ TEST(TorqueOfAGrasp, IsTheWeightAtTheMassCentre) {
   scene.probes[0].length = 0.03;
   Simulation simulation(scene);
   const double radius = scene.probes[0].radius;
-  const Quat lying = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY());
+  const Quat lying = lyingAlong(Vec3::UnitY());
   Vec3 device = particle(simulation, 2, 6) + Vec3(0.0, 0.0, radius + 0.002);
   move(simulation, device, Vec3(0.0, 0.0, -0.1), 0.025, lying);
   simulation.setGrasp(0, true);

@@ -196,8 +196,7 @@ Meeting intoACorner(unsigned seed) {
     Obstacle plane;
     plane.friction = 0.3;
     plane.pose.position.z() = -0.06;
-    plane.pose.orientation =
-        Quat::FromTwoVectors(Vec3::UnitZ(), Vec3(std::cos(angle), std::sin(angle), 0.7).normalized());
+    plane.pose.orientation = lyingAlong(Vec3(std::cos(angle), std::sin(angle), 0.7).normalized());
     scene.obstacles.push_back(plane);
   }
   return {scene, 0.35};

@@ -25,7 +25,7 @@ constexpr double kCells = kRows - 1.0;                  // across the strip
 /// Resistance of a strip to twist if cells twice as long as the finest may lie in it, over that of the
 /// finest.
 constexpr double kCoarse = (1.0 + 8.0 / (kCells * kCells)) / (1.0 + 2.0 / (kCells * kCells));
-const Quat kLying = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY());
+const Quat kLying = lyingAlong(Vec3::UnitY());
 
 /// Weightless strip that is pinned at its left end, and a frictionless capsule to hold the other one.
 Scene heldStrip(Strategy strategy) {

@@ -85,7 +85,7 @@ TEST(DeviceWork, OfAProbeThatTurnsIsTorqueTimesTurn) {
     scene.probes[0].radius = 5e-3;
     scene.probes[0].length = 0.05;
     Simulation simulation(scene);
-    const Quat lying = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitX());
+    const Quat lying = lyingAlong(Vec3::UnitX());
     DeviceState device;
     device.position = Vec3(0.0, 0.0, scene.probes[0].radius + 1.5 * scene.cloth.fabric.thickness);
     double work = 0.0, turned = 0.0, most = 0.0;

@@ -20,6 +20,7 @@
 
 #include "ros/node/conversions.h"
 #include "ros/support/ros_test_support.h"
+#include "support/scenes.h"
 
 namespace haptic_cloth {
 namespace {
@@ -169,7 +170,7 @@ TEST_F(FingersTest, TheCapsuleTurnsWithItsDevice) {
 TEST_F(FingersTest, TheCapsuleFeelsTheTorqueOfTheClothsEdge) {
   constexpr double kEdge = 0.05, kHalfLength = 0.01, kCapsuleRadius = 0.008;
   const Vec3 over(kEdge, 0.0, 0.08), pressed(kEdge, 0.0, kTable + kCapsuleRadius - 0.004);
-  const Quat along_x = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitX());
+  const Quat along_x = lyingAlong(Vec3::UnitX());
   const Quat axes(Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitZ()));  // rotation of the driver's axes
   TestDevice right(node_, forRight(over), "right/pose");
   right.turn(axes.conjugate() * along_x);

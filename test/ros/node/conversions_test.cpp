@@ -2,6 +2,7 @@
 #include "ros/node/conversions.h"
 
 #include <gtest/gtest.h>
+#include <tf2_ros/buffer.h>
 #include <yaml-cpp/yaml.h>
 
 #include <array>
@@ -17,6 +18,7 @@
 #include "ros/options/node_options.h"
 #include "ros/programs/hand_model.h"
 #include "ros/support/yaml_parameters.h"
+#include "support/scenes.h"
 
 namespace haptic_cloth {
 namespace {
@@ -225,7 +227,7 @@ TEST_F(MarkersTest, CapsulesAndObstaclesStandWhereTheyAre) {
   ProbeView& finger = frame_.probes[1];
   finger.report.present = true;
   finger.report.proxy = Vec3(0.1, 0.2, 0.3);
-  finger.report.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitX());
+  finger.report.orientation = lyingAlong(Vec3::UnitX());
   const Pose moved{Vec3(1, 2, 3), Quat(Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitX()))};
   frame_.obstacles[0] = moved;
   MarkerBuilder builder(scene_, "world", MarkerOptions());

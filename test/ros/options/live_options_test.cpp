@@ -4,6 +4,7 @@
 #include "ros/options/live_options.h"
 
 #include <gtest/gtest.h>
+#include <tf2_ros/buffer.h>
 
 #include <cmath>
 #include <limits>

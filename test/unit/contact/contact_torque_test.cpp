@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "contact/contact_set.h"
+#include "support/scenes.h"
 #include "support/tolerance.h"
 
 namespace haptic_cloth {
@@ -16,7 +17,7 @@ namespace {
 constexpr double kRange = 5e-4;    // gap at which contact begins [m]
 constexpr double kSpacing = 4e-3;  // particle spacing [m]
 constexpr int kSide = 13;
-const Quat kLying = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3(1.0, 0.4, 0.1));
+const Quat kLying = lyingAlong(Vec3(1.0, 0.4, 0.1));
 
 struct Measured {
   double energy;  ///< [J]
