@@ -61,7 +61,7 @@ add_dependencies(unit_tests simulate kes_test)
 
 # Every path of the kernels: all unit tests, and of the others those that go through each kernel (stretch, bending,
 # shear, twist, contact, preconditioner, changes of the mesh) or depend on rounding (solves that are cut short). Paths
-# that the machine lacks are reported as skipped. What runs without --path takes the machine's best.
+# that the machine lacks are reported as skipped, and so is its best, which everything takes without --path.
 set(short_physics "Determinism.*:*InPlane.*:*HeavyStrip.*:*WoolStrip.Lowered*:*Blade.LosesIts*:*Trellis*:OnBox.*")
 set(short_physics "${short_physics}:*OnSlope.*:*PressedMembrane.*:*Pinch.Holds*:MeshChange.RestSurvivesRoundTrips")
 set(short_physics "${short_physics}:*LateSolver*")

@@ -181,11 +181,10 @@ int simulate(const Arguments& arguments) {
     files.add(arguments.save_state).stream() << simulation.saveState();
   }
   files.publish();
-  if (arguments.out.empty()) {
-    std::cout << haptic_cloth::briefReport(simulation, totals) << '\n';
-    haptic_cloth::requireStandardOutput();
-  }
   const std::string difference = replay ? replay->difference(simulation) : "";
+  if (arguments.out.empty()) std::cout << haptic_cloth::briefReport(simulation, totals) << '\n';
+  if (replay && difference.empty()) std::cout << arguments.replay << ": replayed to the same state\n";
+  haptic_cloth::requireStandardOutput();
   if (!difference.empty()) std::cerr << difference << std::endl;
   if (succeeded) return difference.empty() ? kSuccess : kSimulationFailed;
   std::cerr << arguments.scene << ": simulation failed: "

@@ -34,6 +34,8 @@ NodeOptions parseNodeOptions(const XmlRpcValue& parameters, const std::string& o
   root.rejectRestBut(sceneKeys());
   const XmlRpcValue scene = root.rest();
   if (options.scene_file.empty()) {
+    if (!scene.hasMember("cloth"))
+      throw InputError(origin, "scene_file", "", "is required, unless the parameters hold a scene");
     options.scene = parseScene(toYaml(scene, origin, ""), origin, options.scene_directory);
   } else {
     options.overrides = toOverrides(scene, origin);

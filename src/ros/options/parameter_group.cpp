@@ -66,7 +66,8 @@ struct ParameterGroup::Reader {
 ParameterGroup::ParameterGroup(const XmlRpcValue& tree, const std::string& origin, const std::string& path)
     : tree_(tree), origin_(origin), path_(path) {
   if (tree_.getType() == XmlRpcValue::TypeInvalid || tree_.getType() == XmlRpcValue::TypeStruct) return;
-  throw InputError(origin_, path_, toYaml(tree_, origin_, path_), "must be a map");
+  const std::string name = path_.substr(0, path_.find_last_of('/'));
+  throw InputError(origin_, name, toYaml(tree_, origin_, name), "must be a mapping");
 }
 
 bool ParameterGroup::has(const std::string& key) const {
@@ -130,7 +131,7 @@ ParameterGroup ParameterGroup::group(const std::string& key) {
 
 XmlRpcValue ParameterGroup::rest() const {
   XmlRpcValue rest;
-  rest.begin();  // makes `rest` an empty map
+  rest.begin();  // makes `rest` an empty mapping
   if (tree_.getType() != XmlRpcValue::TypeStruct) return rest;
   for (const auto& member : tree_) {
     if (known_.count(member.first) == 0) rest[member.first] = member.second;

@@ -17,7 +17,7 @@ class ParameterGroup {
  public:
   /// @param origin source for error messages
   /// @param path path of this level: empty, or ending in a slash
-  /// @throws InputError if the tree is neither a map nor empty
+  /// @throws InputError if the tree is neither a mapping nor empty
   ParameterGroup(const XmlRpc::XmlRpcValue& tree, const std::string& origin, const std::string& path = "");
 
   /// Reads and checks options. A quaternion is normalised if its norm is off by at most 1e-3, as
@@ -34,7 +34,7 @@ class ParameterGroup {
 
   ParameterGroup group(const std::string& key);
 
-  /// Members that were not read, as a map.
+  /// Members that were not read, as a mapping.
   XmlRpc::XmlRpcValue rest() const;
 
   /// @throws InputError if there are members that were not read

@@ -261,6 +261,7 @@ TEST(Recording, ReplaysASessionToTheSameBits) {
   Process replay({programDirectory() + "/simulate", scene, "--set", "solver.tolerance=0.0001", "--replay",
                   file.string()});
   EXPECT_EQ(replay.wait(10 * kPatience), 0) << replay.output();
+  EXPECT_NE(replay.output().find("replayed to the same state"), std::string::npos) << replay.output();
   std::filesystem::remove(file);
 }
 

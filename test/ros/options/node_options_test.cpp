@@ -127,7 +127,10 @@ TEST(NodeOptions, BadOnesAreNamed) {
   EXPECT_NE(with("frame_id", 7).find("frame_id = 7: must be text"), std::string::npos);
   EXPECT_NE(with("max_pose_age", -1.0).find("max_pose_age = -1: must be >= 0"), std::string::npos);
   EXPECT_NE(with("max_pose_age", kNaN).find("max_pose_age"), std::string::npos);
-  EXPECT_NE(with("haptics", 3).find("must be a map"), std::string::npos);
+  EXPECT_NE(with("haptics", 3).find("haptics = 3: must be a mapping"), std::string::npos);
+  XmlRpcValue no_scene;
+  no_scene["frame_id"] = "table";
+  EXPECT_NE(messageOf(no_scene).find("scene_file: is required"), std::string::npos);
   // The known keys are the node's own parameters and the keys of a scene.
   const std::string unknown = with("tpyo", 3);
   EXPECT_NE(unknown.find("tpyo: unknown parameter; known here: "), std::string::npos) << unknown;
