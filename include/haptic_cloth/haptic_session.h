@@ -31,8 +31,9 @@ enum class GraspState { Open, Closed, Holding };
 /// Simulation belongs to the solver's thread alone. A scene with several probes has a session for
 /// each. StepPacer (step_pacer.h) says when a step is due and how long it is.
 ///
-/// Units are SI, poses and wrenches are in the world frame of the scene. `now` is in seconds on one
-/// steady clock (std::chrono::steady_clock) for both threads.
+/// Units are SI, poses and wrenches are in the world frame of the scene. All times are >= 0, in seconds
+/// on one steady clock (std::chrono::steady_clock) for both threads. What was received later than `now` by
+/// more than its timeout is of another clock, and counts as missing.
 class ProbeSession {
  public:
   ProbeSession(const ProbeSession&) = delete;
@@ -129,7 +130,7 @@ class HapticSession : public ProbeSession {
   // ---- on the device's thread ----
 
   /// Takes the device's pose and returns what the hand should feel.
-  /// @param pose of the device [m]; ignored if it is not finite
+  /// @param pose of the device [m]; ignored if it is not finite or beyond kFarthestPose
   /// @param now when the pose was read [s]
   /// @param paused ramps the force to zero
   /// @return force [N] and torque about the probe's origin [N·m] on the probe. Always finite,
@@ -141,7 +142,7 @@ class HapticSession : public ProbeSession {
   Wrench tick(double now, bool paused = false);
 
   /// Sets the pose for the next ticks, for a device whose poses come over a network.
-  /// @param pose [m]; ignored if it is not finite
+  /// @param pose [m]; ignored if it is not finite or beyond kFarthestPose
   /// @param received when it arrived [s]; ignored if that is not later than the one before
   void setPose(const Pose& pose, double received);
 
@@ -197,7 +198,7 @@ class AdmittanceSession : public ProbeSession {
 
   /// Sets the pose of a device that reports it. The tool starts at this position [m]
   /// (otherwise at AdmittanceOptions::start) and turns with the device (otherwise it has the
-  /// orientation of the scene's probe). Ignored if it is not finite.
+  /// orientation of the scene's probe). Ignored if it is not finite or beyond kFarthestPose.
   void setPose(const Pose& pose);
 
   /// Does the same as HapticSession::setOptions(). The tool keeps its place and its velocity.

@@ -76,8 +76,9 @@ class PassivityController {
   /// counts as put in.
   void reset();
 
-  /// Energy put in by the hand and not given back [J]: the higher one of E and L; < 0: debt.
-  double energy() const { return std::max(by_hand_, by_loop_); }
+  /// Energy put in by the hand and not given back [J]: the higher one of E and L; < 0: debt. Zero before the
+  /// first observe() since the start or reset().
+  double energy() const { return is_bounded_ ? std::max(by_hand_, by_loop_) : 0.0; }
 
   /// Velocity of the device over the last kWindow ticks [m/s].
   const Vec6& velocity() const { return velocity_; }
@@ -117,6 +118,7 @@ class PassivityController {
   Last<kForces> forces_;                  ///< since the last reset
   Last<kWindow + 1> places_;              ///< since the last reset or change of the period
   double by_hand_ = 0.0, by_loop_ = 0.0;  ///< E and L [J]
+  bool is_bounded_ = false;               ///< observe() has bounded them since the last reset
   double gain_ = 1.0;
   double cloth_ = 0.0;  ///< share of the cloth in the bound of E and L [J]
   Vec6 velocity_ = Vec6::Zero();

@@ -103,11 +103,14 @@ class Simulation {
   double maxSpeed() const;      ///< largest speed of an active particle [m/s]
   Vec3 supportForce() const;    ///< force of pins and obstacles on the cloth [N]
 
-  /// Hands one line of text to `sink` for each call from now on that changes the simulation, except
-  /// loadState(). `simulate --replay` repeats them (docs/reference/recordings.md). The sink runs on
-  /// the thread of that call. Null: none.
+  /// Takes a line of a recording, without its end.
   using Sink = std::function<void(const std::string& line)>;
-  void record(Sink sink) { sink_ = std::move(sink); }
+
+  /// Starts a recording for `simulate --replay` (docs/reference/recordings.md): hands its first lines to
+  /// `sink`, and one for each later call that changes the simulation, on the thread of that call. The last
+  /// line follows at record(nullptr), at another record() and at loadState(), which is not recorded.
+  /// @pre no step was made since the start or reset(), or the replay ends in another state
+  void record(Sink sink);
 
   /// Hash over the bits of the state: equal for equal bits.
   std::uint64_t stateHash() const;

@@ -24,7 +24,7 @@ void checkStateFile(const std::string& file);
 
 /// Writes the result of Simulation::saveState(). A temporary file is renamed to `file` once all of
 /// it is on the disk, so `file` always holds its old or its new content completely.
-/// @throws InputError as checkStateFile()
+/// @throws InputError as checkStateFile(), or if `state` does not begin as one or is cut off
 /// @throws OutputError naming the file and the reason
 void writeStateFile(const std::string& file, const std::string& state);
 

@@ -11,7 +11,7 @@ namespace haptic_cloth {
 /// How a solver follows the clock.
 struct PaceOptions {
   bool keep_clock = true;  ///< a late solver gives up quality; false: simulated time falls behind
-  /// Longest step of a late solver, > 0 [s]. At least one time step is made.
+  /// Longest step of a late solver, finite and > 0 [s]. At least one time step is made.
   double max_time_step = 0.004;
 };
 
@@ -39,13 +39,15 @@ struct QualityReport {
 class StepPacer {
  public:
   /// @param simulation is not kept; its options are the quality asked for
+  /// @throws InputError if an option is not valid
   explicit StepPacer(const Simulation& simulation, const PaceOptions& options = PaceOptions());
   ~StepPacer();
   StepPacer(StepPacer&&) noexcept;
   StepPacer& operator=(StepPacer&&) noexcept;
 
-  /// Changes the quality asked for, from the next step on. @pre valid for the simulation's
-  /// setOptions()
+  /// Changes the quality asked for, from the next step on. @pre solver, adapt and air_damping are valid for
+  /// the simulation's setOptions()
+  /// @throws InputError if one of `options` is not valid; then nothing has changed
   void setOptions(const SolverOptions& solver, const AdaptOptions& adapt, double air_damping,
                   const PaceOptions& options);
 

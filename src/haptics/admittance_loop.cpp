@@ -34,7 +34,7 @@ HapticOptions clothOptions(HapticOptions options) {
 
 HapticStatus judge(const AdmittanceOptions& options, const ForceSample& hand, double now) {
   if (hand.received < 0.0 || !std::isfinite(hand.received)) return HapticStatus::NoForce;
-  const bool fresh = now - hand.received <= options.force_timeout && hand.force.allFinite();
+  const bool fresh = std::abs(now - hand.received) <= options.force_timeout && hand.force.allFinite();
   return fresh ? HapticStatus::Free : HapticStatus::ForceStale;
 }
 

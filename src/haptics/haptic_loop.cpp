@@ -42,13 +42,14 @@ bool hasJumped(const DeviceSample& device, const ProbeSnapshot& snapshot) {
           isTurnJump(device.orientation.angularDistance(snapshot.device_orientation), elapsed));
 }
 
+/// A time that lies as far ahead is of another clock: it would never grow old.
 HapticStatus judge(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot,
                    bool paused, double now) {
   if (paused) return HapticStatus::Paused;
   if (!isFinite(device) || device.received < 0.0) return HapticStatus::NoPose;
-  if (!(now - device.received <= options.pose_timeout)) return HapticStatus::PoseStale;
+  if (!(std::abs(now - device.received) <= options.pose_timeout)) return HapticStatus::PoseStale;
   if (!isFinite(snapshot) || snapshot.taken < 0.0) return HapticStatus::NoSnapshot;
-  if (!(now - snapshot.taken <= options.snapshot_timeout)) return HapticStatus::SnapshotStale;
+  if (!(std::abs(now - snapshot.taken) <= options.snapshot_timeout)) return HapticStatus::SnapshotStale;
   if (!snapshot.contact) return snapshot.inside ? HapticStatus::Inside : HapticStatus::Free;
   return hasJumped(device, snapshot) ? HapticStatus::NoSnapshot : HapticStatus::Contact;
 }

@@ -13,7 +13,7 @@ namespace {
 
 bool isPose(const Pose& pose) {
   const Eigen::Vector4d turn = pose.orientation.coeffs();
-  return pose.position.allFinite() && turn.allFinite() && turn.norm() > 0.0;
+  return pose.position.norm() < kFarthestPose && turn.allFinite() && turn.norm() > 0.0;
 }
 
 /// Checks what setOptions() takes.
@@ -39,6 +39,8 @@ Wrench HapticSession::tick(const Pose& pose, double now, bool paused) {
 }
 
 Wrench HapticSession::tick(double now, bool paused) {
+  // A pose of another clock, which lies ahead of this one, must not keep later ones out.
+  if (device_.received > now + options().pose_timeout) device_.received = -1.0;
   const Vec3 force = loop_.tick(device_, newestSnapshot(), paused, now);
   return {force, loop_.torque()};
 }
@@ -81,6 +83,8 @@ Pose AdmittanceSession::tick(const Vec3& force, double now, bool paused) {
 }
 
 Pose AdmittanceSession::tick(double now, bool paused) {
+  // A force of another clock must not act when this one comes to its time.
+  if (hand_.received > now + options().admittance.force_timeout) hand_.received = -1.0;
   loop_->tick(hand_, newestSnapshot(), paused, now);
   sendDevice(loop_->device());
   return {loop_->position(), loop_->device().orientation};

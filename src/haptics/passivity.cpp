@@ -42,7 +42,8 @@ void PassivityController::reset() {
   forces_.clear();
   places_.clear();
   // Energy held where the next contact begins may come out: after a fault the wall pushes the hand back out.
-  by_hand_ = by_loop_ = std::numeric_limits<double>::max();  // until observe() bounds them
+  by_hand_ = by_loop_ = std::numeric_limits<double>::max();
+  is_bounded_ = false;
   cloth_ = 0.0;
   gain_ = 1.0;
   velocity_ = Vec6::Zero();
@@ -86,6 +87,7 @@ void PassivityController::observe(const Vec6& place, const HeldEnergy& held, dou
   cloth_ = std::min(options_.store, std::max(fallen, held.cloth));
   for (double* energy : {&by_hand_, &by_loop_})
     *energy = std::clamp(*energy + damped, -kMostDebt, held.coupling + cloth_);
+  is_bounded_ = true;
   fadeAtRest(place);
   const double wanted = std::max(gainAt(-by_hand_, 0.0), gainAt(-by_loop_, held.scaled));
   gain_ = std::min({1.0, wanted, gain_ + period_ / kRecovery});

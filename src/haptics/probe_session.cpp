@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/haptic_session.h"
@@ -43,7 +44,7 @@ void ProbeSession::takeOptions(const HapticOptions& options) {
 }
 
 void ProbeSession::beforeStep(Simulation& simulation, double now, int length) {
-  const double time_step = length * simulation.scene().solver.time_step;
+  const double time_step = std::max(1, length) * simulation.scene().solver.time_step;
   const HapticOptions& options = options_for_solver_.read();
   const bool first = step_interval_->begin(now, time_step, options.snapshot_timeout);
   simulation.setCoupling(number_, options.coupling_stiffness, options.coupling_damping);
@@ -54,7 +55,7 @@ void ProbeSession::beforeStep(Simulation& simulation, double now, int length) {
 void ProbeSession::takeDevice(Simulation& simulation, const HapticOptions& options, double time_step,
                               bool first, double now) {
   const DeviceSample& newest = device_for_solver_.read();
-  const bool fresh = newest.received >= 0.0 && now - newest.received <= options.probe_timeout;
+  const bool fresh = newest.received >= 0.0 && std::abs(now - newest.received) <= options.probe_timeout;
   const double since = newest.received - newest_device_.received;
   const double way = (newest.position - newest_device_.position).norm();
   const double turn = newest.orientation.angularDistance(newest_device_.orientation);

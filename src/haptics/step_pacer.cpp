@@ -1,12 +1,25 @@
 #include "haptic_cloth/step_pacer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
+#include "haptic_cloth/error.h"
 #include "haptics/clock_keeper.h"
 #include "haptics/quality_ladder.h"
+#include "state/number_text.h"
 
 namespace haptic_cloth {
+
+namespace {
+
+void check(const PaceOptions& options) {
+  if (options.max_time_step > 0.0 && std::isfinite(options.max_time_step)) return;
+  throw InputError("pace options", "max_time_step", shortestText(options.max_time_step),
+                   "must be finite and > 0");
+}
+
+}  // namespace
 
 class StepPacer::Implementation {
  public:
@@ -14,6 +27,7 @@ class StepPacer::Implementation {
 
   void setOptions(const SolverOptions& solver, const AdaptOptions& adapt, double air_damping,
                   const PaceOptions& options) {
+    check(options);
     constexpr double kRounding = 1e-9, kMost = 1e6;  // in steps
     const double longest = std::min(options.max_time_step / time_step_ + kRounding, kMost);
     ladder_ = qualityLadder(solver, adapt, std::max(1, static_cast<int>(longest)));

@@ -109,10 +109,11 @@ std::string step(int length) { return "step " + std::to_string(length); }
 
 std::string reset() { return "reset"; }
 
-std::string header(const Simulation& start) {
-  std::string text = std::string(kName) + kVersion + '\n';
-  for (const std::string& line : sceneLines(start)) text += line + '\n';
-  return text + "instructions " + instructionSet();
+std::vector<std::string> header(const Simulation& start) {
+  std::vector<std::string> lines = sceneLines(start);
+  lines.insert(lines.begin(), std::string(kName) + kVersion);
+  lines.push_back(std::string("instructions ") + instructionSet());
+  return lines;
 }
 
 std::string end(const Simulation& end) { return "end " + hexadecimalText(end.stateHash()); }

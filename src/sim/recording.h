@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <istream>
 #include <string>
+#include <vector>
 
 #include "haptic_cloth/simulation.h"
 
@@ -22,8 +23,8 @@ std::string coupling(int probe, double stiffness, double damping);
 std::string step(int length);
 std::string reset();
 
-/// Lines at the start of a recording. @param start has made no step
-std::string header(const Simulation& start);
+/// First lines. @param start has made no step
+std::vector<std::string> header(const Simulation& start);
 /// Last line. @param end after the last step
 std::string end(const Simulation& end);
 

@@ -168,7 +168,15 @@ void Simulation::loadState(const std::string& saved, const std::string& origin) 
   loaded->world.serialize(archive);
   archive.finish();
   if (loaded->world.contacts().meetsItself()) requireNoCrossings(loaded->world.cloth(), origin);
+  record(nullptr);
   implementation_ = std::move(loaded);
+}
+
+void Simulation::record(Sink sink) {
+  if (sink_) sink_(recorded::end(*this));
+  sink_ = std::move(sink);
+  if (!sink_) return;
+  for (const std::string& line : recorded::header(*this)) sink_(line);
 }
 
 const Scene& Simulation::scene() const { return implementation_->world.scene(); }

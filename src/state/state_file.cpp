@@ -95,6 +95,7 @@ void checkStateFile(const std::string& file) {
 }
 
 void writeStateFile(const std::string& file, const std::string& state) {
+  Archive::checkHeader(state.substr(0, Archive::headerSize()), state.size(), "state");
   checkStateFile(file);
   NewFiles files;
   files.add(file).stream() << state;

@@ -173,14 +173,14 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
     judge(status, DiagnosticStatus::OK, "no " + message + " yet");
   } else if (felt.status == HapticStatus::SnapshotStale) {
     judge(status, DiagnosticStatus::WARN, "the solver stalls; no force");
+  } else if (felt.status == HapticStatus::Inside) {
+    judge(status, DiagnosticStatus::WARN, "the probe appeared in the cloth; move it clear of it once");
   } else if (dropped > 0 && now - counters.last_dropped < (stale ? kNow : kLately)) {
     const std::string and_so = stale ? "; no force" : "";
     judge(status, DiagnosticStatus::WARN,
           std::to_string(dropped) + " " + message + "s dropped, the last: " + lastDropped(counters) + and_so);
   } else if (stale) {
     judge(status, DiagnosticStatus::WARN, "the " + message + "s stopped; no force");
-  } else if (felt.status == HapticStatus::Inside) {
-    judge(status, DiagnosticStatus::WARN, "the probe appeared in the cloth; move it clear of it once");
   } else if (now - felt.stopped < kLately) {
     judge(status, DiagnosticStatus::WARN, "the force was off within the last 5 s");
   } else if (doubt != UnitDoubt::None) {

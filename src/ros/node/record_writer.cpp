@@ -79,15 +79,14 @@ RecordWriter::RecordWriter(std::string path, RecordFile file)
     : path_(std::move(path)), file_(std::move(file)), thread_([this] { run(); }) {}
 
 RecordWriter::~RecordWriter() {
-  end("");
+  end();
   thread_.join();
 }
 
-bool RecordWriter::end(const std::string& line) {
+bool RecordWriter::end() {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (phase_ != Phase::Open) return false;
   phase_ = Phase::Ending;
-  if (!line.empty()) lines_ += line + '\n';
   ending_.notify_one();
   return true;
 }

@@ -39,8 +39,8 @@ class RecordWriter {
   /// Tells whether lines are still written.
   bool isOpen();
 
-  /// Appends the last line; later ones are ignored. @return false: it had ended before
-  bool end(const std::string& line);
+  /// Ends the recording: later lines are ignored. @return false: it had ended before
+  bool end();
 
  private:
   void run();

@@ -126,7 +126,9 @@ struct FeltForce {
       return s == HapticStatus::PoseStale || s == HapticStatus::ForceStale;
     };
     const bool input_stops_now = stale(now) && !stale(status);
-    const bool snapshot_stops_now = now == HapticStatus::SnapshotStale && status != now;
+    // After a pause the last snapshot is old until the first step.
+    const bool snapshot_stops_now =
+        now == HapticStatus::SnapshotStale && status != now && status != HapticStatus::Paused;
     input_stops += input_stops_now;
     snapshot_stops += snapshot_stops_now;
     if (input_stops_now || snapshot_stops_now) stopped = steadyNow();

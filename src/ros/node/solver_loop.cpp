@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "ros/node/steady_clock.h"
-#include "sim/recording.h"
 
 namespace haptic_cloth {
 namespace {
@@ -35,7 +34,6 @@ SolverLoop::SolverLoop(const NodeOptions& options, SharedState& shared, RecordFi
   window_.meets_itself = simulation_.meetsItself();
   if (recording == nullptr) return;
   recorder_.emplace(options.record, std::move(recording));
-  recorder_->write(recorded::header(simulation_));
   simulation_.record([this](const std::string& line) { recorder_->write(line); });
 }
 
@@ -64,7 +62,7 @@ void SolverLoop::run() {
     pacer_.end(report, steadyNow());
     record(report);
   }
-  if (recorder_) recorder_->end(recorded::end(simulation_));
+  simulation_.record(nullptr);
 }
 
 void SolverLoop::resetWhenAsked() {
@@ -85,10 +83,8 @@ std::string SolverLoop::saveState() {
 /// holding cloth or on the other side of it, so probes enter the scene again as after silence.
 void SolverLoop::loadState(const std::string& state, const std::string& origin) {
   skipRamps();
-  const std::string end = recorded::end(simulation_);
   simulation_.loadState(state, origin);
-  simulation_.record(nullptr);
-  if (recorder_ && recorder_->end(end)) ROS_WARN("the recording ends: a state was loaded");
+  if (recorder_ && recorder_->end()) ROS_WARN("the recording ends: a state was loaded");
   startAnew();
 }
 

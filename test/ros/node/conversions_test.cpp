@@ -367,6 +367,13 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
   EXPECT_EQ(value(probe(), "age of the transform [s]"), "2");
   counters.transform_age = 0.0;
   EXPECT_EQ(value(probe(), "share of the force passed on [%]"), "100");
+  FeltForce resumed;
+  resumed.note(HapticStatus::Paused, Wrench());
+  resumed.note(HapticStatus::SnapshotStale, Wrench());
+  EXPECT_EQ(resumed.snapshot_stops, 0u) << "the first step after a pause is yet to come";
+  resumed.note(HapticStatus::Contact, Wrench());
+  resumed.note(HapticStatus::SnapshotStale, Wrench());
+  EXPECT_EQ(resumed.snapshot_stops, 1u);
   FeltForce weak;
   weak.note(HapticStatus::Contact, Wrench(), 0.95);
   EXPECT_LT(weak.weakened, 0.0);
@@ -380,6 +387,10 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
   EXPECT_EQ(probe().level, DiagnosticStatus::OK) << "6 s ago";
   felt.status = HapticStatus::Inside;
   EXPECT_EQ(probe().message, "the probe appeared in the cloth; move it clear of it once");
+  counters.last_dropped = 9.0;
+  EXPECT_EQ(probe().message, "the probe appeared in the cloth; move it clear of it once")
+      << "that is why now";
+  counters.last_dropped = 1.0;
   EXPECT_EQ(value(probe(), "status"), "inside the cloth");
   felt.status = HapticStatus::Free;
   counters.bad_turn = 6.0;

@@ -58,9 +58,10 @@ TEST_F(RecordWriterTest, WritesEveryLineUpToTheEnd) {
       expected += "step " + std::to_string(k) + '\n';
     }
     EXPECT_TRUE(writer->isOpen());
-    EXPECT_TRUE(writer->end(last));
+    writer->write(last);
+    EXPECT_TRUE(writer->end());
     EXPECT_FALSE(writer->isOpen());
-    EXPECT_FALSE(writer->end("end 3"));
+    EXPECT_FALSE(writer->end());
     writer->write("step 1");
     expected += last + '\n';
     for (int k = 0; k < 300 && content() != expected; ++k) usleep(100000);
@@ -74,7 +75,7 @@ TEST_F(RecordWriterTest, KeepsOlderRecordings) {
   for (const std::string session : {"1", "2", "3"}) {
     const auto writer = this->writer();
     writer->write("haptic_cloth recording 2");
-    writer->end("end " + session);
+    writer->write("end " + session);
   }
   EXPECT_EQ(content(".1"), begin + "end 1\n");
   EXPECT_EQ(content(".2"), begin + "end 2\n");
@@ -115,7 +116,7 @@ TEST_F(RecordWriterTest, LeavesTheFileOfAnotherWriterAlone) {
     first->write("haptic_cloth recording 1");
     for (int k = 0; k < 300 && content().empty(); ++k) usleep(100000);
     EXPECT_EQ(refusal(file_), "test: record = " + file_ + ": is being written by another program");
-    first->end("end 1");
+    first->write("end 1");
   }
   EXPECT_EQ(content(), "haptic_cloth recording 1\nend 1\n");
 }
@@ -141,7 +142,7 @@ TEST_F(RecordWriterTest, SurvivesADiskThatIsFull) {
     usleep(100000);
   }
   EXPECT_FALSE(writer.isOpen());
-  EXPECT_FALSE(writer.end("end 1"));
+  EXPECT_FALSE(writer.end());
 }
 
 }  // namespace

@@ -10,7 +10,9 @@
 #include <cmath>
 #include <functional>
 
+#include "haptic_cloth/error.h"
 #include "haptic_cloth/scene.h"
+#include "haptic_cloth/step_pacer.h"
 #include "haptics/quality_ladder.h"
 #include "support/scenes.h"
 
@@ -293,6 +295,18 @@ TEST(QualityLadder, ShowsStrainsOfAMeshThatGoesByStrainAlone) {
   EXPECT_EQ(ladder[4].given_up,
             "tolerance 1, steps to 2 ms, mesh thresholds x 32 beyond 8 cells of probes and below 3 % of "
             "their load, 200 iterations");
+}
+
+TEST(StepPacer, RefusesStepsOfNoLength) {
+  const Simulation simulation(sheetScene(makeFabric({}), 5, 5, 0.1, 0.1));
+  PaceOptions pace;
+  StepPacer pacer(simulation, pace);
+  const Scene& scene = simulation.scene();
+  for (const double bad : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
+    pace.max_time_step = bad;
+    EXPECT_THROW(StepPacer(simulation, pace), InputError) << bad;
+    EXPECT_THROW(pacer.setOptions(scene.solver, scene.adapt, scene.air_damping, pace), InputError) << bad;
+  }
 }
 
 TEST(QualityLadder, StaysWithinTheRangeOfTheFarFactors) {

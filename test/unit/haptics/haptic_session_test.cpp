@@ -393,6 +393,53 @@ TEST_F(HapticSessionTest, APoseThatIsNotNewerIsNone) {
   EXPECT_EQ(probe().device, Vec3(0.0, 0.0, 0.05));
 }
 
+/// Times of another clock would never grow old, or keep the poses of this one out.
+TEST_F(HapticSessionTest, APoseOfAnotherClockIsNone) {
+  press();
+  session_.setPose({Vec3(0.0, 0.0, -0.005), Quat::Identity()}, time_ + 3600.0);
+  for (int k = 0; k < 30; ++k) {  // ramp_time: 20 ms
+    tickWithoutPose();
+    step();
+  }
+  EXPECT_EQ(session_.status(), HapticStatus::NoPose);
+  EXPECT_EQ(force(), 0.0);
+  EXPECT_FALSE(session_.isPresent());
+  tick(Vec3(0.0, 0.0, 0.05));
+  step();
+  tick(Vec3(0.0, 0.0, 0.05));
+  EXPECT_EQ(session_.status(), HapticStatus::Free);
+  EXPECT_TRUE(session_.isPresent());
+}
+
+TEST_F(HapticSessionTest, ASolverWithAnotherClockGivesNoForce) {
+  for (int k = 0; k < 200; ++k) {
+    tick(Vec3(0.0, 0.0, 0.015 - 1e-4 * k));
+    const double late = time_ + 3600.0;
+    session_.beforeStep(simulation_, late);
+    simulation_.step();
+    session_.afterStep(simulation_, late);
+  }
+  EXPECT_EQ(session_.status(), HapticStatus::SnapshotStale);
+  EXPECT_EQ(force(), 0.0);
+  EXPECT_FALSE(session_.isPresent());
+}
+
+TEST_F(HapticSessionTest, TakesALengthOfAStepAsTheSimulationDoes) {
+  tick(Vec3(0.0, 0.0, 0.05));
+  session_.beforeStep(simulation_, time_, 0);
+  simulation_.step(0);
+  EXPECT_TRUE(probe().present);
+}
+
+TEST_F(HapticSessionTest, HoldsNoEnergyWithoutContact) {
+  EXPECT_EQ(session_.energy(), 0.0);
+  press();
+  EXPECT_GT(session_.energy(), 0.0);
+  for (int k = 0; k < 130; ++k) tick(Vec3(0.0, 0.0, -0.005));
+  EXPECT_EQ(session_.status(), HapticStatus::SnapshotStale);
+  EXPECT_EQ(session_.energy(), 0.0);
+}
+
 TEST_F(HapticSessionTest, BeginsAnewAfterAReset) {
   press();
   simulation_.reset();
@@ -523,6 +570,18 @@ TEST_F(AdmittanceSessionTest, StopsWithoutForcesAndLeavesTheScene) {
   EXPECT_TRUE(session_.isPresent());
   letGo(1000);  // probe_timeout: 1 s
   EXPECT_FALSE(session_.isPresent());
+}
+
+TEST_F(AdmittanceSessionTest, AForceOfAnotherClockIsNone) {
+  push(200);
+  session_.setForce(Vec3(0.0, 0.0, -kPush), time_ + 0.3);
+  const AdmittanceOptions tool = options().admittance;
+  letGo(static_cast<int>(tool.max_speed / tool.max_acceleration / kTick) + 2);
+  EXPECT_EQ(session_.status(), HapticStatus::NoForce);
+  EXPECT_TRUE(session_.isAtRest());
+  const Pose before = target_;
+  letGo(400);
+  EXPECT_EQ(target_.position, before.position);
 }
 
 TEST(StepInterval, IsTheMeanOfTheTimeBetweenStepsWithoutPauses) {

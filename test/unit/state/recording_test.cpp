@@ -16,7 +16,7 @@ namespace {
 
 /// Recording of a run of a case, with every kind of line.
 std::string recordingOf(const StateCase& run, Simulation& simulation) {
-  std::string text = recorded::header(simulation) + '\n';
+  std::string text;
   simulation.record([&text](const std::string& line) { text += line + '\n'; });
   const Scene scene = run.scene;
   for (int step = 0; step < run.steps; ++step) {
@@ -32,7 +32,7 @@ std::string recordingOf(const StateCase& run, Simulation& simulation) {
     advance(run, simulation, step);
   }
   simulation.record(nullptr);
-  return text + recorded::end(simulation) + '\n';
+  return text;
 }
 
 /// Replays a recording. @return Replay::difference()

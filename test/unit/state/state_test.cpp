@@ -301,6 +301,12 @@ TEST_F(StateFile, HoldsWhatWasWritten) {
   EXPECT_EQ(files(), 2u);
 }
 
+TEST_F(StateFile, IsNotWrittenOfAnythingElse) {
+  EXPECT_NE(message<InputError>(file("one"), "hello").find("state: must be a state"), std::string::npos);
+  EXPECT_NE(message<InputError>(file("one"), saved_.substr(0, 100)).find("cut off"), std::string::npos);
+  EXPECT_EQ(files(), 0u);
+}
+
 TEST_F(StateFile, AFileOfTheUsersIsNotTakenForATemporaryOne) {
   write(file("one.partial"), "the user's");
   writeStateFile(file("one"), saved_);
