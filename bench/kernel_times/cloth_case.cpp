@@ -71,6 +71,7 @@ ClothCase::ClothCase(const CaseOptions& options)
   const double h = scene().solver.time_step;
   reach_.assign(mesh().nodes(),
                 2.0 * h * h * scene().gravity.norm() + 0.1 * std::min(cloth().grid().dx, cloth().grid().dy));
+  still_.clear(mesh().nodes());
   const int capacity = objective().capacity();
   minimizer_.reserve(capacity);
   for (Vector* v : {&point_, &direction_, &scratch_, &start_}) v->setZero(capacity);

@@ -45,6 +45,7 @@ class ClothCase {
   const Motion& motionTerms() const { return terms_; }
   void lookAtMesh();  ///< decides about the mesh without changing it
   const std::vector<double>& reach() const { return reach_; }
+  const Field& still() const { return still_; }
   Vector& scratch() { return scratch_; }
   Field& gradient() { return gradient_; }
 
@@ -83,6 +84,7 @@ class ClothCase {
   Adaptation adaptation_;
   Minimizer minimizer_;        ///< kept, as the solver keeps its own: only the first run waits for new pages
   std::vector<double> reach_;  ///< per node, as in a step with a cloth at rest [m]
+  Field still_;                ///< their expected motion in that step, none [m]
   Vector point_, direction_, scratch_, start_;
   Field nodes_, motion_, gradient_, start_nodes_, inertial_;
   std::vector<double> mass_, moving_mass_;

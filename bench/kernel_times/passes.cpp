@@ -169,8 +169,8 @@ void addStep(ClothCase& cloth, std::vector<Pass>& passes) {
     return internal.normal(0).z();
   });
   add("contacts", [&cloth] {
-    cloth.contacts().collectProbes(cloth.mesh(), cloth.nodes(), cloth.reach(), {});
-    cloth.contacts().collectObstacles(cloth.mesh(), cloth.nodes(), cloth.reach());
+    cloth.contacts().collectProbes(cloth.mesh(), cloth.nodes(), cloth.reach(), cloth.still(), {});
+    cloth.contacts().collectObstacles(cloth.mesh(), cloth.nodes(), cloth.reach(), cloth.still());
     return static_cast<double>(cloth.contacts().size());
   });
   add("start of the objective", [&cloth] {

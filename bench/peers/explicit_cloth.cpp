@@ -48,6 +48,7 @@ class ExplicitCloth : public Peer {
     for (int n = 0; n < mesh_.nodes(); ++n) x_.set(n, flat[mesh_.particle[n]]);
     start_ = x_;
     reach_.assign(mesh_.nodes(), 0.0);
+    motion_.clear(mesh_.nodes());
     if (step <= 0.0) step = stableStep();
     parts_ = std::max(1, static_cast<int>(std::ceil(scene.solver.time_step / step - 1e-9)));
     h_ = scene.solver.time_step / parts_;
@@ -114,6 +115,7 @@ class ExplicitCloth : public Peer {
   void collect() {
     const double frame = scene_.solver.time_step;
     for (int n = 0; n < mesh_.nodes(); ++n) {
+      motion_.set(n, frame * v_[n]);
       reach_[n] =
           2.0 * frame * (v_[n].norm() + frame * scene_.gravity.norm()) + 0.1 * std::min(grid_.dx, grid_.dy);
     }
@@ -124,8 +126,8 @@ class ExplicitCloth : public Peer {
     if (present_ && !entered_) entered_ = contacts_.isClear(mesh_, x_, 0);
     touching_.clear();
     if (present_ && entered_) touching_.push_back({0, proxy_reach_});
-    contacts_.collectProbes(mesh_, x_, reach_, touching_);
-    contacts_.collectObstacles(mesh_, x_, reach_);
+    contacts_.collectProbes(mesh_, x_, reach_, motion_, touching_);
+    contacts_.collectObstacles(mesh_, x_, reach_, motion_);
     ++collections_;
   }
 
@@ -243,6 +245,7 @@ class ExplicitCloth : public Peer {
   std::vector<ContactSet::Reach> touching_;
   Field x_, v_, gradient_, start_;
   std::vector<double> reach_;
+  Field motion_;
   std::vector<char> ejected_;  ///< scratch of stopEjected(): a flag for each node
   double h_ = 0.0;
   int parts_ = 1;

@@ -41,8 +41,8 @@ void ContactSet::advance(double time_step, const Field& nodes) {
 }
 
 void ContactSet::collectObstacles(const ActiveMesh& mesh, const Field& nodes,
-                                  const std::vector<double>& reach) {
-  finder_.findObstacles(mesh, nodes, reach, samples_);
+                                  const std::vector<double>& reach, const Field& motion) {
+  finder_.findObstacles(mesh, nodes, reach, motion, samples_);
   forces_.rebuild();
   gather_.rebuild(samples_, mesh.nodes());
 }
@@ -207,9 +207,11 @@ double ContactSet::workOfSolids() const {
   double work = 0.0;
   for (const SampleList::Group& group : samples_.groups()) {
     if (solids_.isStill(group.solid)) continue;
-    const Mat3 to_middle = solids_.toMiddle(group.solid);
-    for (int k = kPack * group.begin; k < kPack * group.end; ++k)
-      work -= samples_[k].carry.dot(to_middle * forces_.gradient()[k]);
+    const Eigen::AngleAxisd turn = solids_.turnInStep(group.solid);
+    for (int k = kPack * group.begin; k < kPack * group.end; ++k) {
+      const ContactSample& sample = samples_[k];
+      work -= sample.carry.dot(partOf(turn, 0.5 - sample.turn_share) * forces_.gradient()[k]);
+    }
   }
   return work;
 }

@@ -59,8 +59,10 @@ class ContactSet {
   void serialize(Archive& archive);
 
   /// Places a probe at the start of a step: its proxy [m], and its orientation at start and end.
-  void startProbe(int probe, const Vec3& proxy, const Quat& before, const Quat& after) {
-    solids_.startProbe(probe, proxy, before, after);
+  /// @param velocity of the proxy, expected [m/s]
+  void startProbe(int probe, const Vec3& proxy, const Quat& before, const Quat& after,
+                  const Vec3& velocity = Vec3::Zero()) {
+    solids_.startProbe(probe, proxy, before, after, time_step_ * velocity);
   }
 
   /// Moves the proxy of a probe for the next evaluation [m].
@@ -76,14 +78,16 @@ class ContactSet {
   /// Finds samples of probes that may touch within a step and freezes their friction.
   /// @param nodes positions of all nodes [m]
   /// @param reach largest expected displacement of each node in the step [m]
+  /// @param motion expected displacement [m]
   /// @param touching probes to be sampled, after startProbe()
   void collectProbes(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
-                     const std::vector<Reach>& touching) {
-    finder_.findProbes(mesh, nodes, reach, touching, samples_);
+                     const Field& motion, const std::vector<Reach>& touching) {
+    finder_.findProbes(mesh, nodes, reach, motion, touching, samples_);
   }
 
   /// The same for obstacles. @pre collectProbes()
-  void collectObstacles(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach);
+  void collectObstacles(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
+                        const Field& motion);
 
   /// The same for pairs of parts of the cloth. The parameters are those of PairFinder::find().
   /// @pre collectProbes()
@@ -221,8 +225,9 @@ class ContactSet {
   Vec3 obstacleForce() const;
 
   /// Work of moving obstacles, and of probes that turn as prescribed, on the cloth in the step, by the forces
-  /// of the last evaluation [J]. They count as fixed to the solids: those of the end of a turn, along the way
-  /// from start to end, would take energy from cloth that turns along without any change.
+  /// of the last evaluation [J]. They have turned with the cloth, and count as they are in the middle of a
+  /// solid's turn: those of its end, along the way from start to end, would take energy from cloth that turns
+  /// along without any change.
   double workOfSolids() const;
 
   /// Work of obstacles that eject cloth by pushing it again in every step: the change of the

@@ -32,6 +32,12 @@ double probeSpacing(const Solid& probe, double range) {
   return std::min(width, std::sqrt(2.0 * width * range)) / 3.0;
 }
 
+/// Share of a way that another way makes, within 0 and 1 [-]; 1 of none.
+double shareAlong(const Vec3& way, const Vec3& whole) {
+  const double squared = whole.squaredNorm();
+  return squared > 0.0 ? std::clamp(way.dot(whole) / squared, 0.0, 1.0) : 1.0;
+}
+
 /// Line of points of a cell at one v along weft. It is straight, since cells are bilinear.
 struct Row {
   Row(const Patch& patch, double v, const Field& x)
@@ -109,13 +115,13 @@ int SampleFinder::capacity() const {
 }
 
 void SampleFinder::findProbes(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
-                              const std::vector<Reach>& touching, SampleList& samples) {
+                              const Field& motion, const std::vector<Reach>& touching, SampleList& samples) {
   samples.clear();
   probes_.clear();
   for (const Reach& probe : touching) {
     const int solid = solids_.indexOf(probe.probe);
     addProbePoints(mesh, nodes, reach, probe);
-    if (addGroup(solid, samples)) probes_.push_back(solid);
+    if (addGroup(solid, motion, samples)) probes_.push_back(solid);
   }
   near_probe_.assign(mesh.nodes(), 0);
   dented_.assign(mesh.patches.size(), 0);
@@ -153,7 +159,7 @@ bool SampleFinder::isFlat(const Solid& solid) const {
 }
 
 void SampleFinder::findObstacles(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
-                                 SampleList& samples) {
+                                 const Field& motion, SampleList& samples) {
   is_let_out_.assign(mesh.nodes(), 0);
   for (const int particle : let_out_) {
     if (mesh.node[particle] >= 0) is_let_out_[mesh.node[particle]] = 1;
@@ -164,9 +170,9 @@ void SampleFinder::findObstacles(const ActiveMesh& mesh, const Field& nodes, con
     measure(solid, law_.range(), mesh, nodes, reach);
     findEdges(solids_[solid], mesh, nodes);
     addCells(solids_[solid], mesh, nodes);
-    addGroup(solid, samples);
+    addGroup(solid, motion, samples);
     addNodes(mesh, nodes, reach);
-    addGroup(solid, samples);
+    addGroup(solid, motion, samples);
   }
   listLetOut(mesh, samples);
 }
@@ -175,6 +181,7 @@ bool SampleFinder::isClear(const ActiveMesh& mesh, const Field& nodes, int probe
   still_.assign(mesh.nodes(), 0.0);
   addProbePoints(mesh, nodes, still_, {probe, 0.0});
   selectNear(solids_.indexOf(probe));
+  clearPoints();
   return near_.empty();
 }
 
@@ -569,7 +576,7 @@ void SampleFinder::addPoint(const SurfacePoint& point, const Vec3& place, double
   points_.push_back(point);
 }
 
-/// Selects the candidates that are near a solid at the start of the step, and starts them.
+/// Selects the candidates that are near a solid at the start of the step.
 void SampleFinder::selectNear(int solid) {
   const bool still = solids_.isStill(solid);
   const int count = static_cast<int>(points_.size());
@@ -579,20 +586,24 @@ void SampleFinder::selectNear(int solid) {
   for (int k = 0; k < count; ++k) {
     if (!(now_.gaps[k] > margins_[k])) near_.push_back(k);
   }
-  const int samples = static_cast<int>(near_.size());
-  if (static_cast<int>(started_.size()) < samples) started_.resize(samples);
-  const auto start = [&](int begin, int end) {
-    for (int s = begin; s < end; ++s) started_[s] = startSample(near_[s], solid, still);
-  };
-  team_.forRange(samples, start, kStart);
+}
+
+void SampleFinder::clearPoints() {
   margins_.clear();
   points_.clear();
 }
 
 /// Adds the candidates that are near a solid. Touching samples come first, so that packs of the
 /// others can be skipped. @return whether any touches
-bool SampleFinder::addGroup(int solid, SampleList& samples) {
+bool SampleFinder::addGroup(int solid, const Field& motion, SampleList& samples) {
   selectNear(solid);
+  const int count = static_cast<int>(near_.size());
+  if (static_cast<int>(started_.size()) < count) started_.resize(count);
+  const auto start = [&, still = solids_.isStill(solid)](int begin, int end) {
+    for (int s = begin; s < end; ++s) started_[s] = startSample(near_[s], solid, still, motion);
+  };
+  team_.forRange(count, start, kStart);
+  clearPoints();
   samples.beginGroup(solid);
   const int first = samples.size();
   for (const bool apart : {false, true}) {
@@ -620,7 +631,7 @@ Vec3 SampleFinder::elasticSlip(const ContactSample& sample) const {
 
 /// Starts a sample. If a moving solid touches it only at the end of the step, it has no friction
 /// yet.
-ContactSample SampleFinder::startSample(int point, int index, bool still) const {
+ContactSample SampleFinder::startSample(int point, int index, bool still, const Field& motion) const {
   const Solid &solid = solids_[index], &before = solids_.before(index);
   const Vec3 place = places_[point];
   const Distance then = still ? now_[point] : then_[point];
@@ -636,9 +647,12 @@ ContactSample SampleFinder::startSample(int point, int index, bool still) const 
   sample.start_normal = then.normal;
   if (sample.friction_force > 0.0) sample.elastic_slip = elasticSlip(sample);
   if (!still) {
-    const Mat3 turn = solid.rotation() * before.rotation().transpose();
-    carried = solid.position() + turn * (place - before.position());
-    sample.start_normal = turn * then.normal;
+    const Eigen::AngleAxisd turn = solids_.turnInStep(index);
+    const Vec3 arm = place - before.position(), turned = turn * arm;
+    carried = solid.position() + turned;
+    sample.turn_share = shareAlong(sample.of(motion) - solids_.way(index), turned - arm);
+    // Where cloth slips in place on a roller the normal stays, or friction would press the cloth on.
+    sample.start_normal = partOf(turn, sample.turn_share) * then.normal;
     sample.elastic_slip = turn * sample.elastic_slip;
   }
   sample.elastic_slip -= sample.elastic_slip.dot(sample.start_normal) * sample.start_normal;

@@ -42,11 +42,11 @@ class SampleFinder {
   /// Finds the samples of probes that may touch within a step, and freezes their friction. The parameters
   /// are those of ContactSet::collectProbes().
   void findProbes(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
-                  const std::vector<Reach>& touching, SampleList& samples);
+                  const Field& motion, const std::vector<Reach>& touching, SampleList& samples);
 
   /// The same for obstacles. @pre findProbes()
   void findObstacles(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
-                     SampleList& samples);
+                     const Field& motion, SampleList& samples);
 
   /// Flags of the patches where a probe that touches at the start of the step may dent flat layers that press
   /// on each other. @pre findProbes()
@@ -111,9 +111,10 @@ class SampleFinder {
   void measureDistances(const Solid& solid, int count, const Field& points, Distances& distances);
   void addPoint(const SurfacePoint& point, const Vec3& place, double margin);
   void selectNear(int solid);
-  bool addGroup(int solid, SampleList& samples);
+  void clearPoints();
+  bool addGroup(int solid, const Field& motion, SampleList& samples);
   Vec3 elasticSlip(const ContactSample& sample) const;
-  ContactSample startSample(int point, int solid, bool still) const;
+  ContactSample startSample(int point, int solid, bool still, const Field& motion) const;
 
   Grid grid_;
   const SolidSet& solids_;

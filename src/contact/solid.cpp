@@ -20,6 +20,13 @@ Solid::Solid(const Obstacle& obstacle)
 
 Solid::Solid(const ProbeOptions& probe) : Solid(solidOf(probe)) {}
 
+Vec3 Solid::swing(const Vec3& turn) const {
+  if (shape_ == Shape::Sphere) return Vec3::Zero();
+  if (shape_ == Shape::Box || shape_ == Shape::Plane) return turn;
+  const Vec3 axis = rotation_.col(2);
+  return turn - axis.dot(turn) * axis;
+}
+
 Distance Solid::distance(const Vec3& point) const {
   double x[3][kPack]{}, normal[3][kPack], value[kPack];
   for (int c = 0; c < 3; ++c) x[c][0] = point[c];

@@ -43,6 +43,9 @@ class Solid {
   /// Largest distance of its surface from its centre [m]; zero for a plane.
   double extent() const { return extent_; }
 
+  /// Part of a turn that moves its surface: not that about an axis of symmetry [rad].
+  Vec3 swing(const Vec3& turn) const;
+
   /// Curvature of the faces between its sharp edges [1/m]; infinite if it has none.
   double faceCurvature() const { return face_curvature_; }
 

@@ -9,7 +9,8 @@ SolidSet::SolidSet(const std::vector<Obstacle>& obstacles, const std::vector<Pro
     : obstacles_(static_cast<int>(obstacles.size())),
       solids_(obstacles.begin(), obstacles.end()),
       paths_(obstacles.size(), 0.0),
-      turns_(probes.size(), Mat3::Identity()) {
+      turns_(probes.size(), Mat3::Identity()),
+      ways_(probes.size(), Vec3::Zero()) {
   for (const Obstacle& obstacle : obstacles) targets_.push_back(obstacle.pose);
   for (const ProbeOptions& probe : probes) solids_.emplace_back(probe);
   before_ = solids_;
@@ -20,24 +21,20 @@ bool SolidSet::isStill(int solid) const {
   return now.position() == then.position() && now.rotation() == then.rotation();
 }
 
-Mat3 SolidSet::toMiddle(int solid) const {
-  Eigen::AngleAxisd turn(solids_[solid].rotation() * before_[solid].rotation().transpose());
-  turn.angle() *= -0.5;
-  return turn.toRotationMatrix();
-}
-
 /// Limits the motion of obstacles: none may pass through the cloth within a step. An obstacle that
 /// is sent farther lags behind.
 void SolidSet::advance(const Field& cloth) {
   constexpr double kShareOfWidth = 0.25;
+  constexpr double kLargestSpin = 0.25;  ///< about an axis of symmetry: friction follows chords [rad]
   for (int k = 0; k < obstacles_; ++k) {
     Solid& solid = solids_[k];
     before_[k] = solid;
     const Pose& target = targets_[k];
     const Quat turned(solid.rotation());
-    const double distance = (target.position - solid.position()).norm() +
-                            solid.extent() * turned.angularDistance(target.orientation);
-    const double share = std::min(1.0, kShareOfWidth * solid.halfWidth() / distance);
+    const Vec3 turn = turnBetween(turned, target.orientation), swing = solid.swing(turn);
+    const double distance = (target.position - solid.position()).norm() + solid.extent() * swing.norm();
+    const double share =
+        std::min({1.0, kShareOfWidth * solid.halfWidth() / distance, kLargestSpin / (turn - swing).norm()});
     if (share < 1.0) {
       solid.place(solid.position() + share * (target.position - solid.position()));
       solid.turn(turned.slerp(share, target.orientation));
@@ -71,12 +68,14 @@ double SolidSet::pathOf(int obstacle, const Field& cloth) const {
   return (now.position() - then.position()).norm() + extent * turned;
 }
 
-void SolidSet::startProbe(int probe, const Vec3& proxy, const Quat& before, const Quat& after) {
+void SolidSet::startProbe(int probe, const Vec3& proxy, const Quat& before, const Quat& after,
+                          const Vec3& way) {
   Solid &now = solids_[indexOf(probe)], &then = before_[indexOf(probe)];
   for (Solid* solid : {&now, &then}) solid->place(proxy);
   now.turn(after);
   then.turn(before);
   turns_[probe].setIdentity();
+  ways_[probe] = way;
 }
 
 void SolidSet::serialize(Archive& archive) {

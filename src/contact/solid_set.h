@@ -9,6 +9,11 @@
 
 namespace haptic_cloth {
 
+/// Rotation by a share of the angle.
+inline Eigen::AngleAxisd partOf(const Eigen::AngleAxisd& turn, double share) {
+  return {share * turn.angle(), turn.axis()};
+}
+
 /// Obstacles first, then probes, each at the start and at the end of the current step.
 class SolidSet {
  public:
@@ -26,8 +31,10 @@ class SolidSet {
   /// Tells whether a solid neither moves nor turns in the step.
   bool isStill(int solid) const;
 
-  /// Rotation that takes a vector fixed to a solid from the end of the step back to its middle.
-  Mat3 toMiddle(int solid) const;
+  /// Rotation of a solid in the step.
+  Eigen::AngleAxisd turnInStep(int solid) const {
+    return Eigen::AngleAxisd(solids_[solid].rotation() * before_[solid].rotation().transpose());
+  }
 
   /// Origin of the samples' positions: the proxy of a probe, for an obstacle that of the world [m].
   Vec3 origin(int solid) const { return isProbe(solid) ? solids_[solid].position() : Vec3::Zero(); }
@@ -52,7 +59,13 @@ class SolidSet {
 
   /// Places a probe at the start of a step: its proxy [m], and its orientation at start and end. If the solve
   /// turns it, too, both are that of the start.
-  void startProbe(int probe, const Vec3& proxy, const Quat& before, const Quat& after);
+  /// @param way of the proxy in the step, expected [m]
+  void startProbe(int probe, const Vec3& proxy, const Quat& before, const Quat& after, const Vec3& way);
+
+  /// Way of a solid's origin in the step; of a probe the one expected [m].
+  Vec3 way(int solid) const {
+    return isProbe(solid) ? ways_[solid - obstacles_] : solids_[solid].position() - before_[solid].position();
+  }
 
   /// Moves the proxy of a probe for the next evaluation [m].
   void placeProbe(int probe, const Vec3& proxy) { solids_[indexOf(probe)].place(proxy); }
@@ -78,6 +91,7 @@ class SolidSet {
   std::vector<Pose> targets_;  ///< poses of the obstacles
   std::vector<double> paths_;  ///< of the obstacles, see pathLength() [m]
   std::vector<Mat3> turns_;    ///< of the probes, see turned()
+  std::vector<Vec3> ways_;     ///< of the probes, see way() [m]
 };
 
 }  // namespace haptic_cloth

@@ -91,12 +91,12 @@ double Cloth::changeMesh(Adaptation& adaptation, long tick) {
   return motionEnergy().total() - before + internal_.madeByChange(nodes_);
 }
 
-void Cloth::move(const ClothObjective& solved, bool whole) {
+void Cloth::move(const ClothObjective& solved, double share) {
   const Field& after = solved.nodes();
-  if (whole) {
+  if (share == 1.0) {
     integrator_.finish(mesh_, nodes_, after, velocities_);
   } else {
-    integrator_.finishPart(nodes_, after, velocities_);
+    integrator_.finishPart(mesh_, nodes_, after, share, velocities_);
   }
   weight_.resize(mesh_.nodes());
   for (int n = 0; n < mesh_.active(); ++n) {
@@ -112,7 +112,7 @@ double Cloth::limitKineticEnergy(double allowed) {
   const double left = std::max(allowed - rigid, kLeastLeft * inner);
   const double whole = left + rigid > allowed ? std::sqrt(allowed / (left + rigid)) : 1.0;
   const double factor = inner > 0.0 ? whole * std::sqrt(left / inner) : whole;
-  integrator_.slow(mesh_, nodes_, factor, whole, velocities_);
+  integrator_.scale(mesh_, nodes_, factor, whole, velocities_);
   return factor;
 }
 

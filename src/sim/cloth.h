@@ -73,8 +73,8 @@ class Cloth {
   double changeMesh(Adaptation& adaptation, long tick);
 
   /// Takes positions, velocities and weight from a solved step.
-  /// @param whole false: only a part of its motion was made
-  void move(const ClothObjective& solved, bool whole);
+  /// @param share of its motion that was made, > 0 [-]
+  void move(const ClothObjective& solved, double share);
 
   /// Stops the marked nodes where they are.
   void stop(const std::vector<char>& nodes) { integrator_.stop(nodes, velocities_); }

@@ -174,7 +174,7 @@ void ClothWorld::accept(StepReport& report) {
   markDriven();
   markStopped();
   contacts_.rememberFriction(cloth_.mesh(), cloth_.internal().nodeNormals());
-  cloth_.move(solved, report.minimizer.motion_made == 1.0);
+  cloth_.move(solved, report.minimizer.motion_made);
   if (cloth_.pinsMove()) cloth_.advancePins(solver_.pinsMade());
   const double h = solved.timeStep(), pinned = cloth_.pinnedKineticEnergy();
   energy_.notePinWork(solved.pinWork() + pinned - pinned_before, 2.0 * h * scene_.air_damping * pinned);

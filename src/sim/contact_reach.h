@@ -32,6 +32,7 @@ class ContactReach {
 
   const std::vector<double>& nodes() const { return nodes_; }  ///< [m]
   PairFinder::Reach pairs() const { return {motion_, deviation_}; }
+  const Field& motion() const { return motion_; }                  ///< expected displacement of each node [m]
   const std::vector<double>& proxies() const { return proxies_; }  ///< [m]
 
  private:

@@ -103,7 +103,8 @@ const std::vector<ContactSet::Reach>& Probes::findTouching(const ActiveMesh& mes
   for (int k = 0; k < count(); ++k) {
     Memory& memory = memories_[k];
     if (!steps_[k].present) continue;
-    contacts.startProbe(k, steps_[k].proxy, steps_[k].orientation, steps_[k].prescribed);
+    contacts.startProbe(k, steps_[k].proxy, steps_[k].orientation, steps_[k].prescribed,
+                        reports_[k].velocity);
     if (!memory.has_been_clear) memory.has_been_clear = contacts.isClear(mesh, nodes, k);
     if (memory.has_been_clear) touching_.push_back({k, reach[k]});
   }

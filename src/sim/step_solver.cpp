@@ -130,8 +130,10 @@ void StepSolver::findContacts() {
   const auto pairs = [this] {
     contacts_.collectPairs(cloth_.mesh(), cloth_.nodes(), cloth_.internal().nodeNormals(), reach_.pairs());
   };
-  contacts_.collectProbes(cloth_.mesh(), cloth_.nodes(), reach_.nodes(), touching);
-  team_.runBeside(pairs, [&] { contacts_.collectObstacles(cloth_.mesh(), cloth_.nodes(), reach_.nodes()); });
+  contacts_.collectProbes(cloth_.mesh(), cloth_.nodes(), reach_.nodes(), reach_.motion(), touching);
+  team_.runBeside(pairs, [&] {
+    contacts_.collectObstacles(cloth_.mesh(), cloth_.nodes(), reach_.nodes(), reach_.motion());
+  });
 }
 
 /// Tells the cloth which nodes may touch something in the step, or are held.

@@ -90,9 +90,11 @@ void TimeIntegrator::finish(const ActiveMesh& mesh, const Field& start, const Fi
   unmixed_ = first == mesh.nodes() ? kForgotten : first > 0 ? 0 : std::min(unmixed_ + 1, kForgotten);
 }
 
-void TimeIntegrator::finishPart(const Field& start, const Field& end, Field& velocities) {
+void TimeIntegrator::finishPart(const ActiveMesh& mesh, const Field& start, const Field& end, double share,
+                                Field& velocities) {
   setMeanVelocities(start, end, velocities);
   forget();
+  scale(mesh, start, 1.0, 1.0 / share, velocities);
 }
 
 void TimeIntegrator::setMeanVelocities(const Field& start, const Field& end, Field& velocities) const {
@@ -133,9 +135,9 @@ void TimeIntegrator::forget() {
   for (Field* field : {&moved_, &gained_}) field->fill(0.0);
 }
 
-void TimeIntegrator::slow(const ActiveMesh& mesh, const Field& positions, double factor, double rigid,
-                          Field& velocities) {
-  const auto slowField = [&](Field& field) {
+void TimeIntegrator::scale(const ActiveMesh& mesh, const Field& positions, double factor, double rigid,
+                           Field& velocities) {
+  const auto scaleField = [&](Field& field) {
     const RigidMotion whole = mesh.pinned == 0 ? rigidMotion(mesh, positions, field) : RigidMotion();
     for (int n = 0; n < mesh.free; ++n) {
       const Vec3 with_all = whole.at(positions[n]);
@@ -143,9 +145,9 @@ void TimeIntegrator::slow(const ActiveMesh& mesh, const Field& positions, double
     }
     mesh.interpolateGhosts(field);
   };
-  slowField(velocities);
+  scaleField(velocities);
   if (first_order_only_) return;
-  for (Field* field : {&moved_, &gained_}) slowField(*field);
+  for (Field* field : {&moved_, &gained_}) scaleField(*field);
 }
 
 void TimeIntegrator::serialize(Archive& archive) {

@@ -83,8 +83,11 @@ class TimeIntegrator {
   /// Ends a step: sets the velocities from the positions at its start and end.
   void finish(const ActiveMesh& mesh, const Field& start, const Field& end, Field& velocities);
 
-  /// Ends a step of which only a part was made: the nodes have their mean velocities.
-  void finishPart(const Field& start, const Field& end, Field& velocities);
+  /// Ends a step of which only a part was made: the nodes have their mean velocities. Free cloth moves on as
+  /// a rigid body as fast as in the whole motion: where parts of it meet, neither momentum nor spin is lost.
+  /// @param share of the motion that was made, > 0 [-]
+  void finishPart(const ActiveMesh& mesh, const Field& start, const Field& end, double share,
+                  Field& velocities);
 
   /// Stops the marked nodes.
   void stop(const std::vector<char>& nodes, Field& velocities);
@@ -92,10 +95,10 @@ class TimeIntegrator {
   /// Forgets the step before: all nodes rest.
   void stop(Field& velocities);
 
-  /// Slows the free nodes: multiplies velocities and what is kept of the step. Free cloth has a factor of its
-  /// own for what moves it as a rigid body.
-  /// @param positions of the nodes [m]  @param factor, rigid within 0 to 1
-  void slow(const ActiveMesh& mesh, const Field& positions, double factor, double rigid, Field& velocities);
+  /// Multiplies velocities of the free nodes and what is kept of the step. Free cloth has a factor of its
+  /// own, `rigid`, for what moves it as a rigid body.
+  /// @param positions of the nodes [m]
+  void scale(const ActiveMesh& mesh, const Field& positions, double factor, double rigid, Field& velocities);
 
   void serialize(Archive& archive);
 

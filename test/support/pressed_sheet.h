@@ -50,7 +50,7 @@ class ObjectiveTest : public ::testing::Test {
         contacts_(grid_, scene_.obstacles, withLength(length), {5e-4, 1e-3, 1e-3}, team_),
         integrator_(Integrator::Bdf2, scene_.solver.time_step, scene_.air_damping, grid_),
         objective_(scene_, mesh_, integrator_, internal_, contacts_, team_) {
-    for (Field* field : {&nodes_, &velocities_}) field->clear(mesh_.nodes());
+    for (Field* field : {&nodes_, &velocities_, &still_}) field->clear(mesh_.nodes());
     for (int n = 0; n < mesh_.nodes(); ++n) {
       const int p = mesh_.particle[n];
       nodes_.set(n, Vec3((grid_.column(p) - 8) * 0.004, (grid_.row(p) - 8) * 0.004, 0.0));
@@ -76,8 +76,8 @@ class ObjectiveTest : public ::testing::Test {
       probe.device_orientation = rotationBy(Vec3(0.04, 0.03, -0.05)) * probe.orientation;
     }
     contacts_.startProbe(0, probe.proxy, probe.orientation, probe.orientation);
-    contacts_.collectProbes(mesh_, nodes_, std::vector<double>(mesh_.nodes(), 1e-3), {{0, 1e-3}});
-    contacts_.collectObstacles(mesh_, nodes_, std::vector<double>(mesh_.nodes(), 1e-3));
+    contacts_.collectProbes(mesh_, nodes_, std::vector<double>(mesh_.nodes(), 1e-3), still_, {{0, 1e-3}});
+    contacts_.collectObstacles(mesh_, nodes_, std::vector<double>(mesh_.nodes(), 1e-3), still_);
     objective_.begin(nodes_, velocities_, {probe});
     start_.setZero(objective_.capacity());
     objective_.pack(nodes_, start_);
@@ -138,7 +138,7 @@ class ObjectiveTest : public ::testing::Test {
   ContactSet contacts_;
   TimeIntegrator integrator_;
   ClothObjective objective_;
-  Field nodes_, velocities_;
+  Field nodes_, velocities_, still_;
   Vector start_;
 };
 

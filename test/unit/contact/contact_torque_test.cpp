@@ -32,7 +32,7 @@ class PressedSheet {
     probe_.radius = 8e-3;
     probe_.length = length;
     probe_.friction = 0.0;
-    nodes_.clear(mesh_.nodes());
+    for (Field* field : {&nodes_, &still_}) field->clear(mesh_.nodes());
     for (int n = 0; n < mesh_.nodes(); ++n) {
       const int p = mesh_.particle[n];
       const double x = kSpacing * (grid_.column(p) - 0.5 * (kSide - 1)),
@@ -45,8 +45,8 @@ class PressedSheet {
     Team team(1);
     ContactSet contacts(grid_, {}, {probe_}, {kRange, 1e-3, 1e-3}, team);
     contacts.startProbe(0, proxy, orientation, orientation);
-    contacts.collectProbes(mesh_, nodes_, std::vector<double>(mesh_.nodes(), 1e-3), {{0, 1e-3}});
-    contacts.collectObstacles(mesh_, nodes_, std::vector<double>(mesh_.nodes(), 1e-3));
+    contacts.collectProbes(mesh_, nodes_, std::vector<double>(mesh_.nodes(), 1e-3), still_, {{0, 1e-3}});
+    contacts.collectObstacles(mesh_, nodes_, std::vector<double>(mesh_.nodes(), 1e-3), still_);
     const double energy = contacts.evaluate(0, contacts.size(), nodes_).solids;
     return {energy, -contacts.proxyGradient(0), contacts.proxyTorque(0, nodes_)};
   }
@@ -64,7 +64,7 @@ class PressedSheet {
   LeafMesh leaves_;
   ActiveMesh mesh_;
   ProbeOptions probe_;
-  Field nodes_;
+  Field nodes_, still_;
 };
 
 TEST(ContactTorque, IsWhatTurningTheCapsuleWorks) {

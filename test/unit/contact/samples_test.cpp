@@ -31,12 +31,13 @@ Contact contactOf(const Grid& grid, const Obstacle& obstacle, double reach, cons
   const ActiveMesh mesh(LeafMesh(grid, {}, grid.levels), 0.15);
   Team team(1);
   ContactSet contacts(grid, {obstacle}, {}, {kRange, 1e-3, 1e-3}, team);
-  Field nodes;
+  Field nodes, still;
   nodes.resize(mesh.nodes());
+  still.clear(mesh.nodes());
   for (int n = 0; n < mesh.nodes(); ++n)
     nodes.set(n, place(grid.column(mesh.particle[n]), grid.row(mesh.particle[n])));
-  contacts.collectProbes(mesh, nodes, std::vector<double>(mesh.nodes(), reach), {});
-  contacts.collectObstacles(mesh, nodes, std::vector<double>(mesh.nodes(), reach));
+  contacts.collectProbes(mesh, nodes, std::vector<double>(mesh.nodes(), reach), still, {});
+  contacts.collectObstacles(mesh, nodes, std::vector<double>(mesh.nodes(), reach), still);
   return {contacts.evaluate(0, contacts.size(), nodes).solids, contacts.size()};
 }
 

@@ -30,21 +30,21 @@ Pressed carryAlong(const Pose& wall_before, const Pose& wall_after) {
   wall.shape = Shape::Plane;
   wall.friction = 0.0;
   wall.pose = wall_before;
-  Field before, after;
-  before.clear(mesh.nodes());
-  after.clear(mesh.nodes());
+  Field before, after, motion;
+  for (Field* field : {&before, &after, &motion}) field->clear(mesh.nodes());
   for (int n = 0; n < mesh.nodes(); ++n) {
     const int p = mesh.particle[n];
     const Vec3 place(grid.dx * (grid.column(p) - 2), grid.dy * (grid.row(p) - 2), kGap);
     before.set(n, wall_before.position + wall_before.orientation * place);
     after.set(n, wall_after.position + wall_after.orientation * place);
+    motion.set(n, after[n] - before[n]);
   }
   Team team(1);
   ContactSet contacts(grid, {wall}, {}, {kRange, 1e-3, 1e-3}, team);
   contacts.moveObstacle(0, wall_after);
   contacts.advance(1e-3, before);
-  contacts.collectProbes(mesh, before, std::vector<double>(mesh.nodes(), 1e-2), {});
-  contacts.collectObstacles(mesh, before, std::vector<double>(mesh.nodes(), 1e-2));
+  contacts.collectProbes(mesh, before, std::vector<double>(mesh.nodes(), 1e-2), motion, {});
+  contacts.collectObstacles(mesh, before, std::vector<double>(mesh.nodes(), 1e-2), motion);
   contacts.evaluate(0, contacts.size(), after);
   return {contacts.workOfSolids(), contacts.obstacleForce().norm(), (after[0] - before[0]).norm()};
 }

@@ -145,15 +145,15 @@ TEST(Multilevel, InvertsTheBlockOfASingleFreeNode) {
   scene.probes.clear();
   TimeIntegrator integrator(Integrator::Euler, scene.solver.time_step, scene.air_damping, grid);
   ClothObjective objective(scene, mesh, integrator, internal, contacts, team);
-  Field nodes, velocities;
+  Field nodes, velocities;  // at rest
   for (Field* field : {&nodes, &velocities}) field->clear(mesh.nodes());
   for (int n = 0; n < mesh.nodes(); ++n) {
     nodes.set(n, Vec3(0.01 * grid.column(mesh.particle[n]), 0.015 * grid.row(mesh.particle[n]), 0.0));
   }
   nodes.add(0, Vec3(1e-3, 5e-4, 2e-3));  // stretched, sheared and bent
   internal.setNormals(nodes);
-  contacts.collectProbes(mesh, nodes, std::vector<double>(mesh.nodes(), 1e-3), {});
-  contacts.collectObstacles(mesh, nodes, std::vector<double>(mesh.nodes(), 1e-3));
+  contacts.collectProbes(mesh, nodes, std::vector<double>(mesh.nodes(), 1e-3), velocities, {});
+  contacts.collectObstacles(mesh, nodes, std::vector<double>(mesh.nodes(), 1e-3), velocities);
   objective.begin(nodes, velocities, {});
   Vector x = Vector::Zero(objective.capacity()), gradient = x, z = x;
   objective.pack(nodes, x);
