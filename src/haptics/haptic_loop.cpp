@@ -42,7 +42,7 @@ bool hasJumped(const DeviceSample& device, const ProbeSnapshot& snapshot) {
           isTurnJump(device.orientation.angularDistance(snapshot.device_orientation), elapsed));
 }
 
-/// A time that lies as far ahead is of another clock: it would never grow old.
+/// A time that lies ahead by more than its timeout is of another clock: it would never grow old.
 HapticStatus judge(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot,
                    bool paused, double now) {
   if (paused) return HapticStatus::Paused;
