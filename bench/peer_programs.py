@@ -60,7 +60,7 @@ class Peers:
             if path.is_file():
                 self.simulators[program] = runs.Simulator(path, arguments, time_limit)
             else:
-                print("%s: not there, left out (-DHAPTIC_CLOTH_BENCH=ON builds it)" % path)
+                print("%s: not there, left out (the tests or -DHAPTIC_CLOTH_BENCH=ON build it)" % path)
 
     def measure(self, scene):
         """(name, command line, result) of each completed run; one thread each, without self-contact."""

@@ -156,8 +156,8 @@ class ExplicitCloth : public Peer {
     gradient_.fill(0.0);
     internal_.addGradient(0, mesh_.nodes(), gradient_);
     contacts_.addGradient(0, mesh_.nodes(), gradient_);
-    contact_ = c.contact;
-    return e.stretch + e.bend + e.shear + c.contact;
+    contact_ = c.solids + c.layers;
+    return e.stretch + e.bend + e.shear + contact_;
   }
 
   /// Moves proxy and cloth. The proxy has no mass: damper and spring of the coupling balance the
