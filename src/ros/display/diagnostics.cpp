@@ -56,8 +56,15 @@ std::array<DropReason, 6> dropReasons(const InputCounters& counters) {
           {"other sender", &counters.other_sender},       {"too far", &counters.too_far}};
 }
 
+std::array<DropReason, 3> dropReasons(const ObstacleCounters& counters) {
+  return {DropReason{"not finite", &counters.not_finite},
+          {"unknown frame", &counters.unknown_frame},
+          {"too far", &counters.too_far}};
+}
+
 /// Why the last message was dropped. @pre one was
-std::string lastDropped(const InputCounters& counters) {
+template <class Counters>
+std::string lastDropped(const Counters& counters) {
   const auto* const last = counters.last_counter.load();
   for (const auto& [reason, counter] : dropReasons(counters)) {
     if (counter == last) return reason;
@@ -223,15 +230,16 @@ DiagnosticStatus obstacleStatus(const std::string& name, const ObstacleCounters&
   status.name = "obstacle " + name;
   const std::uint64_t dropped = counters.dropped();
   if (dropped > 0 && now - counters.last_dropped < kLately) {
-    judge(status, DiagnosticStatus::WARN, std::to_string(dropped) + " poses dropped");
+    judge(status, DiagnosticStatus::WARN,
+          std::to_string(dropped) + " poses dropped, the last: " + lastDropped(counters));
   } else {
     judge(status, DiagnosticStatus::OK, counters.received == 0 ? "no pose yet" : "receiving");
   }
   add(status, "received", counters.received.load());
   add(status, "dropped", dropped);
-  add(status, "dropped: not finite", counters.not_finite.load());
-  add(status, "dropped: unknown frame", counters.unknown_frame.load());
-  add(status, "dropped: too far", counters.too_far.load());
+  for (const auto& [reason, counter] : dropReasons(counters)) {
+    add(status, std::string("dropped: ") + reason, counter->load());
+  }
   add(status, "taken: bad quaternion", counters.bad_quaternion.load());
   return status;
 }

@@ -442,10 +442,13 @@ TEST(Diagnostics, AnObstaclesDroppedPoseIsForgivenWhenPosesAreGoodAgain) {
   table.accept(good, 100.0);
   EXPECT_EQ(level(100.0), DiagnosticStatus::OK);
   double time = 100.0;
-  for (const auto& bad : {not_finite, lost, far}) {
+  for (const auto& [bad, reason] :
+       {std::pair{not_finite, "not finite"}, {lost, "unknown frame"}, {far, "too far"}}) {
     time += 100.0;
     table.accept(bad, time);
     EXPECT_EQ(level(time + 0.1), DiagnosticStatus::WARN);
+    const std::string message = obstacleStatus("table", table.counters(), time + 0.1).message;
+    EXPECT_NE(message.find(std::string("the last: ") + reason), std::string::npos) << message;
     table.accept(good, time + 1.0);
     EXPECT_EQ(level(time + 4.9), DiagnosticStatus::WARN) << "what was dropped lately must be seen";
     EXPECT_EQ(level(time + 5.1), DiagnosticStatus::OK);
