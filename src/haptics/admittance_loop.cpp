@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "contact/proxy.h"
+#include "haptics/freshness.h"
 #include "haptics/limits.h"
 
 namespace haptic_cloth {
@@ -34,7 +35,7 @@ HapticOptions clothOptions(HapticOptions options) {
 
 HapticStatus judge(const AdmittanceOptions& options, const ForceSample& hand, double now) {
   if (hand.received < 0.0 || !std::isfinite(hand.received)) return HapticStatus::NoForce;
-  const bool fresh = std::abs(now - hand.received) <= options.force_timeout && hand.force.allFinite();
+  const bool fresh = isFresh(hand.received, now, options.force_timeout) && hand.force.allFinite();
   return fresh ? HapticStatus::Free : HapticStatus::ForceStale;
 }
 

@@ -4,6 +4,7 @@
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/haptics.h"
 #include "haptics/coupling_model.h"
+#include "haptics/freshness.h"
 #include "haptics/limits.h"
 #include "sim/turn_spring.h"
 
@@ -42,14 +43,13 @@ bool hasJumped(const DeviceSample& device, const ProbeSnapshot& snapshot) {
           isTurnJump(device.orientation.angularDistance(snapshot.device_orientation), elapsed));
 }
 
-/// A time that lies ahead by more than its timeout is of another clock: it would never grow old.
 HapticStatus judge(const HapticOptions& options, const DeviceSample& device, const ProbeSnapshot& snapshot,
                    bool paused, double now) {
   if (paused) return HapticStatus::Paused;
   if (!isFinite(device) || device.received < 0.0) return HapticStatus::NoPose;
-  if (!(std::abs(now - device.received) <= options.pose_timeout)) return HapticStatus::PoseStale;
+  if (!isFresh(device.received, now, options.pose_timeout)) return HapticStatus::PoseStale;
   if (!isFinite(snapshot) || snapshot.taken < 0.0) return HapticStatus::NoSnapshot;
-  if (!(std::abs(now - snapshot.taken) <= options.snapshot_timeout)) return HapticStatus::SnapshotStale;
+  if (!isFresh(snapshot.taken, now, options.snapshot_timeout)) return HapticStatus::SnapshotStale;
   if (!snapshot.contact) return snapshot.inside ? HapticStatus::Inside : HapticStatus::Free;
   return hasJumped(device, snapshot) ? HapticStatus::NoSnapshot : HapticStatus::Contact;
 }

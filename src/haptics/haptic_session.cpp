@@ -5,6 +5,7 @@
 #include "contact/proxy.h"
 #include "haptic_cloth/error.h"
 #include "haptics/admittance_loop.h"
+#include "haptics/freshness.h"
 #include "haptics/velocity_filter.h"
 #include "state/number_text.h"
 
@@ -39,8 +40,7 @@ Wrench HapticSession::tick(const Pose& pose, double now, bool paused) {
 }
 
 Wrench HapticSession::tick(double now, bool paused) {
-  // A pose of another clock, which lies ahead of this one, must not keep later ones out.
-  if (device_.received > now + options().pose_timeout) device_.received = -1.0;
+  forgetAhead(device_.received, now, options().pose_timeout);
   const Vec3 force = loop_.tick(device_, newestSnapshot(), paused, now);
   return {force, loop_.torque()};
 }
@@ -83,8 +83,7 @@ Pose AdmittanceSession::tick(const Vec3& force, double now, bool paused) {
 }
 
 Pose AdmittanceSession::tick(double now, bool paused) {
-  // A force of another clock must not act when this one comes to its time.
-  if (hand_.received > now + options().admittance.force_timeout) hand_.received = -1.0;
+  forgetAhead(hand_.received, now, options().admittance.force_timeout);
   loop_->tick(hand_, newestSnapshot(), paused, now);
   sendDevice(loop_->device());
   return {loop_->position(), loop_->device().orientation};

@@ -1,9 +1,9 @@
 #include <algorithm>
-#include <cmath>
 
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/haptic_session.h"
 #include "haptics/clock_keeper.h"
+#include "haptics/freshness.h"
 #include "haptics/probe_tracker.h"
 #include "haptics/step_interval.h"
 
@@ -55,7 +55,7 @@ void ProbeSession::beforeStep(Simulation& simulation, double now, int length) {
 void ProbeSession::takeDevice(Simulation& simulation, const HapticOptions& options, double time_step,
                               bool first, double now) {
   const DeviceSample& newest = device_for_solver_.read();
-  const bool fresh = newest.received >= 0.0 && std::abs(now - newest.received) <= options.probe_timeout;
+  const bool fresh = newest.received >= 0.0 && isFresh(newest.received, now, options.probe_timeout);
   const double since = newest.received - newest_device_.received;
   const double way = (newest.position - newest_device_.position).norm();
   const double turn = newest.orientation.angularDistance(newest_device_.orientation);

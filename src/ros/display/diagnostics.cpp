@@ -56,7 +56,7 @@ std::array<DropReason, 6> dropReasons(const InputCounters& counters) {
           {"other sender", &counters.other_sender},       {"too far", &counters.too_far}};
 }
 
-std::array<DropReason, 3> dropReasons(const ObstacleCounters& counters) {
+std::array<DropReason, 3> dropReasons(const DropCounters& counters) {
   return {DropReason{"not finite", &counters.not_finite},
           {"unknown frame", &counters.unknown_frame},
           {"too far", &counters.too_far}};
@@ -225,7 +225,7 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
   return status;
 }
 
-DiagnosticStatus obstacleStatus(const std::string& name, const ObstacleCounters& counters, double now) {
+DiagnosticStatus obstacleStatus(const std::string& name, const DropCounters& counters, double now) {
   DiagnosticStatus status;
   status.name = "obstacle " + name;
   const std::uint64_t dropped = counters.dropped();

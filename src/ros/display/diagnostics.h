@@ -27,7 +27,7 @@ diagnostic_msgs::DiagnosticStatus probeStatus(const std::string& name, const Inp
                                               const std::string& others = "");
 
 /// Status of one obstacle that can be moved. A dropped pose is a warning for 5 s.
-diagnostic_msgs::DiagnosticStatus obstacleStatus(const std::string& name, const ObstacleCounters& counters,
+diagnostic_msgs::DiagnosticStatus obstacleStatus(const std::string& name, const DropCounters& counters,
                                                  double now);
 
 /// @param scheduling as returned by requestRealTime()

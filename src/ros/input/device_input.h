@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <string>
 
+#include "ros/input/drop_counters.h"
 #include "ros/input/drop_notice.h"
 #include "ros/input/frame_lookup.h"
 #include "ros/input/pose_gate.h"
@@ -16,32 +17,18 @@
 
 namespace haptic_cloth {
 
-/// Counts of received and dropped messages since start. Written by the pose thread, read by the
-/// display thread.
-struct InputCounters {
-  std::atomic<std::uint64_t> received{0}, not_finite{0}, unknown_frame{0}, out_of_order{0}, late{0};
-  std::atomic<std::uint64_t> other_sender{0}, too_far{0};
-  std::atomic<std::uint64_t> bad_quaternion{0};  ///< poses taken with the last good orientation
-  /// When one of these that should turn the probe last came, steady clock [s]. A device without orientation
-  /// sends zeros, which do not matter to a sphere.
+/// Counts of received and dropped messages of a device.
+struct InputCounters : DropCounters {
+  std::atomic<std::uint64_t> out_of_order{0}, late{0}, other_sender{0};
+  /// When a bad quaternion that should turn the probe last came, steady clock [s]. A device without
+  /// orientation sends zeros, which do not matter to a sphere.
   std::atomic<double> bad_turn{-1e30};
   std::atomic<double> transform_age{0.0};  ///< of the frame of the last pose taken [s]
   std::atomic<UnitDoubt> doubt{UnitDoubt::None};
-  std::atomic<double> last_dropped{-1e30};                               ///< steady clock [s]
-  std::atomic<const std::atomic<std::uint64_t>*> last_counter{nullptr};  ///< of the last dropped message
-  std::uint64_t dropped() const {
-    return not_finite + unknown_frame + out_of_order + late + other_sender + too_far;
-  }
+  std::uint64_t dropped() const { return DropCounters::dropped() + out_of_order + late + other_sender; }
 
   /// Counter for a message that the gate refuses; nullptr if the gate accepts it.
   std::atomic<std::uint64_t>* of(PoseVerdict verdict);
-
-  /// @param when steady clock [s]
-  void drop(std::atomic<std::uint64_t>& counter, double when) {
-    ++counter;
-    last_counter = &counter;
-    last_dropped = when;
-  }
 };
 
 /// Input of one probe. Only one thread may call accept().

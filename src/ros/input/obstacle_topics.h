@@ -26,7 +26,7 @@ class ObstacleTopics {
   }
 
   const std::string& name() const { return name_; }
-  const ObstacleCounters& counters() const { return input_.counters(); }
+  const DropCounters& counters() const { return input_.counters(); }
 
  private:
   std::string name_;

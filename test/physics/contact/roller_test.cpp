@@ -2,7 +2,7 @@
 /// Criterion: it drags the strip by Coulomb's friction, T₁ = T₂ exp(μ α) with the angle α of the wrap
 /// (Euler and Eytelwein), to 2 % of μ, of which the cells leave 0.8 %, however far it turns in a step. The
 /// tensions are those of the linear law at the stretch of the free spans, and α is the angle between them.
-/// What is dissipated is the work of friction, T₁ − T₂ times the way of the roller's surface, to 2 %.
+/// The dissipated energy is the work of friction, T₁ − T₂ times the way of the roller's surface, to 2 %.
 #include <gtest/gtest.h>
 
 #include <algorithm>
