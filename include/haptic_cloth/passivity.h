@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "haptic_cloth/types.h"
 
@@ -78,7 +79,7 @@ class PassivityController {
 
   /// Energy put in by the hand and not given back [J]: the higher one of E and L; < 0: debt. Zero before the
   /// first observe() since the start or reset().
-  double energy() const { return is_bounded_ ? std::max(by_hand_, by_loop_) : 0.0; }
+  double energy() const { return std::isfinite(by_hand_) ? std::max(by_hand_, by_loop_) : 0.0; }
 
   /// Velocity of the device over the last kWindow ticks [m/s].
   const Vec6& velocity() const { return velocity_; }
@@ -117,8 +118,7 @@ class PassivityController {
   double period_;
   Last<kForces> forces_;                  ///< since the last reset
   Last<kWindow + 1> places_;              ///< since the last reset or change of the period
-  double by_hand_ = 0.0, by_loop_ = 0.0;  ///< E and L [J]
-  bool is_bounded_ = false;               ///< observe() has bounded them since the last reset
+  double by_hand_ = 0.0, by_loop_ = 0.0;  ///< E and L; infinite until observe() bounds them [J]
   double gain_ = 1.0;
   double cloth_ = 0.0;  ///< share of the cloth in the bound of E and L [J]
   Vec6 velocity_ = Vec6::Zero();

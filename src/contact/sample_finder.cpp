@@ -599,8 +599,10 @@ bool SampleFinder::addGroup(int solid, const Field& motion, SampleList& samples)
   selectNear(solid);
   const int count = static_cast<int>(near_.size());
   if (static_cast<int>(started_.size()) < count) started_.resize(count);
-  const auto start = [&, still = solids_.isStill(solid)](int begin, int end) {
-    for (int s = begin; s < end; ++s) started_[s] = startSample(near_[s], solid, still, motion);
+  const Eigen::AngleAxisd turn = solids_.turnInStep(solid);
+  const SolidStep step{solids_.isStill(solid), turn, turn.toRotationMatrix()};
+  const auto start = [&](int begin, int end) {
+    for (int s = begin; s < end; ++s) started_[s] = startSample(near_[s], solid, step, motion);
   };
   team_.forRange(count, start, kStart);
   clearPoints();
@@ -631,10 +633,11 @@ Vec3 SampleFinder::elasticSlip(const ContactSample& sample) const {
 
 /// Starts a sample. If a moving solid touches it only at the end of the step, it has no friction
 /// yet.
-ContactSample SampleFinder::startSample(int point, int index, bool still, const Field& motion) const {
+ContactSample SampleFinder::startSample(int point, int index, const SolidStep& step,
+                                        const Field& motion) const {
   const Solid &solid = solids_[index], &before = solids_.before(index);
   const Vec3 place = places_[point];
-  const Distance then = still ? now_[point] : then_[point];
+  const Distance then = step.still ? now_[point] : then_[point];
   ContactSample sample{points_[point], index};
   // A probe came from outside, so what is inside it is under load.
   sample.pressed_in = solids_.isProbe(index) ||
@@ -646,14 +649,13 @@ ContactSample SampleFinder::startSample(int point, int index, bool still, const 
   Vec3 carried = place;
   sample.start_normal = then.normal;
   if (sample.friction_force > 0.0) sample.elastic_slip = elasticSlip(sample);
-  if (!still) {
-    const Eigen::AngleAxisd turn = solids_.turnInStep(index);
-    const Vec3 arm = place - before.position(), turned = turn * arm;
+  if (!step.still) {
+    const Vec3 arm = place - before.position(), turned = step.rotation * arm;
     carried = solid.position() + turned;
     sample.turn_share = shareAlong(sample.of(motion) - solids_.way(index), turned - arm);
     // Where cloth slips in place on a roller the normal stays, or friction would press the cloth on.
-    sample.start_normal = partOf(turn, sample.turn_share) * then.normal;
-    sample.elastic_slip = turn * sample.elastic_slip;
+    sample.start_normal = partOf(step.turn, sample.turn_share) * then.normal;
+    sample.elastic_slip = step.rotation * sample.elastic_slip;
   }
   sample.elastic_slip -= sample.elastic_slip.dot(sample.start_normal) * sample.start_normal;
   sample.start = carried - solids_.origin(index);

@@ -63,6 +63,13 @@ class SampleFinder {
     Distance operator[](int k) const { return {gaps[k], normals[k]}; }
   };
 
+  /// How a solid moves in the step.
+  struct SolidStep {
+    bool still;
+    Eigen::AngleAxisd turn;
+    Mat3 rotation;  ///< by that turn
+  };
+
   /// Ball around all nodes and as far as they may move [m].
   struct Ball {
     Vec3 centre;
@@ -114,7 +121,7 @@ class SampleFinder {
   void clearPoints();
   bool addGroup(int solid, const Field& motion, SampleList& samples);
   Vec3 elasticSlip(const ContactSample& sample) const;
-  ContactSample startSample(int point, int solid, bool still, const Field& motion) const;
+  ContactSample startSample(int point, int solid, const SolidStep& step, const Field& motion) const;
 
   Grid grid_;
   const SolidSet& solids_;

@@ -42,8 +42,7 @@ void PassivityController::reset() {
   forces_.clear();
   places_.clear();
   // Energy held where the next contact begins may come out: after a fault the wall pushes the hand back out.
-  by_hand_ = by_loop_ = std::numeric_limits<double>::max();
-  is_bounded_ = false;
+  by_hand_ = by_loop_ = std::numeric_limits<double>::infinity();
   cloth_ = 0.0;
   gain_ = 1.0;
   velocity_ = Vec6::Zero();
@@ -87,7 +86,6 @@ void PassivityController::observe(const Vec6& place, const HeldEnergy& held, dou
   cloth_ = std::min(options_.store, std::max(fallen, held.cloth));
   for (double* energy : {&by_hand_, &by_loop_})
     *energy = std::clamp(*energy + damped, -kMostDebt, held.coupling + cloth_);
-  is_bounded_ = true;
   fadeAtRest(place);
   const double wanted = std::max(gainAt(-by_hand_, 0.0), gainAt(-by_loop_, held.scaled));
   gain_ = std::min({1.0, wanted, gain_ + period_ / kRecovery});
