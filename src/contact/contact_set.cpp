@@ -149,7 +149,6 @@ void ContactSet::forSamples(int probe, const Visit& visit) const {
 }
 
 void ContactSet::addSprings(int probe, Blocks& blocks) const {
-  if (self_ && probe == kObstacles) self_->addSprings(blocks);
   forSamples(probe, [&](int k) {
     const Block own = forces_.block(k);
     if (own.isZero(0.0)) return;

@@ -194,7 +194,7 @@ class ContactSet {
   }
   void addDiagonal(Field& diagonal) const;
 
-  /// Adds the stiffness of all samples of a probe, or of the obstacles and pairs, to their nodes in
+  /// Adds the stiffness of all samples of a probe, or of the obstacles, to their nodes in
   /// proportion to the weights [N/m].
   void addSprings(int probe, Blocks& blocks) const;
   static constexpr int kObstacles = -1;
@@ -241,6 +241,12 @@ class ContactSet {
                  double least_ranges = 1e-6) {
     const double step = std::min(most, forces_.maxStep(d, d_proxies));
     return self_ ? self_->maxStep(nodes, d, step, least_ranges) : step;
+  }
+
+  /// Adds to `change` what pairs change in d so that a step of `step` along it brings none of them too near
+  /// (SelfContact::keepClear()).
+  bool keepClear(const Field& nodes, const Field& d, double step, Field& change) const {
+    return self_ && self_->keepClear(nodes, d, step, change);
   }
 
   /// Ways of the nodes in the step if the fastest obstacle carried the cloth with it [m].

@@ -9,6 +9,11 @@
 #include "simd/kernels.h"
 
 namespace haptic_cloth {
+namespace {
+
+constexpr double kShare = 0.9;  // of its distance that a pair may use up in one step of a solve
+
+}  // namespace
 
 SelfContact::SelfContact(const Grid& grid, const Options& options, double slip)
     : grid_(grid),
@@ -201,27 +206,21 @@ void SelfContact::addGradient(int begin, int end, Field& gradient) const {
   }
 }
 
-namespace {
-
-/// Stiffness of a pair for a preconditioner, which knows each node alone [N/m]. That of a pair that is
-/// squeezed to nearly nothing would hold its nodes fast, though they may move together, and a solve would
-/// jam. So it stops growing below some distance.
-double springOf(const PairPack& pack, int l) {
-  constexpr double kNearest = 0.3;  // [ranges]
-  const double nearness = pack.distance[l] / (kNearest * pack.range[l]);
-  return pack.stiffness[l] * std::min(1.0, nearness * nearness);
+/// Stiffness of a pair that presses. It grows as the inverse square of the distance, which may change much
+/// until the preconditioner is fitted again. So it stops growing below some distance.
+double SelfContact::springOf(const PairPack& pack, int lane) {
+  constexpr double kNearest = 0.1;  // [ranges]
+  const double nearness = pack.distance[lane] / (kNearest * pack.range[lane]);
+  return pack.stiffness[lane] * std::min(1.0, nearness * nearness);
 }
 
-}  // namespace
+Block SelfContact::springOf(const DragPack& drag, int lane) const {
+  return frictionBlock(laneOf(drag.slip, lane), laneOf(drag.normal, lane), drag.limit[lane], slip_);
+}
 
 void SelfContact::addSprings(Blocks& blocks) const {
-  forPressing([&](const PairPack& pack, int l) {
-    const Block pressed = springOf(pack, l) * square(laneOf(pack.normal, l));
-    forNodes(pack, l, [&](int n, double weight) { blocks[n] += std::abs(weight) * pressed; });
-  });
-  forDrags([&](const DragPack& drag, int l) {
-    const Block dragged = frictionBlock(laneOf(drag.slip, l), laneOf(drag.normal, l), drag.limit[l], slip_);
-    forNodes(drag, l, [&](int n, double weight) { blocks[n] += std::abs(weight) * dragged; });
+  forSprings([&](const PairPoints& points, int l, const Block& spring) {
+    forNodes(points, l, [&](int n, double weight) { blocks[n] += std::abs(weight) * spring; });
   });
 }
 
@@ -231,19 +230,47 @@ void SelfContact::addDiagonal(Field& diagonal) const {
     forNodes(pack, l, [&](int n, double weight) { diagonal.add(n, weight * weight * squared); });
   });
   forDrags([&](const DragPack& drag, int l) {
-    const Vec3 dragged =
-        frictionBlock(laneOf(drag.slip, l), laneOf(drag.normal, l), drag.limit[l], slip_).head<3>();
+    const Vec3 dragged = springOf(drag, l).head<3>();
     forNodes(drag, l, [&](int n, double weight) { diagonal.add(n, weight * weight * dragged); });
   });
 }
 
 double SelfContact::maxStep(const Field& nodes, const Field& d, double most, double least_ranges) {
-  constexpr double kShare = 0.9;
   double squared = 0.0;
   for (const int n : paired_) squared = std::max(squared, d[n].squaredNorm());
   const PairLimits limits{kShare, least_ranges, most, 2.0 * std::sqrt(squared), law_.range()};
   return kernels().largestPairStep(packs_.data(), bounds_.data(), 0, static_cast<int>(packs_.size()), limits,
                                    travelled_, nodes.arrays(), d.arrays());
+}
+
+bool SelfContact::keepClear(const Field& nodes, const Field& d, double step, Field& change) const {
+  bool changed = false;
+  forPairs([&](const PairPack& pack, int l) {
+    if (bounds_[&pack - packs_.data()].measured != travelled_) return;  // too far apart
+    const Vec3 normal = laneOf(pack.normal, l);
+    const auto of = [&](const Field& values, int point) -> Vec3 {
+      const Vec3 value = values[pack.nodes[point].index[l]];
+      return point == 0 && isMiddle(pack, l) ? 0.5 * (value + values[pack.nodes[4].index[l]]) : value;
+    };
+    const auto move = [&](int point, const Vec3& way) {
+      change.add(pack.nodes[point].index[l], way);
+      if (point == 0 && isMiddle(pack, l)) change.add(pack.nodes[4].index[l], way);
+    };
+    // As in largestPairStep() each point of the first part may meet each of the second.
+    const int firsts = pack.lines ? 2 : 1;
+    for (int a = 0; a < firsts; ++a) {
+      for (int b = firsts; b < 4; ++b) {
+        const double apart = std::max(0.0, normal.dot(of(nodes, a) - of(nodes, b)));
+        const double closing = normal.dot(of(d, b) + of(change, b) - of(d, a) - of(change, a));
+        const double excess = closing - kShare * apart / step;
+        if (!(excess > 0.0)) continue;
+        move(a, 0.5 * excess * normal);
+        move(b, -0.5 * excess * normal);
+        changed = true;
+      }
+    }
+  });
+  return changed;
 }
 
 bool SelfContact::pairsStayApart(const Field& start, const Field& end) const {

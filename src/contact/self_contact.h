@@ -85,6 +85,16 @@ class SelfContact {
   /// Adds the energy gradient at nodes begin..end [N].  @pre sumForces()
   void addGradient(int begin, int end, Field& gradient) const;
 
+  /// Calls visit(points, lane, stiffness) for the pressure of all pairs and for all friction, with their
+  /// stiffness against Σ weights · x as a preconditioner takes it [N/m].
+  template <class Visit>
+  void forSprings(const Visit& visit) const {
+    forPressing([&](const PairPack& pack, int l) {
+      visit(pack, l, Block(springOf(pack, l) * square(laneOf(pack.normal, l))));
+    });
+    forDrags([&](const DragPack& drag, int l) { visit(drag, l, springOf(drag, l)); });
+  }
+
   /// Adds the stiffness of all pairs to their nodes in proportion to the weights [N/m].
   void addSprings(Blocks& blocks) const;
 
@@ -94,6 +104,11 @@ class SelfContact {
   /// Largest factor of d up to `most`, from `nodes`, the last evaluated point, at which no pair uses up
   /// more than 0.9 of its distance, nor comes nearer than `least_ranges` times its range.
   double maxStep(const Field& nodes, const Field& d, double most, double least_ranges);
+
+  /// Slows pairs that a step of `step` along d, from `nodes`, would stop: adds to `change` what their points
+  /// must move by, each by half, so that no pair uses up more than the share of its distance that maxStep()
+  /// admits.  @pre maxStep() with this step or more  @return whether there are any
+  bool keepClear(const Field& nodes, const Field& d, double step, Field& change) const;
 
   /// Adds the stacks that act on an awake node to `runs`, counted from `first`.
   void appendAwake(const std::vector<char>& awake, int first, Runs& runs) const;
@@ -152,6 +167,8 @@ class SelfContact {
     }
   }
 
+  static double springOf(const PairPack& pack, int lane);
+  Block springOf(const DragPack& drag, int lane) const;
   void listPaired(const Field& nodes);
   void listDrags(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals);
   void beginDrag(DragPack& drag, int lane, int pair, double limit, const ActiveMesh& mesh, const Field& nodes,

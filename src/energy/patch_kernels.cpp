@@ -32,12 +32,12 @@ HAPTIC_CLOTH_INLINE Lanes angleOf(const Lanes& t, const Lanes& sine, const Lanes
   return angle;
 }
 
-/// Shear of cells (shear.h). With T² = S² + c² and R = u² v² + c²: tan γ = D/T,
-/// dγ/du = (v - D v²/R u)/T, dγ/dv = (u - D u²/R v)/T.
+/// Shear of cells (shear.h). With T² = S² + c², R = u² v² + c² and R' its derivative by u² v²: tan γ = D/T,
+/// dγ/du = (v - D v² R'/R u)/T, dγ/dv = (u - D u² R'/R v)/T.
 struct ShearLanes {
   Lanes3 u, v;                 ///< twice the mean sides
   Lanes uu, vv, product;       ///< u², v², D
-  Lanes inverse_size, scaled;  ///< 1/T, D/R; zero where there is no cell
+  Lanes inverse_size, scaled;  ///< 1/T, D R'/R; zero where there is no cell
   Lanes angle;
 };
 
@@ -50,12 +50,16 @@ HAPTIC_CLOTH_INLINE ShearLanes shearOf(const PatchPack& pack, int l, const Const
   shear.uu = dot(shear.u, shear.u);
   shear.vv = dot(shear.v, shear.v);
   shear.product = dot(shear.u, shear.v);
-  const Lanes flat = (4.0 * kFlat) * load(pack.area + l), both = shear.uu * shear.vv;
-  const Lanes square_size = larger(both - shear.product * shear.product, Lanes{}) + flat * flat,
-              size = squareRoot(square_size), all_square = both + flat * flat;
+  const Lanes full = 4.0 * load(pack.area + l), flat = kFlat * full, both = shear.uu * shear.vv;
+  const Lanes folded = kFolded * full * full, missing = larger(folded - both, Lanes{});
+  Lanes share{};  // of B that is missing
+  if (!allLess(folded, both)) share = ifPositive(missing, missing / folded, Lanes{});
+  const Lanes padding = flat * flat + 0.5 * missing * share;
+  const Lanes square_size = larger(both - shear.product * shear.product, Lanes{}) + padding,
+              size = squareRoot(square_size), all_square = both + padding;
   const Lanes inverse = ifPositive(flat, 1.0 / (size * all_square), Lanes{});
   shear.inverse_size = inverse * all_square;
-  shear.scaled = inverse * size * shear.product;
+  shear.scaled = inverse * size * shear.product * (1.0 - share);
   shear.angle = angleOf(shear.product * shear.inverse_size, shear.product, square_size);
   return shear;
 }

@@ -39,7 +39,7 @@ ClothObjective::ClothObjective(const Scene& scene, const ActiveMesh& mesh, const
   for (auto* list : {&hold_forces_, &hold_torques_}) list->assign(probes_.size(), Vec3::Zero());
   held_.reserve(mesh.grid.particles());
   if (preconditioner_ == Preconditioner::Jacobi) blocks_.reserve(mesh.grid.particles());
-  for (auto* list : {&start_, &inertial_, &nodes_, &motion_, &gradient_, &diagonal_}) {
+  for (auto* list : {&start_, &inertial_, &nodes_, &motion_, &detour_, &gradient_, &diagonal_}) {
     list->reserve(mesh.grid.particles());
   }
   for (auto* list : {&mass_, &moving_mass_}) list->reserve(padded(mesh.grid.particles()));
@@ -357,6 +357,18 @@ Objective::Along ClothObjective::along(const Vector& d, double slope) {
   setMotion(d);
   const double form = formAlongMotion(false, true).sum(), step = newtonStep(slope, form);
   return {form, limitsSteps() ? contacts_.maxStep(nodes_, motion_, proxy_motions_, turnLimit(step)) : step};
+}
+
+bool ClothObjective::keepClear(Vector& d, double step) {
+  detour_.clear(mesh_.nodes());
+  if (!contacts_.keepClear(nodes_, motion_, step, detour_)) return false;
+  mesh_.handOverGhosts(detour_, 1.0);
+  for (const HeldNode& held : held_) detour_.set(held.node, Vec3::Zero());
+  for (int n = 0; n < mesh_.free; ++n) {
+    if (awake_.contains(n)) motion_.add(n, detour_[n]);
+  }
+  packFree(motion_, d);
+  return true;
 }
 
 ClothObjective::QuadraticForm ClothObjective::quadraticForm(const Vector& d, bool deforms) {

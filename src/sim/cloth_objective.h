@@ -77,6 +77,7 @@ class ClothObjective : public Objective {
   const BlockOrder& order() const override { return unknown_order_; }
   double evaluate(const Vector& x, Vector& gradient) override;
   Along along(const Vector& d, double slope) override;
+  bool keepClear(Vector& d, double step) override;
 
   /// Quadratic form d · H⁺ d [J]: part of the fabric, and of everything else.
   struct QuadraticForm {
@@ -264,6 +265,7 @@ class ClothObjective : public Objective {
   /// Both padded.
   std::vector<double> mass_, moving_mass_;
   Field nodes_, motion_, gradient_, diagonal_;
+  Field detour_;       ///< what keepClear() changes in a direction [m]
   BlockField blocks_;  ///< blocks for the Jacobi preconditioner
   Proxies proxies_, proxy_motions_;
   std::vector<Vec3> hold_forces_, hold_torques_;  ///< of the held nodes on the probes [N], [N·m]

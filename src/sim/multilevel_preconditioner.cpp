@@ -24,12 +24,12 @@ void handOver(const ActiveMesh& mesh, Blocks& blocks) {
 }  // namespace
 
 MultilevelPreconditioner::MultilevelPreconditioner(const ActiveMesh& mesh, int probes, Team& team)
-    : mesh_(mesh), team_(team), hats_(mesh) {
+    : mesh_(mesh), team_(team), hats_(mesh), binding_(mesh) {
   const int particles = mesh.grid.particles();
   for (Blocks* list : {&between_, &points_}) list->reserve(hats_.pointCapacity());
   for (BlockField& field : elements_) field.reserve(particles);
   node_inverse_.reserve(particles);
-  touch_.reserve(particles);
+  for (Blocks* list : {&touch_, &layers_}) list->reserve(particles);
   hat_inverse_.reserve(hats_.hatCapacity());
   springs_.reserve(particles);
   bodies_.reserve(probes);
@@ -46,9 +46,11 @@ void MultilevelPreconditioner::fit(const InternalEnergy& internal, const Contact
   for (Blocks* list : {&between_, &points_}) list->assign(hats_.points(), Block::Zero());
   addElements(internal);
   addContacts(contacts, nodes, proxies);
+  addLayers(contacts);
   for (int n = 0; n < mesh_.nodes(); ++n) points_[n] += isotropic(integrator.inertia(n) * mesh_.mass[n]);
   invertNodes(awake, held);
   for (Body& body : bodies_) bind(body);
+  bindLayers(contacts, nodes);
   invertHats();
 }
 
@@ -98,13 +100,27 @@ void MultilevelPreconditioner::addContacts(const ContactSet& contacts, const Fie
   }
 }
 
+void MultilevelPreconditioner::addLayers(const ContactSet& contacts) {
+  layers_.assign(mesh_.nodes(), Block::Zero());
+  if (contacts.self()) contacts.self()->addSprings(layers_);
+  handOver(mesh_, layers_);
+}
+
+/// Binds layers, then adds their springs to the points.
+void MultilevelPreconditioner::bindLayers(const ContactSet& contacts, const Field& nodes) {
+  binding_.clear();
+  if (!contacts.self()) return;
+  binding_.fit(*contacts.self(), between_, points_, node_inverse_, nodes);
+  for (int n = 0; n < mesh_.active(); ++n) points_[n] += layers_[n];
+}
+
 /// Inverts the nodes' blocks. Held nodes get zero; their stiffness is added to that of the proxy.
 void MultilevelPreconditioner::invertNodes(const std::vector<char>& awake,
                                            const std::vector<HeldNode>& held) {
   node_inverse_.resize(mesh_.free);
   const auto invert = [&](int begin, int end) {
     for (int n = begin; n < end; ++n) {
-      node_inverse_.set(n, awake[n] ? inverse(between_[n] + points_[n]) : Block(Block::Zero()));
+      node_inverse_.set(n, awake[n] ? inverse(ofNode(n)) : Block(Block::Zero()));
     }
   };
   team_.forRange(mesh_.free, invert, kInverse);
@@ -112,8 +128,7 @@ void MultilevelPreconditioner::invertNodes(const std::vector<char>& awake,
     node_inverse_.set(node.node, Block::Zero());
     for (Body& body : bodies_) {
       if (body.probe != node.probe) continue;
-      addSpring(between_[node.node] + points_[node.node], body.unknowns == 6 ? node.offset : Vec3::Zero(),
-                body.inverse);
+      addSpring(ofNode(node.node), body.unknowns == 6 ? node.offset : Vec3::Zero(), body.inverse);
     }
   }
 }
@@ -184,6 +199,7 @@ void MultilevelPreconditioner::apply(const Vector& gradient, Vector& z) {
       },
       kOwn);
   for (const Body& body : bodies_) applyBody(body, gradient, z);
+  binding_.apply(node_inverse_, gradient, z);
 }
 
 /// Replaces the gradient in values_ by the sum of the corrections of all hats. Values that children

@@ -11,6 +11,7 @@
 #include "mesh/hat_levels.h"
 #include "parallel/parallel_for.h"
 #include "sim/held_node.h"
+#include "sim/layer_binding.h"
 #include "sim/time_integrator.h"
 #include "solver/objective.h"
 
@@ -80,9 +81,12 @@ class MultilevelPreconditioner {
   };
 
   void addElements(const InternalEnergy& internal);
+  void addLayers(const ContactSet& contacts);
   void addContacts(const ContactSet& contacts, const Field& nodes, const std::vector<ProxyUnknown>& proxies);
   static void addSpring(const Block& stiffness, const Vec3& arm, BodyMatrix& sum);
   void bind(Body& body) const;
+  Block ofNode(int n) const { return between_[n] + points_[n] + layers_[n]; }
+  void bindLayers(const ContactSet& contacts, const Field& nodes);
   void invertNodes(const std::vector<char>& awake, const std::vector<HeldNode>& held);
   void invertHats();
   void invertHat(int k);
@@ -103,7 +107,9 @@ class MultilevelPreconditioner {
   Blocks between_, points_;
   BlockField node_inverse_;            ///< free nodes; zero if they do not move [m/N]
   std::vector<HatBlock> hat_inverse_;  ///< hats; zero if they do not move [m/N]
-  Blocks touch_;                       ///< blocks of one proxy's contacts at the nodes [N/m]
+  LayerBinding binding_;
+  Blocks layers_;  ///< springs of layers at the nodes [N/m]
+  Blocks touch_;   ///< blocks of one proxy's contacts at the nodes [N/m]
   std::vector<Spring> springs_;
   std::vector<Body> bodies_;
   std::vector<HatValue> values_, corrections_;  ///< at the points; of the hats

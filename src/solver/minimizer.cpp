@@ -135,7 +135,29 @@ void Minimizer::direction(Objective& objective, Team& team, bool restart, Minimi
   }
 }
 
-/// Takes the Newton step along d, then backtracks (Armijo). If Φ changes less than its rounding
+/// Newton's step along d, or the largest admissible one. Where much less than Newton's is admissible, few
+/// constraints would stop all unknowns. Then d is bent around these, if that promises to lower Φ further.
+double Minimizer::firstStep(Objective& objective) {
+  constexpr double kMuch = 0.2;  // of Newton's step
+  const auto promise = [](double slope, const Objective::Along& along) {
+    return -along.step * (slope + 0.5 * along.step * along.quadratic_form);
+  };
+  const Objective::Along straight = objective.along(direction_, slope_);
+  const double newton = Objective::newtonStep(slope_, straight.quadratic_form);
+  if (!(straight.step < kMuch * newton)) return straight.step;
+  trial_.head(size_) = direction_.head(size_);
+  if (!objective.keepClear(direction_, newton)) return straight.step;
+  const double slope = direction_.head(size_).dot(gradient_.head(size_));
+  const Objective::Along bent = objective.along(direction_, slope);
+  if (slope < 0.0 && promise(slope, bent) > promise(slope_, straight)) {
+    slope_ = slope;
+    return bent.step;
+  }
+  direction_.head(size_) = trial_.head(size_);
+  return straight.step;
+}
+
+/// Takes the first step along d, then backtracks (Armijo). If Φ changes less than its rounding
 /// error, the slope decides [Hager & Zhang 2005, approximate Wolfe]. That error, kRounding, is far
 /// above the rounding of a sum: curvatures are second differences of positions with an error of
 /// ε x/l². On success the iterate, its value and its gradient are the new ones.
@@ -144,7 +166,7 @@ bool Minimizer::lineSearch(Objective& objective, Team& team, Vector& x, double& 
                            MinimizerReport& report) {
   constexpr double kSufficient = 1e-4, kRounding = 1e-10;
   constexpr int kTrials = 20;
-  double step = objective.along(direction_, slope_).step;
+  double step = firstStep(objective);
   for (int trial = 0; trial < kTrials; ++trial) {
     const auto go = [&](int begin, int end) {
       trial_.segment(begin, end - begin) =

@@ -41,6 +41,10 @@ class Objective {
   /// @param slope of Φ along d [J]
   virtual Along along(const Vector& d, double slope) = 0;
 
+  /// Bends d, the direction of the last call of along(), around constraints that would stop a step along it
+  /// before the factor `step` of d. @return whether d changed
+  virtual bool keepClear(Vector& /*d*/, double /*step*/) { return false; }
+
   /// Newton's step for a slope and a quadratic form [J].
   static double newtonStep(double slope, double form) { return form > 0.0 ? -slope / form : 1.0; }
 

@@ -13,115 +13,13 @@
 
 #include "contact/crossings.h"
 #include "contact/friction_law.h"
-#include "energy/surface_normals.h"
 #include "haptic_cloth/simulation.h"
 #include "state/archive.h"
+#include "support/folded_cloth.h"
 #include "support/scenes.h"
 
 namespace haptic_cloth {
 namespace {
-
-constexpr double kThickness = 1e-3, kSpacing = 4e-3;  // [m]
-constexpr double kSlip = 1e-6;                        // [m]
-
-Grid gridOf(int columns, int rows, int levels) { return {columns, rows, levels, kSpacing, kSpacing}; }
-
-CompressionLaw law(double thickness = kThickness) {
-  Fabric fabric;
-  fabric.thickness = thickness;
-  return CompressionLaw(fabric);
-}
-
-/// Law of a fabric that KES-FB3 found hard.
-CompressionLaw hardLaw() {
-  Fabric fabric;
-  fabric.compression = Compression{kThickness, 0.9 * kThickness, 0.2};
-  return CompressionLaw(fabric);
-}
-
-/// Cloth with self-contact, in positions that a test sets.
-struct Folded {
-  Folded(const Grid& grid, const LeafMesh& leaves, double friction, const CompressionLaw& between = law())
-      : mesh(leaves, 0.2), contact(grid, {between, friction}, kSlip), surface(grid) {
-    contact.rebuild(mesh);
-    surface.rebuild(mesh);
-    x.resize(mesh.nodes());
-    for (int n = 0; n < mesh.nodes(); ++n) x.set(n, flat(n));
-    still.clear(mesh.nodes());
-    reach.assign(mesh.nodes(), 0.0);
-    dented.assign(mesh.patches.size(), 0);
-  }
-  explicit Folded(const Grid& grid, double friction = 0.0, const CompressionLaw& between = law())
-      : Folded(grid, LeafMesh(grid, {}, 0), friction, between) {}
-
-  Vec3 flat(int n) const {
-    return {mesh.grid.column(mesh.particle[n]) * kSpacing, mesh.grid.row(mesh.particle[n]) * kSpacing, 0.0};
-  }
-  /// Places all nodes. @param place position [m] of a point of the flat cloth [m]
-  template <class Place>
-  void place(const Place& place) {
-    for (int n = 0; n < mesh.nodes(); ++n) x.set(n, place(flat(n)));
-    mesh.interpolateGhosts(x);
-  }
-  void collect() {
-    SurfaceNormals normals(mesh, false);
-    normals.update(mesh, x);
-    contact.collect(mesh, x, normals.nodes(), {still, reach}, dented);
-  }
-  void remember() {
-    SurfaceNormals normals(mesh, false);
-    normals.update(mesh, x);
-    contact.rememberFriction(mesh, normals.nodes());
-  }
-  Field gradient() {
-    Field sum;
-    sum.clear(mesh.nodes());
-    contact.noteMotion(x);
-    contact.evaluate(0, contact.size(), x);
-    contact.sumForces(mesh.nodes());
-    contact.addGradient(0, mesh.nodes(), sum);
-    return sum;
-  }
-  double energy(const Field& at) {
-    contact.noteMotion(at);
-    const ContactEnergy energy = contact.evaluate(0, contact.size(), at);
-    return energy.contact + energy.friction;
-  }
-
-  ActiveMesh mesh;
-  SelfContact contact;
-  TriangleSurface surface;
-  Field x, still;
-  std::vector<double> reach;
-  std::vector<char> dented;  ///< by patch
-};
-
-/// Mesh of mixed levels.
-LeafMesh mixedLeaves(const Grid& grid, unsigned seed) {
-  LeafMesh leaves(grid, {}, grid.levels);
-  std::mt19937 random(seed);
-  std::vector<Cell> done;
-  for (int k = 0; k < 6; ++k) {
-    leaves.split(leaves.leafAt(random() % (grid.columns - 1), random() % (grid.rows - 1)), done);
-  }
-  return leaves;
-}
-
-/// Adds noise to all nodes but hanging ones. @param size standard deviation [m]
-void shake(Folded& cloth, std::mt19937& random, double size) {
-  std::normal_distribution<double> noise(0.0, size);
-  for (int n = 0; n < cloth.mesh.active(); ++n)
-    cloth.x.add(n, Vec3(noise(random), noise(random), noise(random)));
-  cloth.mesh.interpolateGhosts(cloth.x);
-}
-
-/// Sheet that turns back over itself around the line at x = `fold`, with a gap between the layers.
-Vec3 hairpin(const Vec3& at, double fold, double gap) {
-  const double radius = 0.5 * gap, along = at.x() - fold, turn = along / radius;
-  if (along <= 0.0) return at;
-  if (turn < EIGEN_PI) return {fold + radius * std::sin(turn), at.y(), radius * (1.0 - std::cos(turn))};
-  return {fold - (along - static_cast<double>(EIGEN_PI) * radius), at.y(), gap};
-}
 
 /// Adds a vector at all nodes of the upper layer of a hairpin that turns back at 40 mm [m].
 void moveUpper(const Folded& cloth, Field& nodes, const Vec3& by) {
@@ -615,6 +513,29 @@ struct CutShort {
 void giveNoTime(Scene& scene) {
   scene.solver.time_step = 0.008;
   scene.solver.minimizer.time_budget = 1e-9;  // one iteration
+}
+
+/// A node above another layer moves by twice the gap. Bent around all pairs, the whole direction is
+/// admissible: each pair uses up the share that maxStep() admits, and no pair loses by another's change.
+TEST(SelfContact, DirectionsAreBentAroundPairs) {
+  const double gap = 0.5 * kThickness;
+  Folded cloth(gridOf(25, 9, 0));
+  cloth.place([&](const Vec3& at) { return hairpin(at, 0.04, gap); });
+  cloth.reach.assign(cloth.mesh.nodes(), gap);
+  cloth.collect();
+  Field d, change;
+  for (Field* field : {&d, &change}) field->clear(cloth.mesh.nodes());
+  EXPECT_FALSE(cloth.contact.keepClear(cloth.x, d, 1.0, change)) << "nothing moves";
+  d.set(cloth.mesh.node[4 * 25 + 16], Vec3(0.0, 0.0, -2.0 * gap));
+  EXPECT_NEAR(cloth.contact.maxStep(cloth.x, d, 1.0, 1e-6), 0.45, 1e-6);
+  ASSERT_TRUE(cloth.contact.keepClear(cloth.x, d, 1.0, change));
+  Vec3 sum = Vec3::Zero();
+  for (int n = 0; n < cloth.mesh.nodes(); ++n) {
+    d.add(n, change[n]);
+    sum += change[n];
+  }
+  EXPECT_GE(cloth.contact.maxStep(cloth.x, d, 1.0, 1e-6), 1.0 - 1e-9);
+  EXPECT_LT(sum.norm(), 1e-12 * gap) << "each part yields by half";
 }
 
 /// Pins pull the hems of a sheet from rest to 1.4 m/s: more than the first search looks for. If such steps

@@ -126,6 +126,46 @@ TEST(MinimizerTest, NeverRisesHoweverEarlyItEnds) {
   }
 }
 
+/// A wall stops the last unknown after a hundredth of its way; others are free.
+class Walled : public Problem {
+ public:
+  static constexpr int kSize = 30, kStopped = kSize - 1;
+  static constexpr double kWall = 0.01;
+
+  explicit Walled(bool bends) : Problem(kSize), bends_(bends) {}
+  Along along(const Vector& d, double slope) override {
+    Along along = Problem::along(d, slope);
+    if (d[kStopped] > 0.0) along.step = std::min(along.step, kWall / d[kStopped]);
+    return along;
+  }
+  bool keepClear(Vector& d, double step) override {
+    if (!bends_) return false;
+    d[kStopped] = std::min(d[kStopped], kWall / step);
+    return true;
+  }
+
+ private:
+  bool bends_;
+};
+
+// Criterion: what the wall does not hold moves as if there were none. The wall admits a hundredth of
+// Newton's step along the first direction, the gradient.
+TEST(MinimizerTest, BendsADirectionAroundWhatStopsIt) {
+  const MinimizerOptions options{Preconditioner::None, 1e-8, 1, 0.0};
+  Walled stopped(false), bent(true);
+  Problem open(Walled::kSize);
+  Vector x = Vector::Zero(Walled::kSize), y = x, z = x;
+  run(stopped, x, options);
+  run(bent, y, options);
+  run(open, z, options);
+  EXPECT_NEAR(x[Walled::kStopped], Walled::kWall, tolerance(1e-12));
+  EXPECT_NEAR(y[Walled::kStopped], Walled::kWall, tolerance(1e-12));
+  for (int k = 0; k < Walled::kStopped; ++k) {
+    EXPECT_LT(x[k], 0.1 * z[k]);
+    EXPECT_NEAR(y[k], z[k], tolerance(1e-12));
+  }
+}
+
 TEST(MinimizerTest, StopsOnTimeBudget) {
   Problem problem(30);
   Vector x = Vector::Zero(30);
