@@ -42,7 +42,7 @@ class VectorsOnly : public Objective {
     return -calls_;  // always low enough to be accepted
   }
   Along along(const Vector&, double slope) override { return {1.0, -slope}; }
-  void fitPreconditioner() override {}
+  void fitPreconditioner(bool /*thoroughly*/) override {}
   void precondition(const Vector&, Vector& z) override {
     if (calls_ == 1) z.head(size()).setConstant(kAway);
   }

@@ -184,7 +184,7 @@ void addStep(ClothCase& cloth, std::vector<Pass>& passes) {
     return inertial + cloth.objective().evaluate(cloth.point(), cloth.scratch());
   });
   add("fit of the preconditioner", [&cloth] {
-    cloth.objective().fitPreconditioner();
+    cloth.objective().fitPreconditioner(false);
     return cloth.scratch()[0];
   });
   add("memory of the fabric", [&internal, &x] {
@@ -218,7 +218,7 @@ std::vector<Pass> passesOf(ClothCase& cloth) {
                     }});
   addStep(cloth, passes);
   passes.push_back({"fit of the preconditioner", "fit", -1.0, -1.0, [&cloth] {
-                      cloth.objective().fitPreconditioner();
+                      cloth.objective().fitPreconditioner(false);
                       return cloth.scratch()[0];
                     }});
   return passes;

@@ -206,20 +206,15 @@ void SelfContact::addGradient(int begin, int end, Field& gradient) const {
   }
 }
 
-/// Stiffness of a pair that presses. It grows as the inverse square of the distance, which may change much
-/// until the preconditioner is fitted again. So it stops growing below some distance.
-double SelfContact::springOf(const PairPack& pack, int lane) {
-  constexpr double kNearest = 0.1;  // [ranges]
-  const double nearness = pack.distance[lane] / (kNearest * pack.range[lane]);
-  return pack.stiffness[lane] * std::min(1.0, nearness * nearness);
-}
-
 Block SelfContact::springOf(const DragPack& drag, int lane) const {
   return frictionBlock(laneOf(drag.slip, lane), laneOf(drag.normal, lane), drag.limit[lane], slip_);
 }
 
 void SelfContact::addSprings(Blocks& blocks) const {
-  forSprings([&](const PairPoints& points, int l, const Block& spring) {
+  // The stiffness of a pair that is squeezed to nearly nothing would hold its nodes fast, though they may
+  // move together, and a solve would jam. So it stops growing below some distance.
+  constexpr double kNearest = 0.3;  // [ranges]
+  forSprings(kNearest, [&](const PairPoints& points, int l, const Block& spring) {
     forNodes(points, l, [&](int n, double weight) { blocks[n] += std::abs(weight) * spring; });
   });
 }

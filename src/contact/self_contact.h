@@ -1,6 +1,7 @@
 /// Contact of the cloth with itself.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "contact/compression_law.h"
@@ -86,11 +87,14 @@ class SelfContact {
   void addGradient(int begin, int end, Field& gradient) const;
 
   /// Calls visit(points, lane, stiffness) for the pressure of all pairs and for all friction, with their
-  /// stiffness against Σ weights · x as a preconditioner takes it [N/m].
+  /// stiffness against Σ weights · x [N/m].  @param nearest distance below which pressure does not get
+  /// stiffer [ranges]
   template <class Visit>
-  void forSprings(const Visit& visit) const {
+  void forSprings(double nearest, const Visit& visit) const {
     forPressing([&](const PairPack& pack, int l) {
-      visit(pack, l, Block(springOf(pack, l) * square(laneOf(pack.normal, l))));
+      const double nearness = pack.distance[l] / (nearest * pack.range[l]);
+      const double spring = pack.stiffness[l] * std::min(1.0, nearness * nearness);
+      visit(pack, l, Block(spring * square(laneOf(pack.normal, l))));
     });
     forDrags([&](const DragPack& drag, int l) { visit(drag, l, springOf(drag, l)); });
   }
@@ -167,7 +171,6 @@ class SelfContact {
     }
   }
 
-  static double springOf(const PairPack& pack, int lane);
   Block springOf(const DragPack& drag, int lane) const;
   void listPaired(const Field& nodes);
   void listDrags(const ActiveMesh& mesh, const Field& nodes, const ConstArrays& normals);

@@ -416,18 +416,19 @@ ClothObjective::QuadraticForm ClothObjective::formAlongMotion(bool whole_motion,
   return {elements[0], others};
 }
 
-void ClothObjective::fitMultilevel() {
+void ClothObjective::fitMultilevel(bool thoroughly) {
   proxy_unknowns_.clear();
   forPresent([this](int k) {
     const ProbeStep& probe = probes_[k];
     proxy_unknowns_.push_back(
         {k, proxyAt(probe), probe.turns, couplingStiffness(k), turnStiffness(k), proxies_[k].position});
   });
-  multilevel_->fit(internal_, contacts_, integrator_, awake_.flags(), nodes_, held_, proxy_unknowns_);
+  multilevel_->fit(internal_, contacts_, integrator_, awake_.flags(), nodes_, held_, proxy_unknowns_,
+                   thoroughly);
 }
 
-void ClothObjective::fitPreconditioner() {
-  if (multilevel_) return fitMultilevel();
+void ClothObjective::fitPreconditioner(bool thoroughly) {
+  if (multilevel_) return fitMultilevel(thoroughly);
   diagonal_.fill(0.0);
   if (preconditioner_ == Preconditioner::Jacobi) {
     blocks_.clear(mesh_.nodes());

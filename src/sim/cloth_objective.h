@@ -101,7 +101,7 @@ class ClothObjective : public Objective {
 
   /// Largest admissible factor of d up to `most` at the last evaluated point.
   double maxStep(const Vector& d, double most);
-  void fitPreconditioner() override;
+  void fitPreconditioner(bool thoroughly) override;
 
   /// Must follow a change of the mesh.
   void resize() {
@@ -236,7 +236,7 @@ class ClothObjective : public Objective {
   double lossPotential() const;
   bool limitsSteps() const { return probe_unknowns_ > 0 || contacts_.meetsItself(); }
   void placeProbes();
-  void fitMultilevel();
+  void fitMultilevel(bool thoroughly);
   double evaluateProbes(Vector& gradient);
   Sums evaluateElements(int begin, int end);
   double gatherNodes(int begin, int end);

@@ -169,7 +169,7 @@ double JointObjective::changeOfForces(const double* d_forces) {
   return quadratic_form;
 }
 
-void JointObjective::fitPreconditioner() {
+void JointObjective::fitPreconditioner(bool /*thoroughly*/) {
   auto by_force = inverse_diagonal_.segment(step_.size(), elements_.size());
   diagonal_.fill(0.0);
   stiffness_.fill(0.0);

@@ -30,7 +30,7 @@ class JointObjective : public Objective {
   int size() const override { return step_.size() + elements_.size(); }
   double evaluate(const Vector& x, Vector& gradient) override;
   Along along(const Vector& d, double slope) override;
-  void fitPreconditioner() override;
+  void fitPreconditioner(bool thoroughly) override;
   void precondition(const Vector& gradient, Vector& z) override;
 
   /// Residual of the condensed cost with the same value: a tolerance means the same for both costs.

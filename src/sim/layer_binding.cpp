@@ -36,7 +36,8 @@ void LayerBinding::fit(const SelfContact& layers, const Blocks& elements, const 
   row_of_.assign(mesh_.nodes(), -1);
   ghost_of_.resize(mesh_.nodes());
   for (std::size_t k = 0; k < mesh_.ghosts.size(); ++k) ghost_of_[mesh_.ghosts[k].node] = static_cast<int>(k);
-  layers.forSprings([&](const PairPoints& pair, int lane, const Block& stiffness) {
+  constexpr double kNearest = 0.1;  // [ranges]; nearer pairs get softer before the next fit
+  layers.forSprings(kNearest, [&](const PairPoints& pair, int lane, const Block& stiffness) {
     ends_.clear();
     forNodes(pair, lane, [&](int n, double weight) { addMasters(n, weight, inverse); });
     if (!is_stiff(stiffness)) return;

@@ -42,7 +42,7 @@ void MultilevelPreconditioner::resize() { hats_.rebuild(mesh_); }
 void MultilevelPreconditioner::fit(const InternalEnergy& internal, const ContactSet& contacts,
                                    const TimeIntegrator& integrator, const std::vector<char>& awake,
                                    const Field& nodes, const std::vector<HeldNode>& held,
-                                   const std::vector<ProxyUnknown>& proxies) {
+                                   const std::vector<ProxyUnknown>& proxies, bool binds_layers) {
   for (Blocks* list : {&between_, &points_}) list->assign(hats_.points(), Block::Zero());
   addElements(internal);
   addContacts(contacts, nodes, proxies);
@@ -50,7 +50,10 @@ void MultilevelPreconditioner::fit(const InternalEnergy& internal, const Contact
   for (int n = 0; n < mesh_.nodes(); ++n) points_[n] += isotropic(integrator.inertia(n) * mesh_.mass[n]);
   invertNodes(awake, held);
   for (Body& body : bodies_) bind(body);
-  bindLayers(contacts, nodes);
+  binding_.clear();
+  if (binds_layers && contacts.self())
+    binding_.fit(*contacts.self(), between_, points_, node_inverse_, nodes);
+  for (int n = 0; n < mesh_.active(); ++n) points_[n] += layers_[n];
   invertHats();
 }
 
@@ -104,14 +107,6 @@ void MultilevelPreconditioner::addLayers(const ContactSet& contacts) {
   layers_.assign(mesh_.nodes(), Block::Zero());
   if (contacts.self()) contacts.self()->addSprings(layers_);
   handOver(mesh_, layers_);
-}
-
-/// Binds layers, then adds their springs to the points.
-void MultilevelPreconditioner::bindLayers(const ContactSet& contacts, const Field& nodes) {
-  binding_.clear();
-  if (!contacts.self()) return;
-  binding_.fit(*contacts.self(), between_, points_, node_inverse_, nodes);
-  for (int n = 0; n < mesh_.active(); ++n) points_[n] += layers_[n];
 }
 
 /// Inverts the nodes' blocks. Held nodes get zero; their stiffness is added to that of the proxy.

@@ -51,9 +51,10 @@ class MultilevelPreconditioner {
   /// @param nodes positions of that evaluation [m]
   /// @param awake one flag for each node; only free nodes that are awake and not held are solved
   /// for
+  /// @param binds_layers whether layers are bound (LayerBinding)
   void fit(const InternalEnergy& internal, const ContactSet& contacts, const TimeIntegrator& integrator,
            const std::vector<char>& awake, const Field& nodes, const std::vector<HeldNode>& held,
-           const std::vector<ProxyUnknown>& proxies);
+           const std::vector<ProxyUnknown>& proxies, bool binds_layers);
 
   /// Applies it to a gradient, with unknowns as in ClothObjective: all x of the free nodes, all y,
   /// all z, then the proxies, of each its position and perhaps its turn.
@@ -86,7 +87,6 @@ class MultilevelPreconditioner {
   static void addSpring(const Block& stiffness, const Vec3& arm, BodyMatrix& sum);
   void bind(Body& body) const;
   Block ofNode(int n) const { return between_[n] + points_[n] + layers_[n]; }
-  void bindLayers(const ContactSet& contacts, const Field& nodes);
   void invertNodes(const std::vector<char>& awake, const std::vector<HeldNode>& held);
   void invertHats();
   void invertHat(int k);

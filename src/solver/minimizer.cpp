@@ -11,6 +11,12 @@ namespace {
 // of a stiff, steady problem must keep its conjugate directions.
 constexpr int kFirstRenewal = 15;
 
+// Most solves end before this. What helps only where layers jam would slow them down, and disturb those of
+// which few iterations are asked.
+constexpr int kLong = 30;
+
+bool isLong(const MinimizerReport& report) { return report.iterations >= kLong; }
+
 }  // namespace
 
 const char* toString(Termination why) {
@@ -78,7 +84,7 @@ MinimizerReport Minimizer::minimize(Objective& objective, Vector& x, double valu
       break;
     }
     if (report.iterations >= renewal) {
-      objective.fitPreconditioner();
+      objective.fitPreconditioner(isLong(report));
       renewal = std::max(kFirstRenewal, 2 * renewal);
       restart = true;
     }
@@ -135,16 +141,16 @@ void Minimizer::direction(Objective& objective, Team& team, bool restart, Minimi
   }
 }
 
-/// Newton's step along d, or the largest admissible one. Where much less than Newton's is admissible, few
-/// constraints would stop all unknowns. Then d is bent around these, if that promises to lower Φ further.
-double Minimizer::firstStep(Objective& objective) {
+/// Newton's step along d, or the largest admissible one. Where a long solve may make much less than Newton's,
+/// few constraints would stop all unknowns. Then d is bent around these, if that promises to lower Φ further.
+double Minimizer::firstStep(Objective& objective, const MinimizerReport& report) {
   constexpr double kMuch = 0.2;  // of Newton's step
   const auto promise = [](double slope, const Objective::Along& along) {
     return -along.step * (slope + 0.5 * along.step * along.quadratic_form);
   };
   const Objective::Along straight = objective.along(direction_, slope_);
   const double newton = Objective::newtonStep(slope_, straight.quadratic_form);
-  if (!(straight.step < kMuch * newton)) return straight.step;
+  if (!isLong(report) || !(straight.step < kMuch * newton)) return straight.step;
   trial_.head(size_) = direction_.head(size_);
   if (!objective.keepClear(direction_, newton)) return straight.step;
   const double slope = direction_.head(size_).dot(gradient_.head(size_));
@@ -166,7 +172,7 @@ bool Minimizer::lineSearch(Objective& objective, Team& team, Vector& x, double& 
                            MinimizerReport& report) {
   constexpr double kSufficient = 1e-4, kRounding = 1e-10;
   constexpr int kTrials = 20;
-  double step = firstStep(objective);
+  double step = firstStep(objective, report);
   for (int trial = 0; trial < kTrials; ++trial) {
     const auto go = [&](int begin, int end) {
       trial_.segment(begin, end - begin) =

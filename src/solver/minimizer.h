@@ -39,7 +39,7 @@ class Minimizer {
   using Clock = std::chrono::steady_clock;
 
   void direction(Objective& objective, Team& team, bool restart, MinimizerReport& report);
-  double firstStep(Objective& objective);
+  double firstStep(Objective& objective, const MinimizerReport& report);
   bool lineSearch(Objective& objective, Team& team, Vector& x, double& value, MinimizerReport& report);
 
   MinimizerOptions options_;

@@ -49,7 +49,8 @@ class Objective {
   static double newtonStep(double slope, double form) { return form > 0.0 ? -slope / form : 1.0; }
 
   /// Fits P ≈ H⁻¹, symmetric positive definite, to the last evaluated point.
-  virtual void fitPreconditioner() = 0;
+  /// @param thoroughly whether a dearer and better fit pays, because the solve is long
+  virtual void fitPreconditioner(bool thoroughly) = 0;
 
   /// z = P g.
   virtual void precondition(const Vector& gradient, Vector& z) = 0;

@@ -539,7 +539,8 @@ TEST(SelfContact, DirectionsAreBentAroundPairs) {
 }
 
 /// Pins pull the hems of a sheet from rest to 1.4 m/s: more than the first search looks for. If such steps
-/// failed, the sheet would stand still for ever.
+/// failed, the sheet would stand still for ever, 80 mm long. In the 0.6 s the pins come together in at least
+/// half of it.
 TEST(SelfContact, StepsCutShortGoOn) {
   LinearFabric linear;
   linear.rigidity = 4e-6;
@@ -553,7 +554,7 @@ TEST(SelfContact, StepsCutShortGoOn) {
   giveNoTime(scene);
   Simulation simulation(scene);
   EXPECT_EQ(CutShort(simulation, 75).failed, 0);
-  EXPECT_LT(particle(simulation, 32, 4).x() - particle(simulation, 0, 4).x(), 0.02);
+  EXPECT_LT(particle(simulation, 32, 4).x() - particle(simulation, 0, 4).x(), 0.04);
 }
 
 /// Hems turn by 37 degrees in a step, so parts may have met wherever the search looks: such a step is made

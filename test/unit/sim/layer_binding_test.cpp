@@ -15,7 +15,7 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kOwn = 1e-2;  // so soft that all pairs are stiff beside it [N/m]
+constexpr double kOwn = 1e-3;  // so soft that all pairs are stiff beside it [N/m]
 
 class LayerBindingTest : public testing::TestWithParam<bool> {
  protected:
@@ -55,6 +55,14 @@ class LayerBindingTest : public testing::TestWithParam<bool> {
     for (int n = 0; n < mesh_.free; ++n) result.set(n, inverse(isotropic(kOwn) + springs[n]));
     return result;
   }
+  /// Of a factor and its solution: the condition number times four roundings for each unknown.
+  double rounding() const {
+    double stiffest = 0.0;
+    cloth_.contact.forSprings(0.1, [&](const PairPoints&, int, const Block& spring) {
+      stiffest = std::max(stiffest, spring.head<3>().sum());
+    });
+    return 4.0 * 3.0 * mesh_.free * 0x1p-52 * stiffest / kOwn;
+  }
   Vec3 of(const Vector& v, int n) const { return {v[n], v[mesh_.free + n], v[2 * mesh_.free + n]}; }
 
   /// Quadratic form of own blocks and pairs along z.
@@ -81,7 +89,7 @@ TEST_P(LayerBindingTest, InvertsStiffLayersAsOneMatrix) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const Vector gradient = fixedRandom(3 * mesh_.free, seed), z = apply(gradient, inverse);
     const double work = z.dot(gradient);
-    EXPECT_NEAR(formAlong(z), work, tolerance(1e-6) * work) << seed;
+    EXPECT_NEAR(formAlong(z), work, tolerance(rounding()) * work) << seed;
   }
 }
 
@@ -99,7 +107,7 @@ TEST_P(LayerBindingTest, LeavesOutWhatDoesNotMove) {
   }
   const Vector z = apply(gradient, inverse);
   for (const int n : fixed) EXPECT_EQ(of(z, n), Vec3::Zero());
-  EXPECT_NEAR(formAlong(z), z.dot(gradient), tolerance(1e-6) * z.dot(gradient));
+  EXPECT_NEAR(formAlong(z), z.dot(gradient), tolerance(rounding()) * z.dot(gradient));
 }
 
 TEST_P(LayerBindingTest, LeavesSoftPairsAtTheirNodes) {

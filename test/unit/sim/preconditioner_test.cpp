@@ -34,7 +34,7 @@ class MultilevelTest : public ObjectiveTest {
            pb = gradient;
     objective_.evaluate(start_, gradient);
     ASSERT_TRUE(contacts_.probeTouched(0));
-    objective_.fitPreconditioner();
+    objective_.fitPreconditioner(false);
     for (unsigned seed = 1; seed <= 10; ++seed) {
       a.head(n) = fixedRandom(n, seed);
       b.head(n) = fixedRandom(n, 100 + seed);
@@ -158,7 +158,7 @@ TEST(Multilevel, InvertsTheBlockOfASingleFreeNode) {
   Vector x = Vector::Zero(objective.capacity()), gradient = x, z = x;
   objective.pack(nodes, x);
   objective.evaluate(x, gradient);
-  objective.fitPreconditioner();
+  objective.fitPreconditioner(false);
   for (unsigned seed = 1; seed <= 5; ++seed) {
     gradient.head(3) = fixedRandom(3, seed);
     objective.precondition(gradient, z);
