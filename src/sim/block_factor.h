@@ -23,12 +23,13 @@ class BlockFactor {
   /// Gives room for some rows with a few springs each.
   void reserve(int rows);
 
-  void clear();
+  void clear();  ///< forgets all rows and springs
 
-  /// Adds a row with its own block and its place [m]. @return its index
+  /// Adds a row with its own block [N/m] and its place [m]. @return its index
   int addRow(const Block& own, const Vec3& place);
 
-  /// Adds a spring with the energy ½ s · K s, s = Σ weights · x. @param ends different rows
+  /// Adds a spring with the energy ½ s · K s, s = Σ weights · x.
+  /// @param stiffness K [N/m]  @param ends different rows
   void addSpring(const Block& stiffness, const std::vector<End>& ends);
 
   int rows() const { return static_cast<int>(own_.size()); }
@@ -36,7 +37,7 @@ class BlockFactor {
   /// Factors the matrix. @return false if it is not positive definite
   bool factor();
 
-  /// Replaces a right-hand side by the solution, both by row.  @pre factor() succeeded
+  /// Replaces forces [N] by the motions that solve for them [m], both by row.  @pre factor() succeeded
   void solve(std::vector<Vec3>& values) const;
 
  private:
@@ -71,7 +72,7 @@ class BlockFactor {
   // In the order of elimination:
   std::vector<int> order_, rank_;  ///< row of each place in the order, and its inverse
   std::vector<int> parent_;        ///< in the elimination tree; -1: none
-  std::vector<int> seen_;          ///< last row in which a column was met
+  std::vector<int> seen_;  ///< last row in which a column was met; while dissecting, the half of each row
   std::vector<int> path_;
   std::vector<Mat3> sums_;       ///< of the row in work
   std::vector<Mat3> inverse_;    ///< D⁻¹

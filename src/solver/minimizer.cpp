@@ -141,8 +141,8 @@ void Minimizer::direction(Objective& objective, Team& team, bool restart, Minimi
   }
 }
 
-/// Newton's step along d, or the largest admissible one. Where a long solve may make much less than Newton's,
-/// few constraints would stop all unknowns. Then d is bent around these, if that promises to lower Φ further.
+/// Newton's step along d, or the largest admissible one. If in a long solve that is much less than Newton's,
+/// a few constraints stop all unknowns. Then d is bent around them, if that promises to lower Φ further.
 double Minimizer::firstStep(Objective& objective, const MinimizerReport& report) {
   constexpr double kMuch = 0.2;  // of Newton's step
   const auto promise = [](double slope, const Objective::Along& along) {

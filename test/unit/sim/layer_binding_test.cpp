@@ -55,7 +55,7 @@ class LayerBindingTest : public testing::TestWithParam<bool> {
     for (int n = 0; n < mesh_.free; ++n) result.set(n, inverse(isotropic(kOwn) + springs[n]));
     return result;
   }
-  /// Of a factor and its solution: the condition number times four roundings for each unknown.
+  /// Relative error of a factor and its solution: the condition number times four roundings for each unknown.
   double rounding() const {
     double stiffest = 0.0;
     cloth_.contact.forSprings(0.1, [&](const PairPoints&, int, const Block& spring) {
