@@ -163,16 +163,20 @@ double Minimizer::firstStep(Objective& objective, const MinimizerReport& report)
   return straight.step;
 }
 
-/// Takes the first step along d, then backtracks (Armijo). If Φ changes less than its rounding
-/// error, the slope decides [Hager & Zhang 2005, approximate Wolfe]. That error, kRounding, is far
+/// Takes the first step along d, then backtracks (Armijo). A step that goes far beyond the minimum is
+/// shortened once, to where the slope would vanish on a straight line (Wolfe's second condition): the next
+/// direction would climb from there, so a solve would restart in each iteration. If Φ changes less than its
+/// rounding error, the slope decides [Hager & Zhang 2005, approximate Wolfe]. That error, kRounding, is far
 /// above the rounding of a sum: curvatures are second differences of positions with an error of
 /// ε x/l². On success the iterate, its value and its gradient are the new ones.
 /// @return whether a step was accepted
 bool Minimizer::lineSearch(Objective& objective, Team& team, Vector& x, double& value,
                            MinimizerReport& report) {
   constexpr double kSufficient = 1e-4, kRounding = 1e-10;
+  constexpr double kFar = 0.5;  // slope at the end over that at the start: beyond the minimum by far [-]
   constexpr int kTrials = 20;
   double step = firstStep(objective, report);
+  bool may_shorten = true;
   for (int trial = 0; trial < kTrials; ++trial) {
     const auto go = [&](int begin, int end) {
       trial_.segment(begin, end - begin) =
@@ -182,10 +186,15 @@ bool Minimizer::lineSearch(Objective& objective, Team& team, Vector& x, double& 
     const double trial_value = objective.evaluate(trial_, trial_gradient_);
     ++report.evaluations;
     const double change = trial_value - value;
+    const double end_slope = trial_gradient_.head(size_).dot(direction_.head(size_));
     const bool decreases = change <= kSufficient * step * slope_;
-    const bool level =
-        std::abs(change) <= kRounding * (std::abs(value) + std::abs(trial_value)) &&
-        trial_gradient_.head(size_).dot(direction_.head(size_)) <= (2.0 * kSufficient - 1.0) * slope_;
+    const bool level = std::abs(change) <= kRounding * (std::abs(value) + std::abs(trial_value)) &&
+                       end_slope <= (2.0 * kSufficient - 1.0) * slope_;
+    if (decreases && may_shorten && end_slope > -kFar * slope_ && std::isfinite(end_slope)) {
+      may_shorten = false;
+      step *= slope_ / (slope_ - end_slope);
+      continue;
+    }
     if (std::isfinite(trial_value) && (decreases || level)) {
       x.swap(trial_);
       previous_.swap(gradient_);
