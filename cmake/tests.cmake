@@ -116,7 +116,7 @@ add_test(NAME readme_example COMMAND readme_example WORKING_DIRECTORY "${PROJECT
 set_tests_properties(readme_example PROPERTIES PASS_REGULAR_EXPRESSION "force on the probe: [0-9]+\\.[0-9]+ N")
 
 # The benchmarks' scripts on tiny meshes: they run and their results are well formed. Nothing is said of time.
-foreach(bench chart resolution grids coarse_start time_order table1 peers_table savings force_error realtime active_limit
+foreach(bench chart resolution grids coarse_start time_order table1 peers_table layers savings force_error realtime active_limit
     threads scaling)
   set(scratch "${PROJECT_BINARY_DIR}/bench_${bench}")
   add_test(NAME bench_${bench}_smoke COMMAND "${PROJECT_SOURCE_DIR}/bench/${bench}" --smoke

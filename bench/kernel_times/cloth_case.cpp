@@ -118,10 +118,15 @@ void ClothCase::lookAtMesh() {
   TurnEstimate& turns = world_->turns_;
   turns.begin(view, std::min(adapt.refine_above, adapt.coarsen_below));
   adaptation_.plan(
-      0, nodes(), {}, cloth().leaves(), mesh(), cloth().state(),
-      [&](const Cell& cell, int parts, double enough) { return turns.turn(view, cell, parts, enough); },
-      [&](const Cell& cell, int parts) { return turns.carries(view, cell, parts, adapt.near_load); },
-      [](const Cell&, int, double) { return true; });
+      {0,
+       nodes(),
+       {},
+       cloth().leaves(),
+       mesh(),
+       cloth().state(),
+       [&](const Cell& cell, int parts, double enough) { return turns.turn(view, cell, parts, enough); },
+       [&](const Cell& cell, int parts) { return turns.carries(view, cell, parts, adapt.near_load); },
+       [](const Cell&, int, double) { return true; }});
 }
 
 ClothCase::Iterations ClothCase::iterate(int iterations) { return minimize(objective(), iterations); }
