@@ -22,6 +22,7 @@ class Curve {
   /// @param begin  s of the first sample
   /// @param step   distance of samples, > 0
   /// @param forces f at begin, begin + step, ...; at least two samples
+  /// @throws InputError if one of these rules is broken
   Curve(double begin, double step, const std::vector<double>& forces);
 
   /// f = slope · s.

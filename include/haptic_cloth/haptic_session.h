@@ -27,7 +27,7 @@ enum class GraspState { Open, Closed, Holding };
 ///     session.afterStep(simulation, now);    send wrench.force to the device
 ///
 /// Each function belongs to the thread that its section names. The threads share values through
-/// mailboxes: neither waits for the other, and after construction nothing is allocated. The
+/// mailboxes: neither waits for the other, and the device's thread allocates nothing. The
 /// Simulation belongs to the solver's thread alone. A scene with several probes has a session for
 /// each. StepPacer (step_pacer.h) says when a step is due and how long it is.
 ///

@@ -21,8 +21,8 @@ struct MinimizerReport {
   int iterations = 0;
   int evaluations = 0;       ///< evaluations of value and gradient
   int restarts = 0;          ///< search directions reset to the preconditioned gradient
-  double value_start = 0.0;  ///< Φ where the solve starts [J]
-  double value_end = 0.0;    ///< Φ where it ends [J]
+  double value_start = 0.0;  ///< Φ where the last solve of the step starts; 0 if all slept [J]
+  double value_end = 0.0;    ///< Φ where it ends; 0 if all slept [J]
   double residual = 0.0;     ///< rms_m(|∇Φ|/m) / |gravity| at the end [-]
   double seconds = 0.0;      ///< wall clock [s]
   /// Share of the motion that was made; below 1 if the cloth might have passed through itself beyond it,

@@ -15,7 +15,7 @@ namespace haptic_cloth {
 /// place in the flat cloth at the start, or move from there as a rigid body: turn about an axis through
 /// `centre`, which moves with `velocity`.
 struct Pin {
-  int i0, i1, j0, j1;
+  int i0 = 0, i1 = 0, j0 = 0, j1 = 0;
   Vec3 velocity = Vec3::Zero();  ///< [m/s]
   Vec3 turn = Vec3::Zero();      ///< angular velocity [rad/s]
   Vec3 centre = Vec3::Zero();    ///< point of the axis at time 0 [m]
@@ -39,8 +39,8 @@ enum class Shape { Box, Sphere, Cylinder, Capsule, Plane };
 
 /// Position at a time, in the world frame.
 struct PathPoint {
-  double time;    ///< [s]
-  Vec3 position;  ///< [m]
+  double time = 0.0;             ///< [s]
+  Vec3 position = Vec3::Zero();  ///< [m]
 };
 
 /// A solid with friction. The axis of a cylinder or capsule is local z; the normal of a plane is

@@ -26,11 +26,15 @@ struct CellView {
 /// are faster [m/s], so that no square or quotient overflows: about the circumference of the earth.
 constexpr double kFarthestPose = 4e7;
 
+class ClothWorld;
+
 /// Cloth, obstacles and probes, advanced step by step. Not thread-safe: one thread owns it. Calls about a
-/// probe or an obstacle throw InputError, with nothing changed, if the scene has none of that number.
+/// probe or an obstacle throw InputError, with nothing changed, if the scene has none of that number. One
+/// that was moved from may only be assigned or destroyed.
 class Simulation {
  public:
-  /// @throws InputError if the scene is not valid or needs more memory than available
+  /// @throws InputError if the scene is not valid or needs more memory than available, or if
+  /// HAPTIC_CLOTH_SIMD names no instruction set of this machine
   explicit Simulation(const Scene& scene);
   ~Simulation();
   Simulation(Simulation&&) noexcept;
@@ -75,7 +79,8 @@ class Simulation {
   /// decisions and ages of cells count in these units, particles fall asleep by steps.
   StepReport step(int length = 1);
 
-  /// Returns to the flat cloth at time 0, without probes, with the obstacles as in the scene.
+  /// Returns to the flat cloth at time 0, without probes, with the obstacles as in the scene. Options and
+  /// couplings that were changed stay.
   void reset();
 
   /// Complete state between two steps, for loadState() in this or another process. Files:
@@ -109,7 +114,8 @@ class Simulation {
   /// Starts a recording for `simulate --replay` (docs/reference/recordings.md): hands its first lines to
   /// `sink`, and one for each later call that changes the simulation, on the thread of that call. The last
   /// line follows at record(nullptr), at another record() and at loadState(), which is not recorded.
-  /// @pre no step was made since the start or reset(), or the replay ends in another state
+  /// @pre nothing was changed and no step was made since the start or reset(): options that were changed
+  /// before do not fit the scene's file, and other changes are missing, so the replay ends in another state
   void record(Sink sink);
 
   /// Hash over the bits of the state: equal for equal bits.
@@ -129,13 +135,15 @@ class Simulation {
   /// Leaves of the mesh in a fixed order.
   void cells(std::vector<CellView>& cells) const;
 
-  /// Loads at the corners of each leaf, in the order of cells(): largest tension of the edges [N/m]
-  /// and largest bending energy per area of the triples [J/m²].
+  /// Largest loads of each leaf, one number a leaf in the order of cells(): tension of the edges at its
+  /// corners, 0 if they are compressed [N/m], and bending energy per area of the triples there [J/m²].
   void cellLoads(std::vector<float>& tension, std::vector<float>& bending) const;
 
  private:
-  class Implementation;
-  std::unique_ptr<Implementation> implementation_;
+  void requireProbe(int probe) const;
+  void requireObstacle(int obstacle) const;
+
+  std::unique_ptr<ClothWorld> world_;
   Sink sink_;
 };
 

@@ -1,14 +1,18 @@
 #include "haptic_cloth/curve.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
+#include <string>
+
+#include "haptic_cloth/error.h"
 
 namespace haptic_cloth {
 
 Curve::Curve(double begin, double step, const std::vector<double>& forces)
     : begin_(begin), inverse_step_(1.0 / step) {
-  assert(step > 0.0 && forces.size() >= 2);
+  if (!(step > 0.0)) throw InputError("curve", "step", std::to_string(step), "must be > 0");
+  if (forces.size() < 2)
+    throw InputError("curve", "forces", std::to_string(forces.size()) + " samples", "must be at least two");
   // A node that is meant to lie at zero is put there exactly, so that f(0) = 0 without rounding
   // error.
   double first = begin / step;

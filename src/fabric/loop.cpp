@@ -1,13 +1,22 @@
 #include "haptic_cloth/loop.h"
 
-#include <cassert>
 #include <cmath>
+#include <string>
+
+#include "haptic_cloth/error.h"
 
 namespace haptic_cloth {
 
 Loop::Loop(double begin, double step, std::vector<double> upper, std::vector<double> lower, double reversal,
            double longest_crossing) {
-  assert(reversal > 1.0 && longest_crossing > 0.0 && upper.size() == lower.size() && upper.size() >= 2);
+  if (!(reversal > 1.0)) throw InputError("loop", "reversal", std::to_string(reversal), "must be > 1");
+  if (!(longest_crossing > 0.0))
+    throw InputError("loop", "longest_crossing", std::to_string(longest_crossing), "must be > 0");
+  if (upper.size() != lower.size() || upper.size() < 2) {
+    throw InputError("loop", "upper, lower",
+                     std::to_string(upper.size()) + " and " + std::to_string(lower.size()) + " samples",
+                     "must be as many, and at least two");
+  }
   // One more interval at each end. There, and so beyond the ends, both branches rise alike: at the
   // upper end like the upper branch, at the lower end like the lower. So an odd loop is odd beyond
   // its ends, too.

@@ -6,6 +6,7 @@
 #include "contact/proxy.h"
 #include "haptics/freshness.h"
 #include "haptics/limits.h"
+#include "haptics/tick_time.h"
 
 namespace haptic_cloth {
 namespace {
@@ -13,9 +14,6 @@ namespace {
 /// The cloth may hold with this many times what a hand may push with [-]: nobody gets through it because of a
 /// limit. The device does not render this force, so no limit of the device's is needed.
 constexpr double kHold = 2.0;
-
-/// A late tick makes up for no more than this many.
-constexpr double kMaxLateTicks = 5.0;
 
 const HapticOptions& checked(const HapticOptions& options) {
   validateHapticOptions(options, "haptic options");
@@ -55,13 +53,7 @@ void AdmittanceLoop::setOptions(const HapticOptions& options, double unit) {
 }
 
 void AdmittanceLoop::tick(const ForceSample& hand, const ProbeSnapshot& snapshot, bool paused, double now) {
-  const double period = 1.0 / options_.rate;
-  double elapsed = period;
-  if (last_tick_ >= 0.0 && std::isfinite(now)) {
-    elapsed = std::clamp(now - last_tick_, 0.0, kMaxLateTicks * period);
-  }
-  if (std::isfinite(now)) last_tick_ = now;
-
+  const double elapsed = timeSince(last_tick_, now, 1.0 / options_.rate);
   const HapticStatus hand_status = judge(options_.admittance, hand, now);
   const bool fresh = hand_status == HapticStatus::Free;
   started_ = started_ || fresh;
@@ -79,7 +71,7 @@ void AdmittanceLoop::tick(const ForceSample& hand, const ProbeSnapshot& snapshot
   status_ = fresh || paused ? cloth_.status() : hand_status;
 
   if (allowsForce(status_)) {
-    soft_ = options_.soft_start > 0.0 ? std::min(1.0, soft_ + elapsed / options_.soft_start) : 1.0;
+    soft_ = risen(soft_, elapsed, options_.soft_start);
     moveTool(hand, snapshot, elapsed);
   } else {
     soft_ = 0.0;

@@ -6,6 +6,7 @@
 #include "haptics/coupling_model.h"
 #include "haptics/freshness.h"
 #include "haptics/limits.h"
+#include "haptics/tick_time.h"
 #include "sim/turn_spring.h"
 
 namespace haptic_cloth {
@@ -15,10 +16,6 @@ namespace {
 constexpr double kHandoverShare = 0.5;
 /// but no less and no longer than this [s]: a jump of one solve is felt over two ticks.
 constexpr double kMinHandover = 0.0015, kMaxHandover = 0.02;
-
-/// A late tick may catch up no more of the rate limit than this many ticks' worth, so a stall is not felt as
-/// a jump.
-constexpr double kMaxLateTicks = 5.0;
 
 bool isFinite(const DeviceSample& sample) {
   return std::isfinite(sample.received) && sample.position.allFinite() && sample.velocity.allFinite() &&
@@ -108,22 +105,14 @@ void HapticLoop::setOptions(const HapticOptions& options, double unit) {
 }
 
 Vec3 HapticLoop::tick(const DeviceSample& device, const ProbeSnapshot& snapshot, bool paused, double now) {
-  const double period = 1.0 / options_.rate;
-  double elapsed = period;
-  if (last_tick_ >= 0.0 && std::isfinite(now)) {
-    elapsed = std::clamp(now - last_tick_, 0.0, kMaxLateTicks * period);
-  }
-  if (std::isfinite(now)) last_tick_ = now;
-
+  const double elapsed = timeSince(last_tick_, now, 1.0 / options_.rate);
   status_ = judge(options_, device, snapshot, paused, now);
   // A snapshot of another cloth counts as missing for one tick, so that the force starts softly.
   if (snapshot.cloth != snapshot_.cloth) status_ = HapticStatus::NoSnapshot;
   const bool good = allowsForce(status_);
 
   // A fault restarts the soft start. Its limit holds for the target only; the force comes down by the ramp.
-  soft_ = !good                       ? 0.0
-          : options_.soft_start > 0.0 ? std::min(1.0, soft_ + elapsed / options_.soft_start)
-                                      : 1.0;
+  soft_ = good ? risen(soft_, elapsed, options_.soft_start) : 0.0;
 
   Wrench target;
   double rate = options_.max_force_rate;

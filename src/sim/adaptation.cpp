@@ -45,32 +45,25 @@ bool Adaptation::startDecision(long tick) {
   return true;
 }
 
-bool Adaptation::plan(long tick, const Field& nodes, const ProbeRegions& probes, const LeafMesh& leaves,
-                      const ActiveMesh& mesh, const ParticleState& state, const Turn& turn,
-                      const Carries& carries, const Room& room) {
-  measureStrain(nodes, mesh);
-  leaves.leaves(leaves_);
+bool Adaptation::plan(const View& view) {
+  measureStrain(view.nodes, view.mesh);
+  view.leaves.leaves(leaves_);
   marked_.clear();
   merged_.clear();
   for (const Cell& cell : leaves_) {
-    if (!refines() || cell.level == 0) continue;
-    const Thresholds most = thresholdsOf({options_.refine_above, options_.refine_above_strain}, probes, cell,
-                                         1, state.position, carries);
-    if (strainDifference(cell, 1, mesh) > most.strain || shortening(cell, state.position) > most.strain ||
-        touches(probes, &ProbeRegion::finest_radius, cell, state.position) ||
-        turn(cell, 1, most.turn) > most.turn)
-      marked_.push_back(cell);
+    if (refines() && cell.level > 0 && maySplit(view, cell)) marked_.push_back(cell);
   }
   for (const Cell& cell : leaves_) {
     if (!coarsens() || !hasParent(cell)) continue;
     const Cell parent{cell.i, cell.j, cell.level + 1};
-    if (mayMerge(parent, tick, probes, leaves, mesh, state, turn, carries, room)) merged_.push_back(parent);
+    if (mayMerge(view, parent)) merged_.push_back(parent);
   }
-  findSplits(leaves);
+  findSplits(view.leaves);
   for (const Cell& cell : split_)
-    crowded_[grid_.cell(cell.i, cell.j)] = !room(cell, 1, movedBySplit(grid_, cell, state.position));
+    crowded_[grid_.cell(cell.i, cell.j)] =
+        !view.room(cell, 1, movedBySplit(grid_, cell, view.state.position));
   merged_.erase(std::remove_if(merged_.begin(), merged_.end(),
-                               [&](const Cell& parent) { return touchesSplit(parent, leaves); }),
+                               [&](const Cell& parent) { return touchesSplit(parent, view.leaves); }),
                 merged_.end());
   return !marked_.empty() || !merged_.empty();
 }
@@ -108,11 +101,10 @@ bool Adaptation::hasFarFactors() const {
 }
 
 /// Thresholds at a cell, from those near a probe.
-Adaptation::Thresholds Adaptation::thresholdsOf(const Thresholds& near, const ProbeRegions& probes,
-                                                const Cell& cell, int parts,
-                                                const std::vector<Vec3>& positions,
-                                                const Carries& carries) const {
-  if (!hasFarFactors() || touches(probes, &ProbeRegion::near_radius, cell, positions) || carries(cell, parts))
+Adaptation::Thresholds Adaptation::thresholdsOf(const View& view, const Thresholds& near, const Cell& cell,
+                                                int parts) const {
+  if (!hasFarFactors() || touches(view.probes, &ProbeRegion::near_radius, cell, view.state.position) ||
+      view.carries(cell, parts))
     return near;
   return {options_.far_angle_factor * near.turn, options_.far_strain_factor * near.strain};
 }
@@ -175,22 +167,29 @@ void Adaptation::mergeCells(long tick, LeafMesh& leaves, ActiveMesh& mesh, Parti
   merge_transfer_.apply(leaves, mesh, state);
 }
 
-bool Adaptation::mayMerge(const Cell& parent, long tick, const ProbeRegions& probes, const LeafMesh& leaves,
-                          const ActiveMesh& mesh, const ParticleState& state, const Turn& turn,
-                          const Carries& carries, const Room& room) const {
+bool Adaptation::maySplit(const View& view, const Cell& cell) const {
+  const std::vector<Vec3>& positions = view.state.position;
+  const Thresholds most = thresholdsOf(view, {options_.refine_above, options_.refine_above_strain}, cell, 1);
+  return strainDifference(cell, 1, view.mesh) > most.strain || shortening(cell, positions) > most.strain ||
+         touches(view.probes, &ProbeRegion::finest_radius, cell, positions) ||
+         view.turn(cell, 1, most.turn) > most.turn;
+}
+
+bool Adaptation::mayMerge(const View& view, const Cell& parent) const {
   const int half = parent.span() / 2;
   for (const int j : {parent.j, parent.j + half}) {
     for (const int i : {parent.i, parent.i + half}) {
-      if (tick - born_[grid_.cell(i, j)] < options_.minimum_age) return false;
+      if (view.tick - born_[grid_.cell(i, j)] < options_.minimum_age) return false;
     }
   }
-  const Thresholds least = thresholdsOf({options_.coarsen_below, options_.coarsen_below_strain}, probes,
-                                        parent, 2, state.position, carries);
-  return leaves.canMerge(parent) && strainDifference(parent, 2, mesh) < least.strain &&
-         shortening(parent, state.position) < least.strain &&
-         !touches(probes, &ProbeRegion::finest_radius, parent, state.position) &&
-         turn(parent, 2, least.turn) < least.turn &&
-         room(parent, 2, movedByMerge(grid_, parent, state.position));
+  const std::vector<Vec3>& positions = view.state.position;
+  const Thresholds least =
+      thresholdsOf(view, {options_.coarsen_below, options_.coarsen_below_strain}, parent, 2);
+  return view.leaves.canMerge(parent) && strainDifference(parent, 2, view.mesh) < least.strain &&
+         shortening(parent, positions) < least.strain &&
+         !touches(view.probes, &ProbeRegion::finest_radius, parent, positions) &&
+         view.turn(parent, 2, least.turn) < least.turn &&
+         view.room(parent, 2, movedByMerge(grid_, parent, positions));
 }
 
 /// Lists the leaves that apply() will split: the marked ones, and for balance coarser neighbours.

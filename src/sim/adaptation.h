@@ -70,12 +70,21 @@ class Adaptation {
   /// Tells whether a leaf (parts 1) or the parent of four leaves (parts 2) is near probes by what it carries.
   using Carries = std::function<bool(const Cell& cell, int parts)>;
 
-  /// Decides all splits and merges from the current mesh.
-  /// @param nodes positions of the nodes [m]
-  /// @return whether apply() has anything to do
-  bool plan(long tick, const Field& nodes, const ProbeRegions& probes, const LeafMesh& leaves,
-            const ActiveMesh& mesh, const ParticleState& state, const Turn& turn, const Carries& carries,
-            const Room& room);
+  /// What a decision is made from.
+  struct View {
+    long tick;           ///< simulated time [time steps]
+    const Field& nodes;  ///< positions of the nodes [m]
+    const ProbeRegions& probes;
+    const LeafMesh& leaves;
+    const ActiveMesh& mesh;
+    const ParticleState& state;
+    Turn turn;
+    Carries carries;
+    Room room;
+  };
+
+  /// Decides all splits and merges. @return whether apply() has anything to do
+  bool plan(const View& view);
 
   /// Makes the planned changes: rebuilds `mesh` and hands the state over.
   void apply(long tick, LeafMesh& leaves, ActiveMesh& mesh, ParticleState& state);
@@ -97,9 +106,8 @@ class Adaptation {
   bool hasParent(const Cell& cell) const;
   bool refines() const;
   bool coarsens() const;
-  bool mayMerge(const Cell& parent, long tick, const ProbeRegions& probes, const LeafMesh& leaves,
-                const ActiveMesh& mesh, const ParticleState& state, const Turn& turn, const Carries& carries,
-                const Room& room) const;
+  bool maySplit(const View& view, const Cell& cell) const;
+  bool mayMerge(const View& view, const Cell& parent) const;
   template <class Visit>
   void forNeighbours(const Cell& cell, const Visit& visit) const;
   void findSplits(const LeafMesh& leaves);
@@ -107,8 +115,7 @@ class Adaptation {
   bool touches(const ProbeRegions& probes, double ProbeRegion::*radius, const Cell& cell,
                const std::vector<Vec3>& positions) const;
   bool hasFarFactors() const;
-  Thresholds thresholdsOf(const Thresholds& near, const ProbeRegions& probes, const Cell& cell, int parts,
-                          const std::vector<Vec3>& positions, const Carries& carries) const;
+  Thresholds thresholdsOf(const View& view, const Thresholds& near, const Cell& cell, int parts) const;
 
   AdaptOptions options_;
   Grid grid_;

@@ -272,9 +272,9 @@ void ClothObjective::placeProbes() {
   });
 }
 
-/// Velocity of the proxy minus that of its device [m/s].
-Vec3 ClothObjective::slip(int probe) const {
-  return (proxies_[probe].position - probes_[probe].proxy) / timeStep() - probes_[probe].device_velocity;
+/// Velocity of a proxy that goes to a place, minus that of its device [m/s].
+Vec3 ClothObjective::slip(int probe, const Vec3& proxy) const {
+  return (proxy - probes_[probe].proxy) / timeStep() - probes_[probe].device_velocity;
 }
 
 /// Angular velocity of the proxy minus that of its device; zero if its turn is not solved for [rad/s].
@@ -307,9 +307,8 @@ Vec3 ClothObjective::turnGradient(int probe) const {
 }
 
 Vec3 ClothObjective::couplingGradient(int probe, const Vec3& proxy) const {
-  const ProbeStep& step = probes_[probe];
-  const Vec3 slip = (proxy - step.proxy) / timeStep() - step.device_velocity;
-  return couplings_[probe].stiffness * (proxy - step.device) + couplings_[probe].damping * slip;
+  const Coupling& coupling = couplings_[probe];
+  return coupling.stiffness * (proxy - probes_[probe].device) + coupling.damping * slip(probe, proxy);
 }
 
 Sums ClothObjective::evaluateElements(int begin, int end) {
@@ -488,8 +487,6 @@ InternalEnergy::Energy ClothObjective::fabricEnergy() const {
 
 double ClothObjective::contactEnergy() const { return energies_[kSolids] + energies_[kLayers]; }
 
-double ClothObjective::solidEnergy() const { return energies_[kSolids]; }
-
 double ClothObjective::layerEnergy() const { return energies_[kLayers]; }
 
 double ClothObjective::frictionPotential() const { return energies_[kFriction]; }
@@ -509,7 +506,8 @@ double ClothObjective::couplingEnergy(int probe) const {
 /// Potential of the damper of a coupling [J].
 double ClothObjective::couplingLoss(int probe) const {
   const Coupling& coupling = couplings_[probe];
-  const double square = slip(probe).squaredNorm() + coupling.square * turnSlip(probe).squaredNorm();
+  const double square =
+      slip(probe, proxies_[probe].position).squaredNorm() + coupling.square * turnSlip(probe).squaredNorm();
   return 0.5 * coupling.damping * timeStep() * square;
 }
 

@@ -201,7 +201,6 @@ class ClothObjective : public Objective {
   InternalEnergy::Energy fabricEnergy() const;
   double contactEnergy() const;
   double layerEnergy() const;  ///< part of contactEnergy(): between layers of the cloth
-  double solidEnergy() const;  ///< the other part: between the cloth and solids
   double frictionPotential() const;
   double couplingEnergy() const;  ///< springs between devices and proxies, of turns, too
   double couplingEnergy(int probe) const;
@@ -225,7 +224,7 @@ class ClothObjective : public Objective {
 
   template <class Visit>
   void forPresent(const Visit& visit) const;
-  Vec3 slip(int probe) const;
+  Vec3 slip(int probe, const Vec3& proxy) const;
   Vec3 turnSlip(int probe) const;
   TurnSpring turnSpring(int probe) const {
     return TurnSpring(orientation(probe), probes_[probe].device_orientation);

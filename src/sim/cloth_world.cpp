@@ -112,14 +112,14 @@ bool ClothWorld::planMesh() {
   turns_.begin(view, std::min(scene_.adapt.refine_above, scene_.adapt.coarsen_below));
   bool asked = false;  // most decisions change nothing
   return adaptation_.plan(
-      ticks_, cloth_.nodes(), near_probes_, cloth_.leaves(), cloth_.mesh(), cloth_.state(),
-      [&](const Cell& cell, int parts, double enough) { return turns_.turn(view, cell, parts, enough); },
-      [&](const Cell& cell, int parts) { return turns_.carries(view, cell, parts, scene_.adapt.near_load); },
-      [&](const Cell& cell, int parts, double moved) {
-        if (parts == 2 && contacts_.maySink(cloth_.mesh(), cloth_.nodes(), cell, moved)) return false;
-        if (!std::exchange(asked, true)) contacts_.beginChange(cloth_.mesh(), cloth_.nodes());
-        return contacts_.hasRoom(cloth_.mesh(), cloth_.nodes(), cell, moved);
-      });
+      {ticks_, cloth_.nodes(), near_probes_, cloth_.leaves(), cloth_.mesh(), cloth_.state(),
+       [&](const Cell& cell, int parts, double enough) { return turns_.turn(view, cell, parts, enough); },
+       [&](const Cell& cell, int parts) { return turns_.carries(view, cell, parts, scene_.adapt.near_load); },
+       [&](const Cell& cell, int parts, double moved) {
+         if (parts == 2 && contacts_.maySink(cloth_.mesh(), cloth_.nodes(), cell, moved)) return false;
+         if (!std::exchange(asked, true)) contacts_.beginChange(cloth_.mesh(), cloth_.nodes());
+         return contacts_.hasRoom(cloth_.mesh(), cloth_.nodes(), cell, moved);
+       }});
 }
 
 TurnEstimate::View ClothWorld::turnView() {
@@ -224,16 +224,12 @@ void ClothWorld::restore() {
 
 /// Makes a step that changes nothing but the time.
 StepReport ClothWorld::skipStep(int length) {
-  StepReport report;
+  StepReport report = idle_.skipped();
   adaptation_.startDecision(ticks_);  // one for cloth that rests would change nothing
-  report.minimizer.residual = idle_.residual();
   ++steps_;
   ticks_ += length;
   report.time = time();
   report.active_particles = cloth_.mesh().active();
-  report.self_contacts = idle_.selfContacts();
-  report.min_self_gap = idle_.minSelfGap();
-  report.max_penetration = idle_.maxPenetration();
   return report;
 }
 
@@ -248,6 +244,7 @@ void ClothWorld::setDevice(int k, const DeviceState& device) {
 
 void ClothWorld::removeDevice(int k) {
   probes_.remove(k);
+  force_error_.forget(k);
   setGrasp(k, false);
   idle_.forget();  // a probe that returns at once to the same place is a new one
 }

@@ -5,6 +5,7 @@
 namespace haptic_cloth {
 
 void followPaths(Simulation& simulation, int length) {
+  length = std::max(1, length);
   const Scene& scene = simulation.scene();
   const double step = length * scene.solver.time_step, end = simulation.time() + step;
   for (std::size_t k = 0; k < scene.probes.size(); ++k) {

@@ -46,6 +46,9 @@ class ForceError {
   /// larger, at the end of a solve [N].
   double unbalancedForce(int probe, const ClothObjective& solved, const ActiveMesh& mesh) const;
 
+  /// Forgets what the steps of a probe left behind: one that returns is a new one.
+  void forget(int probe) { past_[probe] = 0.0; }
+
   void serialize(Archive& archive);
 
   /// Energies of the cloth [J]. l is the length of an element and θ its turning angle; l₀ and θ₀ are

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <climits>
+#include <cmath>
 
 #include "sim/sleep_tracker.h"
 
@@ -28,10 +29,11 @@ void IdleTracker::note(const StepReport& report, const Probes& probes, double sl
   quiet_ = report.awake_particles == 0 && proxies_rest && !changed ? std::min(quiet_, kEnough - 1) + 1 : 0;
   idle_ = quiet_ >= kEnough;
   probes_ = probes.steps();
-  if (!report.failed) residual_ = report.minimizer.residual;  // that of a failed step may not be finite
-  self_contacts_ = report.self_contacts;
-  min_self_gap_ = report.min_self_gap;
-  max_penetration_ = report.max_penetration;
+  // That of a failed step may not be finite.
+  if (!report.failed) skipped_.minimizer.residual = report.minimizer.residual;
+  skipped_.self_contacts = report.self_contacts;
+  skipped_.min_self_gap = report.min_self_gap;
+  skipped_.max_penetration = report.max_penetration;
 }
 
 void IdleTracker::forget() {
@@ -56,7 +58,13 @@ void IdleTracker::serialize(Archive& archive) {
   archive.each("idle.present", probes_, &ProbeStep::present);
   archive.each("idle.devices", probes_, &ProbeStep::device);
   archive.each("idle.orientations", probes_, &ProbeStep::device_orientation);
-  archive("idle.residual", residual_);
+  archive("idle.residual", skipped_.minimizer.residual);
+  archive.within("idle.self_contacts", skipped_.self_contacts, 0, INT_MAX);
+  archive("idle.max_penetration", skipped_.max_penetration);
+  constexpr double kNone = -1.0;  // entries are finite
+  double gap = std::isfinite(skipped_.min_self_gap) ? skipped_.min_self_gap : kNone;
+  archive("idle.min_self_gap", gap);
+  skipped_.min_self_gap = gap < 0.0 ? StepReport().min_self_gap : gap;
 }
 
 }  // namespace haptic_cloth

@@ -26,10 +26,8 @@ class IdleTracker {
   /// Makes the next steps be solved, after a change that the inputs do not show.
   void forget();
 
-  double residual() const { return residual_; }               ///< of the last solved step
-  int selfContacts() const { return self_contacts_; }         ///< see StepReport; of the last solved step
-  double minSelfGap() const { return min_self_gap_; }         ///< see StepReport; of the last solved step [m]
-  double maxPenetration() const { return max_penetration_; }  ///< see StepReport; of the last solved step [m]
+  /// Report of a skipped step, without time and particles: residual and contacts of the last solved step.
+  const StepReport& skipped() const { return skipped_; }
 
   void serialize(Archive& archive);
 
@@ -40,10 +38,7 @@ class IdleTracker {
   int quiet_ = 0;  ///< steps in a row in which all slept and no input changed; no more count than are enough
   bool idle_ = false;              ///< quiet_ is large enough
   std::vector<ProbeStep> probes_;  ///< in the last solved step; empty before it
-  double residual_ = 0.0;
-  int self_contacts_ = 0;
-  double min_self_gap_ = StepReport().min_self_gap;
-  double max_penetration_ = 0.0;
+  StepReport skipped_;
 };
 
 }  // namespace haptic_cloth

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "sim/node_entry.h"
+
 namespace haptic_cloth {
 namespace {
 
@@ -74,16 +76,12 @@ void LayerBinding::addMasters(int node, double weight, const BlockField& inverse
 
 void LayerBinding::apply(const BlockField& inverse, const Vector& gradient, Vector& z) {
   if (bound_.empty()) return;
-  const auto entry = [&](int n) {
-    return Vec3(gradient[n], gradient[mesh_.free + n], gradient[2 * mesh_.free + n]);
-  };
   values_.clear();
-  for (const int n : bound_) values_.push_back(entry(n));
+  for (const int n : bound_) values_.push_back(entryOf(gradient, mesh_.free, n));
   factor_.solve(values_);
   for (std::size_t k = 0; k < bound_.size(); ++k) {
     const int n = bound_[k];
-    const Vec3 change = values_[k] - product(inverse[n], entry(n));
-    for (int c = 0; c < 3; ++c) z[c * mesh_.free + n] += change[c];
+    addEntry(z, mesh_.free, n, values_[k] - product(inverse[n], entryOf(gradient, mesh_.free, n)));
   }
 }
 

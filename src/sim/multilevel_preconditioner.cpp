@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "sim/node_entry.h"
 #include "simd/kernels.h"
 
 namespace haptic_cloth {
@@ -226,8 +227,8 @@ void MultilevelPreconditioner::applyBody(const Body& body, const Vector& gradien
   force.head(body.unknowns) = gradient.segment(body.at, body.unknowns);
   for (int k = body.springs; k < body.springs_end; ++k) {
     const Spring& spring = springs_[k];
-    const Vec3 pushes =
-        product(spring.stiffness, product(node_inverse_[spring.node], entry(gradient, spring.node)));
+    const Vec3 pushes = product(
+        spring.stiffness, product(node_inverse_[spring.node], entryOf(gradient, mesh_.free, spring.node)));
     force.head<3>() += pushes;
     force.tail<3>() += spring.arm.cross(pushes);
   }
@@ -237,7 +238,7 @@ void MultilevelPreconditioner::applyBody(const Body& body, const Vector& gradien
     const Spring& spring = springs_[k];
     const Vec3 there = moved.head<3>() + moved.tail<3>().cross(spring.arm);
     const Vec3 follows = product(node_inverse_[spring.node], product(spring.stiffness, there));
-    for (int c = 0; c < 3; ++c) z[c * mesh_.free + spring.node] += follows[c];
+    addEntry(z, mesh_.free, spring.node, follows);
   }
 }
 

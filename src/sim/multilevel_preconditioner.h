@@ -91,9 +91,6 @@ class MultilevelPreconditioner {
   void invertHats();
   void invertHat(int k);
   void applyHats();
-  Vec3 entry(const Vector& gradient, int node) const {
-    return {gradient[node], gradient[mesh_.free + node], gradient[2 * mesh_.free + node]};
-  }
   void applyBody(const Body& body, const Vector& gradient, Vector& z) const;
 
   const ActiveMesh& mesh_;

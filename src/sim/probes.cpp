@@ -167,10 +167,9 @@ void Probes::serialize(Archive& archive) {
   archive.each("probe_torque", reports_, &ProbeReport::torque);
   archive.each("probe_contact", reports_, &ProbeReport::contact);
   archive.each("probe_grasps", reports_, &ProbeReport::grasps);
-  for (int k = 0; k < count(); ++k) {
-    reports_[k].orientation = steps_[k].orientation;
-    reports_[k].inside = steps_[k].present && !memories_[k].has_been_clear;
-  }
+  archive.each("probe_inside", reports_, &ProbeReport::inside);
+  archive.each("probe_orientation", reports_, &ProbeReport::orientation);
+  archive.each("probe_turn_radius", reports_, &ProbeReport::turn_radius);
 }
 
 void Probes::Memory::serialize(Archive& archive) {

@@ -54,29 +54,17 @@ void requireNoCrossings(const Cloth& cloth, const std::string& origin) {
 
 }  // namespace
 
-class Simulation::Implementation {
- public:
-  explicit Implementation(const Scene& scene) : world(scene) {}
-
-  /// The world, for a call about one of its probes or obstacles.
-  ClothWorld& withProbe(int probe) {
-    requireNumber("probe", probe, world.scene().probes.size());
-    return world;
-  }
-  ClothWorld& withObstacle(int obstacle) {
-    requireNumber("obstacle", obstacle, world.scene().obstacles.size());
-    return world;
-  }
-
-  ClothWorld world;
-};
+void Simulation::requireProbe(int probe) const { requireNumber("probe", probe, scene().probes.size()); }
+void Simulation::requireObstacle(int obstacle) const {
+  requireNumber("obstacle", obstacle, scene().obstacles.size());
+}
 
 Simulation::Simulation(const Scene& scene) {
   validateScene(scene, "scene");
   // Throws if HAPTIC_CLOTH_SIMD names no usable set, before any kernel runs.
   instructionSet();
   try {
-    implementation_ = std::make_unique<Implementation>(scene);
+    world_ = std::make_unique<ClothWorld>(scene);
   } catch (const std::bad_alloc&) {
     const auto& [columns, rows] = scene.cloth.particles;
     throw InputError("scene", "cloth.particles", std::to_string(columns) + " x " + std::to_string(rows),
@@ -89,35 +77,36 @@ Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 
 void Simulation::setDevice(int probe, const DeviceState& device) {
-  ClothWorld& world = implementation_->withProbe(probe);
+  requireProbe(probe);
   const bool usable = isUsable(device.position, device.orientation) &&
                       device.velocity.norm() < kFarthestPose && std::isfinite(device.elapsed);
   if (!usable) return;
   if (sink_) sink_(recorded::device(probe, device));
-  world.setDevice(probe, device);
+  world_->setDevice(probe, device);
 }
 
 void Simulation::removeDevice(int probe) {
-  ClothWorld& world = implementation_->withProbe(probe);
+  requireProbe(probe);
   if (sink_) sink_(recorded::removal(probe));
-  world.removeDevice(probe);
+  world_->removeDevice(probe);
 }
 
 void Simulation::setGrasp(int probe, bool closed) {
-  ClothWorld& world = implementation_->withProbe(probe);
-  if (sink_ && closed != world.isClosed(probe)) sink_(recorded::grasp(probe, closed));
-  world.setGrasp(probe, closed);
+  requireProbe(probe);
+  if (sink_ && closed != world_->isClosed(probe)) sink_(recorded::grasp(probe, closed));
+  world_->setGrasp(probe, closed);
 }
 
 void Simulation::moveObstacle(int obstacle, const Pose& pose) {
-  ClothWorld& world = implementation_->withObstacle(obstacle);
+  requireObstacle(obstacle);
   if (!isUsable(pose.position, pose.orientation)) return;
   if (sink_) sink_(recorded::obstacle(obstacle, pose));
-  world.moveObstacle(obstacle, {pose.position, pose.orientation.normalized()});
+  world_->moveObstacle(obstacle, {pose.position, pose.orientation.normalized()});
 }
 
 Pose Simulation::obstaclePose(int obstacle) const {
-  const Solid& solid = implementation_->withObstacle(obstacle).contacts().obstacle(obstacle);
+  requireObstacle(obstacle);
+  const Solid& solid = world_->contacts().obstacle(obstacle);
   return {solid.position(), Quat(solid.rotation())};
 }
 
@@ -130,46 +119,43 @@ void Simulation::setOptions(const SolverOptions& solver, const AdaptOptions& ada
   requireFixed(optionsOf(now.adapt), optionsOf(changed.adapt), "adapt.");
   validateScene(changed, "options");
   if (sink_) sink_(recorded::options(now, changed));
-  implementation_->world.setOptions(solver, adapt, air_damping);
+  world_->setOptions(solver, adapt, air_damping);
 }
 
 void Simulation::setCoupling(int probe, double stiffness, double damping) {
-  ClothWorld& world = implementation_->withProbe(probe);
-  const ProbeOptions& now = world.scene().probes[probe];
+  requireProbe(probe);
+  const ProbeOptions& now = world_->scene().probes[probe];
   if (stiffness == now.coupling_stiffness && damping == now.coupling_damping) return;
-  Options gains = couplingOptions(stiffness, damping);
-  for (Option& gain : gains)
-    gain.range.most = kInfinity;  // the limits of numbers in files are not those of code
-  checkOptions(gains, "probe.", [](const std::string&) { return "options"; });
+  checkOptions(couplingOptions(stiffness, damping), "probe.", [](const std::string&) { return "options"; });
   if (sink_) sink_(recorded::coupling(probe, stiffness, damping));
-  world.setCoupling(probe, stiffness, damping);
+  world_->setCoupling(probe, stiffness, damping);
 }
 
 StepReport Simulation::step(int length) {
   length = std::max(1, length);
   if (sink_) sink_(recorded::step(length));
-  return implementation_->world.step(length);
+  return world_->step(length);
 }
 
 void Simulation::reset() {
   if (sink_) sink_(recorded::reset());
-  implementation_ = std::make_unique<Implementation>(Scene(scene()));
+  world_ = std::make_unique<ClothWorld>(Scene(scene()));
 }
 
 std::string Simulation::saveState() const {
   Archive archive;
-  implementation_->world.serialize(archive);
+  world_->serialize(archive);
   return archive.sealed();
 }
 
 void Simulation::loadState(const std::string& saved, const std::string& origin) {
   Archive archive(saved, origin);
-  auto loaded = std::make_unique<Implementation>(Scene(scene()));
-  loaded->world.serialize(archive);
+  auto loaded = std::make_unique<ClothWorld>(Scene(scene()));
+  loaded->serialize(archive);
   archive.finish();
-  if (loaded->world.contacts().meetsItself()) requireNoCrossings(loaded->world.cloth(), origin);
+  if (loaded->contacts().meetsItself()) requireNoCrossings(loaded->cloth(), origin);
   record(nullptr);
-  implementation_ = std::move(loaded);
+  world_ = std::move(loaded);
 }
 
 void Simulation::record(Sink sink) {
@@ -179,44 +165,47 @@ void Simulation::record(Sink sink) {
   for (const std::string& line : recorded::header(*this)) sink_(line);
 }
 
-const Scene& Simulation::scene() const { return implementation_->world.scene(); }
-double Simulation::time() const { return implementation_->world.time(); }
-int Simulation::threads() const { return implementation_->world.threads(); }
-double Simulation::mass() const { return implementation_->world.cloth().mass(); }
-int Simulation::activeParticles() const { return implementation_->world.cloth().mesh().active(); }
-bool Simulation::meetsItself() const { return implementation_->world.contacts().meetsItself(); }
-ProbeReport Simulation::probe(int probe) const { return implementation_->withProbe(probe).probes()[probe]; }
-EnergyReport Simulation::energy() const { return implementation_->world.energy(); }
-double Simulation::maxSpeed() const { return implementation_->world.cloth().maxSpeed(); }
-Vec3 Simulation::supportForce() const { return implementation_->world.supportForce(); }
+const Scene& Simulation::scene() const { return world_->scene(); }
+double Simulation::time() const { return world_->time(); }
+int Simulation::threads() const { return world_->threads(); }
+double Simulation::mass() const { return world_->cloth().mass(); }
+int Simulation::activeParticles() const { return world_->cloth().mesh().active(); }
+bool Simulation::meetsItself() const { return world_->contacts().meetsItself(); }
+ProbeReport Simulation::probe(int probe) const {
+  requireProbe(probe);
+  return world_->probes()[probe];
+}
 
-CostReport Simulation::cost() const { return implementation_->world.cost(); }
+EnergyReport Simulation::energy() const { return world_->energy(); }
+double Simulation::maxSpeed() const { return world_->cloth().maxSpeed(); }
+Vec3 Simulation::supportForce() const { return world_->supportForce(); }
+
+CostReport Simulation::cost() const { return world_->cost(); }
 
 double Simulation::maxStrain() const {
-  const Cloth& cloth = implementation_->world.cloth();
+  const Cloth& cloth = world_->cloth();
   return cloth.internal().maxStrain(cloth.nodes());
 }
 
 std::uint64_t Simulation::stateHash() const {
-  const ClothWorld& world = implementation_->world;
   ByteHash hash;
-  const ParticleState& state = world.cloth().state();
-  for (const int p : world.cloth().mesh().particle) {
+  const ParticleState& state = world_->cloth().state();
+  for (const int p : world_->cloth().mesh().particle) {
     hash.add(&p, sizeof(p));
     hash.add(state.position[p].data(), 3 * sizeof(double));
     hash.add(state.velocity[p].data(), 3 * sizeof(double));
   }
-  for (const ProbeReport& probe : world.probes()) {
+  for (const ProbeReport& probe : world_->probes()) {
     hash.add(probe.proxy.data(), 3 * sizeof(double));
     hash.add(probe.orientation.coeffs().data(), 4 * sizeof(double));
   }
-  const long ticks = world.ticks();
+  const long ticks = world_->ticks();
   hash.add(&ticks, sizeof(ticks));
   return hash.value();
 }
 
 void Simulation::positions(std::vector<Vec3>& positions) const {
-  const Cloth& cloth = implementation_->world.cloth();
+  const Cloth& cloth = world_->cloth();
   positions = cloth.state().position;
   for (const Patch& patch : cloth.mesh().patches) {
     if (patch.cell.level > 0) interpolateCell(cloth.grid(), patch.cell, positions);
@@ -224,18 +213,18 @@ void Simulation::positions(std::vector<Vec3>& positions) const {
 }
 
 Crossings Simulation::crossings() const {
-  const Cloth& cloth = implementation_->world.cloth();
+  const Cloth& cloth = world_->cloth();
   return findCrossings(cloth.mesh(), cloth.nodes());
 }
 
 void Simulation::activeFlags(std::vector<char>& flags) const {
-  const ActiveMesh& mesh = implementation_->world.cloth().mesh();
+  const ActiveMesh& mesh = world_->cloth().mesh();
   flags.assign(mesh.grid.particles(), 0);
   for (int n = 0; n < mesh.active(); ++n) flags[mesh.particle[n]] = 1;
 }
 
 void Simulation::cells(std::vector<CellView>& cells) const {
-  const ActiveMesh& mesh = implementation_->world.cloth().mesh();
+  const ActiveMesh& mesh = world_->cloth().mesh();
   cells.clear();
   for (const Patch& patch : mesh.patches) {
     cells.push_back({patch.cell.corners(mesh.grid), patch.cell.level, patch.cell.diagonalRises()});
@@ -243,7 +232,7 @@ void Simulation::cells(std::vector<CellView>& cells) const {
 }
 
 void Simulation::cellLoads(std::vector<float>& tension, std::vector<float>& bending) const {
-  const Cloth& cloth = implementation_->world.cloth();
+  const Cloth& cloth = world_->cloth();
   const ActiveMesh& mesh = cloth.mesh();
   std::vector<double> node_tension(mesh.nodes(), 0.0), node_bending(mesh.nodes(), 0.0);
   for (int e = 0; e < static_cast<int>(mesh.edges.size()); ++e) {

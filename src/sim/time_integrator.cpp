@@ -28,8 +28,8 @@ BackwardDifference BackwardDifference::bdf2(double length, double ratio, double 
 TimeIntegrator::TimeIntegrator(Integrator kind, double time_step, double air_damping, const Grid& grid)
     : first_order_only_(kind == Integrator::Euler),
       length_(time_step),
-      unmixed_(kForgotten),
       air_damping_(air_damping),
+      unmixed_(kForgotten),
       first_(BackwardDifference::euler(time_step, air_damping)),
       usual_(first_) {
   if (first_order_only_) return;

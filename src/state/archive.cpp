@@ -14,7 +14,7 @@ namespace haptic_cloth {
 namespace {
 
 constexpr std::uint32_t kByteOrder = 0x01020304;
-constexpr std::uint32_t kVersion = 15;  // version of the envelope and of the entries
+constexpr std::uint32_t kVersion = 16;  // version of the envelope and of the entries
 constexpr std::size_t kMostInText = 8;  ///< numbers of an entry that messages show
 
 /// Header between kStateMagic and the entries.
@@ -34,6 +34,13 @@ std::uint64_t checksum(const std::string& bytes) {
 template <class T>
 void append(std::string& bytes, const T& value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
+}
+
+template <class T>
+T valueAt(const char* bytes) {
+  T value;
+  std::memcpy(&value, bytes, sizeof(value));
+  return value;
 }
 
 double largestOf(const std::vector<double>& values) {
@@ -211,11 +218,11 @@ std::string Archive::text(Type type, const char* bytes, std::size_t count) const
   if (count > kMostInText) return std::to_string(count) + " values";
   std::string text;
   for (std::size_t k = 0; k < count; ++k) {
-    double number = 0.0;
-    int whole = 0;
-    if (type == Type::Int) std::memcpy(&whole, bytes + k * sizeof(whole), sizeof(whole));
-    if (type == Type::Double) std::memcpy(&number, bytes + k * sizeof(number), sizeof(number));
-    text += (k > 0 ? ", " : "") + (type == Type::Int ? std::to_string(whole) : shortestText(number));
+    const char* const at = bytes + k * sizeOf(type);
+    if (k > 0) text += ", ";
+    if (type == Type::Int) text += std::to_string(valueAt<int>(at));
+    if (type == Type::Long) text += std::to_string(valueAt<long>(at));
+    if (type == Type::Double) text += shortestText(valueAt<double>(at));
   }
   return count == 1 ? text : "[" + text + "]";
 }

@@ -151,7 +151,7 @@ Torture collapsedSheet(const std::string& kind) {
   sheet.scene.stop.time = 0.06;
   sheet.set_up = 1;
   if (kind != "folded_apart") sheet.limits.crossed = "all parts begin at one place, or through each other";
-  // Cloth without area has no normals. They turn while it unfolds, and may make all of its energy anew; the
+  // Cloth without area has no normals. They turn while it unfolds, and may make all of its energy again; the
   // guard takes it from the motion.
   if (kind.rfind("all_", 0) == 0) sheet.limits.turned = 1.0;
   // Its parts are at one place, where no layers can be, and it opens through itself.

@@ -176,6 +176,24 @@ StateCase sleepingSheet() {
           }};
 }
 
+/// Fine cloth that is held inside a floor, below a capsule that stays: steps are skipped.
+StateCase heldInside() {
+  Scene scene = sheetScene(richFabric(), 9, 9, 0.002, 0.002);  // cells of half a thickness
+  pin(scene, 0, 8, 0, 8);
+  scene.cloth.pose.position.z() = -0.001;
+  Obstacle floor;
+  floor.shape = Shape::Plane;
+  scene.obstacles = {floor};
+  scene.probes[0].radius = 0.004;
+  scene.probes[0].length = 0.004;
+  const auto drive = [](Simulation& simulation, int step) {
+    if (step == 0) simulation.setDevice(0, {Vec3(0.0, 0.0, 0.02), Vec3::Zero()});
+  };
+  return {
+      "held inside a floor", scene, drive, 130, {120}, [](const Exercised& did) {
+            return did.idle > 10; }};
+}
+
 /// Hangs by its corners from the coarsest mesh, which splits under its weight while it is still
 /// flat.
 StateCase coarseHammock() {
@@ -271,6 +289,7 @@ std::vector<StateCase> stateCases() {
           graspedSheet(),
           movedObstacles(),
           sleepingSheet(),
+          heldInside(),
           coarseHammock(),
           pressedLayers(),
           rolledStrip(),
@@ -299,7 +318,9 @@ std::uint64_t readings(const Simulation& simulation) {
     for (const Vec3& vector : {probe.device, probe.proxy, probe.velocity, probe.force, probe.torque})
       hash.add(vector);
     hash.add(probe.force_error);
-    hash.add(4.0 * probe.present + 2.0 * probe.contact + probe.grasps);
+    hash.add(probe.turn_radius);
+    hash.add(probe.orientation.coeffs().data(), 4 * sizeof(double));
+    hash.add(8.0 * probe.present + 4.0 * probe.contact + 2.0 * probe.grasps + probe.inside);
   }
   for (std::size_t k = 0; k < simulation.scene().obstacles.size(); ++k) {
     const Pose pose = simulation.obstaclePose(static_cast<int>(k));
@@ -322,8 +343,9 @@ std::uint64_t readings(const Simulation& simulation, const StepReport& report) {
   for (const double value :
        {report.time, double(report.active_particles), double(report.awake_particles), double(report.refined),
         double(report.coarsened), double(report.failed), report.velocity_scale, report.max_penetration,
-        double(solve.why), double(solve.iterations), double(solve.evaluations), double(solve.restarts),
-        solve.value_start, solve.value_end, solve.residual}) {
+        double(report.self_contacts), report.min_self_gap, solve.motion_made, double(solve.why),
+        double(solve.iterations), double(solve.evaluations), double(solve.restarts), solve.value_start,
+        solve.value_end, solve.residual}) {
     hash.add(value);
   }
   return hash.value();
@@ -427,7 +449,7 @@ std::string sealState(const std::vector<StateEntry>& entries) {
   hash.add(content.data(), content.size());
   std::string sealed = kMagic;
   put(sealed, std::uint32_t{0x01020304});
-  put(sealed, std::uint32_t{15});
+  put(sealed, std::uint32_t{16});
   put(sealed, static_cast<std::uint64_t>(content.size()));
   put(sealed, hash.value());
   return sealed + content;

@@ -70,7 +70,7 @@ void MasterWatch::look() {
   // unknown.
   if (unknown_ < 2 && !(incomplete_ && reachable)) return;
   unknown_ = 0;
-  incomplete_ = !registerAnew();
+  incomplete_ = !registerAgain();
   if (incomplete_) return;
   ++renewals_;
   ROS_WARN("registered again with the ROS master");
@@ -114,7 +114,7 @@ bool MasterWatch::isKnown() const {
   return known;
 }
 
-bool MasterWatch::registerAnew() const {
+bool MasterWatch::registerAgain() const {
   const std::string uri = ros::XMLRPCManager::instance()->getServerURI();
   XmlRpc::XmlRpcValue payload;
   std::vector<std::string> advertised, subscribed;  // roscpp appends to what it gets

@@ -39,7 +39,7 @@ class MasterWatch {
   /// @return whether the master knows the node and all its services
   bool isKnown() const;
   /// @return whether the master accepted everything
-  bool registerAnew() const;
+  bool registerAgain() const;
 
   std::vector<std::string> services_, outputs_;
   bool incomplete_ = false;  ///< whether the last registration must be repeated

@@ -94,10 +94,7 @@ class HapticClothServer::Implementation {
         pose_spinner_(1, &pose_queue_) {
     for (const std::string& warning : startWarnings(options_)) ROS_WARN_STREAM(warning);
     offerServices();
-    start([this] { solver_.run(); });
-    start([this] { haptics_.run(); });
-    start([this] { display_.run(); });
-    start([this] { master_.run(shared_.stop); });
+    startThreads();
     prioritiseMessages(pose_queue_);
     pose_spinner_.start();
     for (ServiceThread* thread : serviceThreads()) thread->spinner.start();
@@ -122,9 +119,18 @@ class HapticClothServer::Implementation {
   }
 
  private:
-  template <class Work>
-  void start(Work work) {
-    threads_.push_back(std::async(std::launch::async, work));
+  /// @throws std::system_error if the system has no thread left; those that run are told to stop
+  void startThreads() {
+    const auto start = [this](auto work) { threads_.push_back(std::async(std::launch::async, work)); };
+    try {
+      start([this] { solver_.run(); });
+      start([this] { haptics_.run(); });
+      start([this] { display_.run(); });
+      start([this] { master_.run(shared_.stop); });
+    } catch (...) {
+      shared_.stop = true;  // the futures wait for their threads
+      throw;
+    }
   }
 
   std::deque<ProbeTopics> offerProbes() {

@@ -70,7 +70,7 @@ void SolverLoop::resetWhenAsked() {
   if (wanted == resets_seen_) return;
   resets_seen_ = wanted;
   simulation_.reset();
-  startAnew();
+  startAgain();
   shared_.resets_done = wanted;
 }
 
@@ -85,11 +85,11 @@ void SolverLoop::loadState(const std::string& state, const std::string& origin) 
   skipRamps();
   simulation_.loadState(state, origin);
   if (recorder_ && recorder_->end()) ROS_WARN("the recording ends: a state was loaded");
-  startAnew();
+  startAgain();
 }
 
 /// Forgets what probes and obstacles were told for another cloth.
-void SolverLoop::startAnew() {
+void SolverLoop::startAgain() {
   for (SharedProbe& probe : shared_.probes) probe.session().restart(simulation_);
   // Targets sent before are not used.
   for (std::size_t k = 0; k < targets_seen_.size(); ++k)

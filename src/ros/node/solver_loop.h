@@ -34,7 +34,7 @@ class SolverLoop {
 
  private:
   void resetWhenAsked();
-  void startAnew();
+  void startAgain();
   void takeOptions();
   void skipRamps();
   void copyFrameWhenWanted();

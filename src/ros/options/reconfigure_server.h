@@ -25,7 +25,6 @@ class ReconfigureServer {
   ReconfigureServer(const NodeOptions& options, ros::NodeHandle private_node, SharedState& shared);
 
   /// Full name of the service.
-  std::string service() const { return service_.getService(); }
 
  private:
   using Request = dynamic_reconfigure::Reconfigure::Request;

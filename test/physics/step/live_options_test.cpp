@@ -157,6 +157,7 @@ TEST(LiveOptions, WhatIsRefusedChangesNothing) {
   expect("adapt.strategy: cannot change", [](Scene& s) { s.adapt.strategy = Strategy::Finest; });
   EXPECT_THROW(asked.setCoupling(0, 0.0, 1.0), InputError);
   EXPECT_THROW(asked.setCoupling(0, kNaN, 1.0), InputError);
+  EXPECT_THROW(asked.setCoupling(0, 2e12, 1.0), InputError);  // as in a scene
   EXPECT_THROW(asked.setCoupling(0, 400.0, -1.0), InputError);
   for (Simulation* simulation : {&plain, &asked}) press(*simulation, 120);
   EXPECT_EQ(asked.stateHash(), plain.stateHash());

@@ -79,17 +79,17 @@ class Shadow {
     const Cloth& cloth = world.cloth();
     const TurnEstimate::View view = world.turnView();
     turns_.begin(view, std::min(world.scene().adapt.refine_above, world.scene().adapt.coarsen_below));
-    if (!adaptation_.plan(
-            world.ticks(), cloth.nodes(), probes, cloth.leaves(), cloth.mesh(), cloth.state(),
-            [&](const Cell& cell, int parts, double enough) {
-              return turns_.turn(view, cell, parts, enough);
-            },
-            [&](const Cell& cell, int parts) {
-              return turns_.carries(view, cell, parts, world.scene().adapt.near_load);
-            },
-            [&](const Cell& cell, int parts, double moved) {
-              return parts == 1 || !world.contacts().maySink(cloth.mesh(), cloth.nodes(), cell, moved);
-            })) {
+    if (!adaptation_.plan({world.ticks(), cloth.nodes(), probes, cloth.leaves(), cloth.mesh(), cloth.state(),
+                           [&](const Cell& cell, int parts, double enough) {
+                             return turns_.turn(view, cell, parts, enough);
+                           },
+                           [&](const Cell& cell, int parts) {
+                             return turns_.carries(view, cell, parts, world.scene().adapt.near_load);
+                           },
+                           [&](const Cell& cell, int parts, double moved) {
+                             return parts == 1 ||
+                                    !world.contacts().maySink(cloth.mesh(), cloth.nodes(), cell, moved);
+                           }})) {
       return std::nullopt;
     }
     const Fabric& fabric = world.scene().cloth.fabric;

@@ -247,7 +247,7 @@ TEST_F(NodeTest, PauseStopsTimeAndForce) {
   EXPECT_TRUE(waitFor([&] { return reaction_.force().z() > 0.1; }));
 }
 
-TEST_F(NodeTest, ResetStartsAnew) {
+TEST_F(NodeTest, ResetStartsAgain) {
   std::atomic<double> time{-1.0};
   ros::Subscriber subscriber = node_.subscribe<ClothState>(
       "cloth/state", 1, [&](const ClothState::ConstPtr& message) { time = message->time; });

@@ -160,7 +160,7 @@ TEST_F(HapticSessionTest, ASilentDeviceLeavesTheScene) {
   EXPECT_EQ(force(), 0.0);
 }
 
-TEST_F(HapticSessionTest, AJumpLetsGoAndBeginsAnew) {
+TEST_F(HapticSessionTest, AJumpLetsGoAndBeginsAgain) {
   session_.setGrasp(true);
   press();
   EXPECT_TRUE(probe().grasps);
@@ -440,7 +440,7 @@ TEST_F(HapticSessionTest, HoldsNoEnergyWithoutContact) {
   EXPECT_EQ(session_.energy(), 0.0);
 }
 
-TEST_F(HapticSessionTest, BeginsAnewAfterAReset) {
+TEST_F(HapticSessionTest, BeginsAgainAfterAReset) {
   press();
   simulation_.reset();
   session_.restart(simulation_);

@@ -429,14 +429,14 @@ TEST(VelocityFilter, ABurstIsNoSpike) {
   EXPECT_NEAR(filter.update(Vec3(1e-4, 0, 0), false, 1.0).x(), 0.01, 1e-9);
 }
 
-TEST(VelocityFilter, AGapStartsAnew) {
+TEST(VelocityFilter, AGapStartsAgain) {
   VelocityFilter filter(0.01, 0.1);
   filter.update(Vec3::Zero(), false, 1.0);
   EXPECT_GT(filter.update(Vec3(0.01, 0, 0), false, 1.01).x(), 0.5);
   EXPECT_EQ(filter.update(Vec3(0.49, 0, 0), false, 2.0), Vec3::Zero());
 }
 
-TEST(VelocityFilter, AJumpStartsAnew) {
+TEST(VelocityFilter, AJumpStartsAgain) {
   VelocityFilter filter(0.01, 0.1);
   filter.update(Vec3::Zero(), false, 1.0);
   filter.update(Vec3(0.01, 0, 0), false, 1.01);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 namespace haptic_cloth {
@@ -16,6 +17,9 @@ TEST(IdleTrackerTest, IsSavedAndLoadedAfterAFailedStep) {
   StepReport report;
   report.minimizer.residual = 0.25;
   tracker.note(report, probes, 1e-3);
+  report.self_contacts = 7;
+  report.max_penetration = 0.125;
+  report.min_self_gap = 0.5;
   report.failed = true;
   report.minimizer.residual = std::numeric_limits<double>::quiet_NaN();  // as of a step that is not finite
   tracker.note(report, probes, 1e-3);
@@ -24,7 +28,19 @@ TEST(IdleTrackerTest, IsSavedAndLoadedAfterAFailedStep) {
   Archive loading(saving.sealed(), "state");
   other.serialize(loading);
   loading.finish();
-  EXPECT_EQ(other.residual(), 0.25);
+  EXPECT_EQ(other.skipped().minimizer.residual, 0.25);
+  EXPECT_EQ(other.skipped().self_contacts, 7);
+  EXPECT_EQ(other.skipped().max_penetration, 0.125);
+  EXPECT_EQ(other.skipped().min_self_gap, 0.5);
+}
+
+TEST(IdleTrackerTest, KeepsThatNoLayersAreNear) {
+  IdleTracker tracker(0), other(0);
+  Archive saving;
+  tracker.serialize(saving);
+  Archive loading(saving.sealed(), "state");
+  other.serialize(loading);
+  EXPECT_TRUE(std::isinf(other.skipped().min_self_gap));
 }
 
 }  // namespace

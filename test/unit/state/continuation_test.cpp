@@ -119,6 +119,8 @@ TEST(Continuation, WouldDifferWithoutAnyOfItsEntries) {
   }
   // No case begins inside an obstacle; let_out is tested in entry_test.cpp.
   needed.insert({"ejection_work", "contacts.let_out", "contacts.let_out_particle"});
+  // No case rests folded; idle_tracker_test.cpp tests these.
+  needed.insert({"idle.self_contacts", "idle.min_self_gap"});
   // No case is sure to split a cell that sticks in the step after a save.
   needed.insert({"contacts.half", "contacts.layers.half"});
   EXPECT_GT(all.size(), 40u);
