@@ -128,6 +128,28 @@ TEST(MinimizerTest, NeverRisesHoweverEarlyItEnds) {
   }
 }
 
+/// The quadratic form overlooks nearly half of the stiffness, as where a thread begins to stretch on the way.
+class Understated : public Problem {
+ public:
+  Understated() : Problem(2) {}
+  Along along(const Vector& d, double slope) override {
+    const double form = 0.52 * Problem::along(d, slope).quadratic_form;
+    return {form, newtonStep(slope, form)};
+  }
+};
+
+// Criterion: a step from x to the far side of the minimum, at -0.92 x, lowers the energy by 15 %. On a line
+// the secant of the slopes leads to the minimum itself.
+TEST(MinimizerTest, ShortensStepsThatGoFarBeyondTheMinimum) {
+  Understated problem;
+  Vector x(2);
+  x << 2.0, 1.0;
+  const MinimizerReport r = run(problem, x, {Preconditioner::None, 1e-6, 1, 0.0});
+  EXPECT_EQ(r.iterations, 1);
+  EXPECT_EQ(r.evaluations, 3) << "at the start, beyond the minimum, and there";
+  EXPECT_LT((x - Vector::Ones(2)).norm(), tolerance(1e-12));
+}
+
 /// A wall stops the last unknown after a hundredth of its way: a step may use up 0.9 of the distance to it.
 class Walled : public Problem {
  public:
