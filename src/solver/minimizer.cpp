@@ -141,6 +141,15 @@ void Minimizer::direction(Objective& objective, Team& team, bool restart, Minimi
   }
 }
 
+double Minimizer::slopeAlongDirection(Objective& objective, Team& team, const Vector& gradient) const {
+  const auto of_part = [&](int begin, int end) {
+    Sums sums = Sums::Zero();
+    sums[0] = direction_.segment(begin, end - begin).dot(gradient.segment(begin, end - begin));
+    return sums;
+  };
+  return team.sum(size_, of_part, Team::kEntry, objective.order())[0];
+}
+
 /// Newton's step along d, or the largest admissible one. If in a long solve that is much less than Newton's,
 /// a few constraints stop all unknowns. Then d is bent around them, if that promises to lower Φ further.
 double Minimizer::firstStep(Objective& objective, const MinimizerReport& report) {
@@ -186,7 +195,7 @@ bool Minimizer::lineSearch(Objective& objective, Team& team, Vector& x, double& 
     const double trial_value = objective.evaluate(trial_, trial_gradient_);
     ++report.evaluations;
     const double change = trial_value - value;
-    const double end_slope = trial_gradient_.head(size_).dot(direction_.head(size_));
+    const double end_slope = slopeAlongDirection(objective, team, trial_gradient_);
     const bool decreases = change <= kSufficient * step * slope_;
     const bool level = std::abs(change) <= kRounding * (std::abs(value) + std::abs(trial_value)) &&
                        end_slope <= (2.0 * kSufficient - 1.0) * slope_;

@@ -39,6 +39,7 @@ class Minimizer {
   using Clock = std::chrono::steady_clock;
 
   void direction(Objective& objective, Team& team, bool restart, MinimizerReport& report);
+  double slopeAlongDirection(Objective& objective, Team& team, const Vector& gradient) const;
   double firstStep(Objective& objective, const MinimizerReport& report);
   bool lineSearch(Objective& objective, Team& team, Vector& x, double& value, MinimizerReport& report);
 
