@@ -509,7 +509,7 @@ TEST(ShippedScenes, AllLoad) {
       ++count;
     }
   }
-  EXPECT_GE(count, 7 + 14 + 10);
+  EXPECT_GE(count, 7 + 14 + 9);
 }
 
 }  // namespace
