@@ -70,7 +70,7 @@ class Adaptation {
   /// Tells whether a leaf (parts 1) or the parent of four leaves (parts 2) is near probes by what it carries.
   using Carries = std::function<bool(const Cell& cell, int parts)>;
 
-  /// What a decision is made from.
+  /// Input of a decision.
   struct View {
     long tick;           ///< simulated time [time steps]
     const Field& nodes;  ///< positions of the nodes [m]

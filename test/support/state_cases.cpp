@@ -176,10 +176,10 @@ StateCase sleepingSheet() {
           }};
 }
 
-/// Fine cloth that is held inside a floor, below a capsule that stays: steps are skipped.
+/// Cloth that is held inside a floor, below a capsule that stays: steps are skipped.
 StateCase heldInside() {
-  Scene scene = sheetScene(richFabric(), 9, 9, 0.002, 0.002);  // cells of half a thickness
-  pin(scene, 0, 8, 0, 8);
+  Scene scene = sheetScene(richFabric(), 5, 5, 0.02, 0.02);
+  pin(scene, 0, 4, 0, 4);
   scene.cloth.pose.position.z() = -0.001;
   Obstacle floor;
   floor.shape = Shape::Plane;

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <vector>
 
+#include "haptic_cloth/error.h"
+#include "haptic_cloth/loop.h"
+
 namespace haptic_cloth {
 namespace {
 
@@ -16,6 +19,14 @@ TEST(Curve, PassesThroughItsSamplesAndIsLinearBetween) {
   EXPECT_DOUBLE_EQ(kBent(0.25).force, 2.0);
   EXPECT_DOUBLE_EQ(kBent(0.375).force, 4.5);
   EXPECT_DOUBLE_EQ(kBent(0.375).slope, 20.0);
+}
+
+TEST(Curve, RefusesWhatIsNoCurve) {
+  EXPECT_THROW(Curve(0.0, 1.0, {5.0}), InputError);
+  EXPECT_THROW(Curve(0.0, 0.0, {0.0, 1.0}), InputError);
+  EXPECT_THROW(Loop(0.0, 1.0, {0.0, 1.0}, {0.0}, 2.0), InputError);
+  EXPECT_THROW(Loop(0.0, 1.0, {0.0, 1.0}, {0.0, 1.0}, 1.0), InputError);
+  EXPECT_THROW(Loop(0.0, 1.0, {0.0, 1.0}, {0.0, 1.0}, 2.0, 0.0), InputError);
 }
 
 TEST(Curve, PotentialAndForceVanishAtZero) {

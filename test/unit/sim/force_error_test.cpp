@@ -50,6 +50,13 @@ TEST_F(ForceErrorTest, StaysWhileTheProbeRests) {
   EXPECT_LT(estimate(0.0, weak, weak), 1e-9);
 }
 
+TEST_F(ForceErrorTest, AProbeThatReturnsIsANewOne) {
+  const Vec3 weak(0, 0, 1e-9);
+  estimate(1.0, weak, weak);
+  error_.forget(0);
+  EXPECT_LT(estimate(0.0, weak, weak), 1e-9);
+}
+
 /// A force that has just begun is less certain than one that stays, in any direction.
 TEST_F(ForceErrorTest, GrowsWithTheChangeOfTheForce) {
   const Vec3 force(0, 0, 1);
