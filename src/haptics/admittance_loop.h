@@ -17,9 +17,11 @@ class AdmittanceLoop {
   /// Does the same as HapticLoop::setOptions(). The tool keeps its place and its velocity.
   void setOptions(const HapticOptions& options, double unit);
 
-  /// Sets the position of the device [m], at which the tool starts. Ignored after the start.
+  /// Sets the position of the device [m], at which the tool starts. If the first one comes after the start, the
+  /// tool stands still there: a device that is elsewhere would be sent away. Ignored from then on.
   void place(const Vec3& position) {
-    if (!started_) tool_.place(position);
+    if (!started_ || !placed_) tool_.place(position);
+    placed_ = true;
   }
 
   /// Turns the tool as the device is turned: a force does not.
@@ -54,6 +56,7 @@ class AdmittanceLoop {
   Vec3 reaction_ = Vec3::Zero();
   HapticStatus status_ = HapticStatus::NoForce;
   bool started_ = false;
+  bool placed_ = false;  ///< by the device
   double last_tick_ = -1.0;
   double soft_ = 0.0;  ///< 0..1, share of the hand's force
 };

@@ -18,6 +18,8 @@ constexpr double kNow = 0.5;            ///< longest interval between good messa
 constexpr double kLately = 5.0;         ///< time for which a past fault remains a warning [s]
 constexpr double kMostSlip = 0.05;      ///< share of the time that may slip [-]
 constexpr double kTransformAge = 1.0;   ///< older transforms are doubtful [s]
+constexpr double kMoving = 2.0;         ///< longest interval between the poses of a moving obstacle [s]
+constexpr char kBadTurn[] = "quaternions that are not of length 1";
 
 void add(DiagnosticStatus& status, const std::string& key, const std::string& value) {
   diagnostic_msgs::KeyValue entry;
@@ -62,14 +64,24 @@ std::array<DropReason, 3> dropReasons(const DropCounters& counters) {
           {"too far", &counters.too_far}};
 }
 
-/// Why the last message was dropped. @pre one was
+/// How many messages were dropped, and why the last one. @pre one was
 template <class Counters>
-std::string lastDropped(const Counters& counters) {
+std::string dropText(const Counters& counters, const std::string& message) {
+  std::string why = "unknown";
   const auto* const last = counters.last_counter.load();
   for (const auto& [reason, counter] : dropReasons(counters)) {
-    if (counter == last) return reason;
+    if (counter == last) why = reason;
   }
-  return "unknown";
+  return std::to_string(counters.dropped()) + " " + message + "s dropped, the last: " + why;
+}
+
+template <class Counters>
+void add(DiagnosticStatus& status, const std::string& prefix, const Counters& counters) {
+  add(status, prefix + "received", counters.received.load());
+  add(status, prefix + "dropped", counters.dropped());
+  for (const auto& [reason, counter] : dropReasons(counters)) {
+    add(status, prefix + "dropped: " + reason, counter->load());
+  }
 }
 
 const char* graspText(GraspState grasp) {
@@ -166,36 +178,45 @@ DiagnosticStatus optionsStatus(const LiveReport& report) {
   return status;
 }
 
-DiagnosticStatus probeStatus(const std::string& name, const InputCounters& counters, const FeltForce& felt,
-                             GraspState grasp, double force_error, double now, const std::string& message,
-                             const std::string& others) {
+DiagnosticStatus probeStatus(const std::string& name, const DeviceCounters& counters, const FeltForce& felt,
+                             GraspState grasp, double force_error, double now, const std::string& others) {
   DiagnosticStatus status;
   status.name = name;
-  const std::uint64_t dropped = counters.dropped();
-  const UnitDoubt doubt = counters.doubt;
-  const bool none_taken = felt.status == HapticStatus::NoPose || felt.status == HapticStatus::NoForce;
+  const InputCounters& poses = counters.poses;
+  // What the device sends at haptic rate.
+  const InputCounters& input = counters.forces != nullptr ? *counters.forces : poses;
+  const std::string message = counters.forces != nullptr ? "force" : "pose";
+  const UnitDoubt doubt = poses.doubt;
+  const bool no_pose = felt.status == HapticStatus::NoPose || felt.status == HapticStatus::PoseStale;
   const bool stale =
-      none_taken || felt.status == HapticStatus::PoseStale || felt.status == HapticStatus::ForceStale;
-  if (counters.received == 0) {
+      no_pose || felt.status == HapticStatus::NoForce || felt.status == HapticStatus::ForceStale;
+  const std::string and_so = stale ? "; no force" : "";
+  const auto dropsNow = [&](const InputCounters& of) {
+    return of.dropped() > 0 && now - of.last_dropped < (stale ? kNow : kLately);
+  };
+  if (input.received == 0) {
     judge(status, DiagnosticStatus::OK, "no " + message + " yet");
   } else if (felt.status == HapticStatus::SnapshotStale) {
     judge(status, DiagnosticStatus::WARN, "the solver stalls; no force");
   } else if (felt.status == HapticStatus::Inside) {
     judge(status, DiagnosticStatus::WARN, "the probe appeared in the cloth; move it clear of it once");
-  } else if (dropped > 0 && now - counters.last_dropped < (stale ? kNow : kLately)) {
-    const std::string and_so = stale ? "; no force" : "";
-    judge(status, DiagnosticStatus::WARN,
-          std::to_string(dropped) + " " + message + "s dropped, the last: " + lastDropped(counters) + and_so);
+  } else if (dropsNow(input)) {
+    judge(status, DiagnosticStatus::WARN, dropText(input, message) + and_so);
+  } else if (dropsNow(poses)) {
+    judge(status, DiagnosticStatus::WARN, dropText(poses, "pose") + and_so);
   } else if (stale) {
-    judge(status, DiagnosticStatus::WARN, "the " + message + "s stopped; no force");
+    judge(status, DiagnosticStatus::WARN,
+          std::string("the ") + (no_pose ? "pose" : "force") + "s stopped; no force");
+  } else if (felt.status == HapticStatus::Paused) {
+    judge(status, DiagnosticStatus::OK, "paused");
   } else if (now - felt.stopped < kLately) {
     judge(status, DiagnosticStatus::WARN, "the force was off within the last 5 s");
   } else if (doubt != UnitDoubt::None) {
     judge(status, DiagnosticStatus::WARN, toText(doubt));
-  } else if (counters.transform_age > kTransformAge) {
+  } else if (poses.transform_age > kTransformAge) {
     judge(status, DiagnosticStatus::WARN, "the transform of the device's frame is old");
-  } else if (now - counters.bad_turn < kLately) {
-    judge(status, DiagnosticStatus::WARN, "quaternions that are not of length 1; the probe does not turn");
+  } else if (now - poses.bad_turn < kLately) {
+    judge(status, DiagnosticStatus::WARN, std::string(kBadTurn) + "; the probe does not turn");
   } else if (now - felt.weakened < kLately) {
     judge(status, DiagnosticStatus::WARN, "the force was weakened against a buzz within the last 5 s");
   } else {
@@ -211,16 +232,13 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
   add(status, "share of the force passed on [%]", 100.0 * felt.share);
   add(status, "torque [N m]", felt.torque.norm());
   add(status, "grasp", std::string(graspText(grasp)));
-  add(status, "received", counters.received.load());
-  add(status, "dropped", dropped);
-  for (const auto& [reason, counter] : dropReasons(counters)) {
-    add(status, std::string("dropped: ") + reason, counter->load());
-  }
+  add(status, "", input);
+  if (counters.forces != nullptr) add(status, "poses ", poses);
   add(status, "force off: " + message + "s stopped", felt.input_stops);
   add(status, "force off: solver stalled", felt.snapshot_stops);
   add(status, "units", std::string(doubt == UnitDoubt::None ? "plausible" : toText(doubt)));
-  add(status, "taken: bad quaternion", counters.bad_quaternion.load());
-  add(status, "age of the transform [s]", counters.transform_age.load());
+  add(status, "taken: bad quaternion", poses.bad_quaternion.load());
+  add(status, "age of the transform [s]", poses.transform_age.load());
   add(status, "other publishers", others.empty() ? std::string("none") : others);
   return status;
 }
@@ -228,18 +246,18 @@ DiagnosticStatus probeStatus(const std::string& name, const InputCounters& count
 DiagnosticStatus obstacleStatus(const std::string& name, const DropCounters& counters, double now) {
   DiagnosticStatus status;
   status.name = "obstacle " + name;
-  const std::uint64_t dropped = counters.dropped();
-  if (dropped > 0 && now - counters.last_dropped < kLately) {
-    judge(status, DiagnosticStatus::WARN,
-          std::to_string(dropped) + " poses dropped, the last: " + lastDropped(counters));
+  const bool moves = now - counters.last_received < kMoving;
+  if (counters.dropped() > 0 && now - counters.last_dropped < kLately) {
+    judge(status, DiagnosticStatus::WARN, dropText(counters, "pose"));
+  } else if (now - counters.bad_turn < kLately) {
+    judge(status, DiagnosticStatus::WARN, std::string(kBadTurn) + "; the obstacle does not turn");
   } else {
-    judge(status, DiagnosticStatus::OK, counters.received == 0 ? "no pose yet" : "receiving");
+    judge(status, DiagnosticStatus::OK,
+          counters.received == 0 ? "no pose yet"
+          : moves                ? "receiving"
+                                 : "stands still: no pose for 2 s");
   }
-  add(status, "received", counters.received.load());
-  add(status, "dropped", dropped);
-  for (const auto& [reason, counter] : dropReasons(counters)) {
-    add(status, std::string("dropped: ") + reason, counter->load());
-  }
+  add(status, "", counters);
   add(status, "taken: bad quaternion", counters.bad_quaternion.load());
   return status;
 }

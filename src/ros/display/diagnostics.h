@@ -16,17 +16,22 @@ namespace haptic_cloth {
 /// @param now steady clock [s]; statistics older than 2 s mean that the thread hangs
 diagnostic_msgs::DiagnosticStatus solverStatus(const SolverStats& stats, bool paused, double now);
 
+/// Counters of what a device sends.
+struct DeviceCounters {
+  const InputCounters& poses;
+  const InputCounters* forces = nullptr;  ///< of admittance devices alone
+};
+
 /// Status of one probe: messages of its device, force and grasp. A dropped message is a warning for
 /// at most 5 s.
 /// @param force_error estimated error of the force on the hand [N]
-/// @param message kind of message that the device sends: "pose" or "force"
 /// @param others other nodes that publish to the device; empty: none
-diagnostic_msgs::DiagnosticStatus probeStatus(const std::string& name, const InputCounters& counters,
+diagnostic_msgs::DiagnosticStatus probeStatus(const std::string& name, const DeviceCounters& counters,
                                               const FeltForce& felt, GraspState grasp, double force_error,
-                                              double now, const std::string& message = "pose",
-                                              const std::string& others = "");
+                                              double now, const std::string& others = "");
 
-/// Status of one obstacle that can be moved. A dropped pose is a warning for 5 s.
+/// Status of one obstacle that can be moved. A dropped pose, and a quaternion that should have turned it, is a
+/// warning for 5 s. An obstacle without new poses stands still, which is no fault.
 diagnostic_msgs::DiagnosticStatus obstacleStatus(const std::string& name, const DropCounters& counters,
                                                  double now);
 

@@ -130,8 +130,8 @@ void DisplayThread::publishDiagnostics(double now) {
     const double force_error = k < solver.force_errors.size() ? solver.force_errors[k] : 0.0;
     std::string others = sources_.master.otherPublishers(probe.reaction().getTopic());
     if (others.empty()) others = sources_.master.otherPublishers(probe.command().getTopic());
-    array.status.push_back(probeStatus(probe.name(), probe.counters(), shared.felt.read(),
-                                       shared.session().grasp(), force_error, now, probe.message(), others));
+    array.status.push_back(probeStatus(probe.name(), {probe.poses(), probe.forces()}, shared.felt.read(),
+                                       shared.session().grasp(), force_error, now, others));
   }
   for (const ObstacleTopics& obstacle : sources_.obstacles) {
     array.status.push_back(obstacleStatus(obstacle.name(), obstacle.counters(), now));

@@ -25,13 +25,15 @@ void AdmittanceProbe::tick(double now, bool paused) {
   const StampedPose& device = shared_.pose.read();
   heard_ = hand.received;
   if (device.received >= 0.0) session_.setPose(device.pose);
+  // A device all of whose poses were dropped is at an unknown place: no command may move it.
+  const bool lost = device.received < 0.0 && shared_.sends_poses;
   // Scaled here, where the force scale moves: hand, tool and reaction have the same one in each tick.
-  session_.setForce(forceAtProbe(gains_.device(), hand.frame_rotation, hand.force), hand.received);
+  if (!lost) session_.setForce(forceAtProbe(gains_.device(), hand.frame_rotation, hand.force), hand.received);
   target_ = session_.tick(now, paused);
   const Wrench reaction = session_.reaction();
   sendReaction(hand, reaction);
   if (session_.hasStarted()) sendCommand(device, stamp);
-  felt_.note(session_.status(), wrenchOnHand(gains_.device(), reaction));
+  felt_.note(lost ? HapticStatus::NoPose : session_.status(), wrenchOnHand(gains_.device(), reaction));
   shared_.felt.write(felt_);
 }
 

@@ -28,7 +28,9 @@ ProbeTopics::ProbeTopics(const NodeOptions& options, std::size_t number, const t
   grasp_subscriber_ = node.subscribe<std_msgs::Bool>(
       named(topics::kGrasp), topics::kGraspQueue, [this](const std_msgs::Bool::ConstPtr& message) {
         const std::string refused = grasp(message->data);
-        if (!refused.empty()) ROS_WARN_STREAM(name_ << " does not grasp: " << refused);
+        constexpr double kSeldom = 10.0;  // [s]; some senders repeat it
+        if (!refused.empty())
+          ROS_WARN_STREAM_THROTTLE(kSeldom, name_ << " does not grasp: " << refused);
       });
   set_grasp_ = node.advertiseService(named(topics::kSetGrasp), &ProbeTopics::setGrasp, this);
 }
@@ -52,7 +54,7 @@ void ProbeTopics::subscribe(ros::NodeHandle& node, ros::CallbackQueue& poses) {
 std::string ProbeTopics::grasp(bool closed) {
   // A grasp that closed by itself after a pause, or when a device comes, would surprise the hand.
   if (closed && paused_) return "paused";
-  if (closed && !shared_.session().isPresent()) return "no " + message();
+  if (closed && !shared_.session().isPresent()) return admittance_ ? "no force" : "no pose";
   shared_.session().setGrasp(closed);
   return "";
 }

@@ -27,9 +27,9 @@ class ProbeTopics {
               ros::NodeHandle node, const Queues& queues, SharedState& shared);
 
   const std::string& name() const { return name_; }
-  /// Counters of the messages that its device sends at haptic rate.
-  const InputCounters& counters() const { return admittance_ ? force_.counters() : input_.counters(); }
-  std::string message() const { return admittance_ ? "force" : "pose"; }
+  const InputCounters& poses() const { return input_.counters(); }
+  /// Counters of the forces that an admittance device sends; nullptr for the other kind.
+  const InputCounters* forces() const { return admittance_ ? &force_.counters() : nullptr; }
   const ros::Publisher& reaction() const { return reaction_; }
   const ros::Publisher& command() const { return command_; }  ///< of admittance devices alone
   const ros::Publisher& proxy() const { return proxy_; }

@@ -38,7 +38,8 @@ DeviceInput::DeviceInput(const NodeOptions& options, std::size_t number, const t
 void DeviceInput::accept(const geometry_msgs::PoseStamped& pose, const std::string& sender) {
   StampedPose taken;
   const double received = steadyNow();
-  ++counters_.received;
+  counters_.receive(received);
+  shared_.sends_poses = true;
   takeOptions();
   if (std::atomic<std::uint64_t>* counter = refused(pose, sender, received)) {
     counters_.drop(*counter, received);

@@ -20,9 +20,6 @@ namespace haptic_cloth {
 /// Counts of received and dropped messages of a device.
 struct InputCounters : DropCounters {
   std::atomic<std::uint64_t> out_of_order{0}, late{0}, other_sender{0};
-  /// When a bad quaternion that should turn the probe last came, steady clock [s]. A device without
-  /// orientation sends zeros, which do not matter to a sphere.
-  std::atomic<double> bad_turn{-1e30};
   std::atomic<double> transform_age{0.0};  ///< of the frame of the last pose taken [s]
   std::atomic<UnitDoubt> doubt{UnitDoubt::None};
   std::uint64_t dropped() const { return DropCounters::dropped() + out_of_order + late + other_sender; }

@@ -10,9 +10,19 @@ namespace haptic_cloth {
 struct DropCounters {
   std::atomic<std::uint64_t> received{0}, not_finite{0}, unknown_frame{0}, too_far{0};
   std::atomic<std::uint64_t> bad_quaternion{0};  ///< poses taken with the last good orientation
+  /// When a bad quaternion that should have turned the body last came, steady clock [s]. A device without
+  /// orientation sends zeros, which do not matter to a sphere.
+  std::atomic<double> bad_turn{-1e30};
+  std::atomic<double> last_received{-1e30};      ///< steady clock [s]
   std::atomic<double> last_dropped{-1e30};       ///< steady clock [s]
   std::atomic<const std::atomic<std::uint64_t>*> last_counter{nullptr};  ///< of the last dropped message
   std::uint64_t dropped() const { return not_finite + unknown_frame + too_far; }
+
+  /// @param when steady clock [s]
+  void receive(double when) {
+    ++received;
+    last_received = when;
+  }
 
   /// @param when steady clock [s]
   void drop(std::atomic<std::uint64_t>& counter, double when) {

@@ -23,7 +23,7 @@ void ForceInput::takeOptions() {
 void ForceInput::accept(const geometry_msgs::WrenchStamped& wrench, const std::string& sender) {
   StampedForce force;
   const double received = steadyNow();
-  ++counters_.received;
+  counters_.receive(received);
   takeOptions();
   const auto& measured = wrench.wrench.force;
   const Vec3 given(measured.x, measured.y, measured.z);

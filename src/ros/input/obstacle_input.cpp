@@ -6,7 +6,7 @@
 namespace haptic_cloth {
 
 void ObstacleInput::accept(const geometry_msgs::PoseStamped& pose, double received) {
-  ++counters_.received;
+  counters_.receive(received);
   if (!isFinite(pose.pose)) {
     counters_.drop(counters_.not_finite, received);
     return;
@@ -25,6 +25,7 @@ void ObstacleInput::accept(const geometry_msgs::PoseStamped& pose, double receiv
     orientation_ = there.orientation.normalized();
   } else {
     ++counters_.bad_quaternion;
+    if (turns_) counters_.bad_turn = received;
   }
   shared_.write({++sent_, {there.position, orientation_}});
 }

@@ -12,9 +12,11 @@ namespace haptic_cloth {
 /// Input of one obstacle. Only one thread may call accept().
 class ObstacleInput {
  public:
-  /// @param start pose in the scene
-  ObstacleInput(const Pose& start, const FrameLookup& frames, Mailbox<ObstacleTarget>& shared)
-      : frames_(frames), shared_(shared), orientation_(start.orientation) {}
+  ObstacleInput(const Obstacle& obstacle, const FrameLookup& frames, Mailbox<ObstacleTarget>& shared)
+      : frames_(frames),
+        shared_(shared),
+        turns_(obstacle.shape != Shape::Sphere),
+        orientation_(obstacle.pose.orientation) {}
 
   /// @param received steady clock [s]
   void accept(const geometry_msgs::PoseStamped& pose, double received);
@@ -24,6 +26,7 @@ class ObstacleInput {
  private:
   FrameLookup frames_;
   Mailbox<ObstacleTarget>& shared_;
+  bool turns_;        ///< whether its orientation matters
   Quat orientation_;  ///< last good one in the cloth's frame
   std::uint64_t sent_ = 0;
   DropCounters counters_;

@@ -17,7 +17,7 @@ class ObstacleTopics {
  public:
   ObstacleTopics(const Obstacle& obstacle, const FrameLookup& frames, ros::NodeHandle& node,
                  ros::CallbackQueue& queue, Mailbox<ObstacleTarget>& shared)
-      : name_(obstacle.name), input_(obstacle.pose, frames, shared) {
+      : name_(obstacle.name), input_(obstacle, frames, shared) {
     ros::SubscribeOptions pose = ros::SubscribeOptions::create<geometry_msgs::PoseStamped>(
         topics::obstaclePose(name_), topics::kPoseQueue,
         [this](const geometry_msgs::PoseStamped::ConstPtr& message) { input_.accept(*message, steadyNow()); },

@@ -153,6 +153,8 @@ struct SharedProbe {
   Mailbox<StampedPose> pose;                    ///< pose callback → haptic thread
   Mailbox<StampedForce> force;                  ///< force callback → haptic thread; admittance devices
   Mailbox<FeltForce> felt;                      ///< haptic thread → display thread
+  /// The device sends poses, good or bad. Pose callback → haptic thread; admittance devices.
+  std::atomic<bool> sends_poses{false};
 };
 
 /// Target pose of an obstacle.

@@ -31,6 +31,9 @@ constexpr double kLead = 0.5;
 /// press on cloth on the way to their start [s].
 constexpr double kSilence = 0.2;
 
+/// A closed grasp is told again after this time, because a pause and a loaded state open it [s].
+constexpr double kGraspPeriod = 0.5;
+
 /// Estimates the time of the cloth between two state messages, at the real-time factor of the last interval.
 class ClothClock {
  public:
@@ -107,8 +110,11 @@ class PathProbe {
     closed.data = time > 0.0 && std::any_of(probe_.grasp.begin(), probe_.grasp.end(), [&](const auto& times) {
                     return times[0] <= time && time < times[1];
                   });
-    if (closed.data != closed_) grasp_.publish(closed);
+    const double now = haptic_cloth::steadyNow();
+    if (closed.data == closed_ && !(closed_ && now > told_ + kGraspPeriod)) return;
+    grasp_.publish(closed);
     closed_ = closed.data;
+    told_ = now;
   }
 
   bool isHeard() const { return pose_.getNumSubscribers() > 0; }
@@ -120,6 +126,7 @@ class PathProbe {
   haptic_cloth::DeviceOptions device_;
   ros::Publisher pose_, grasp_;
   bool closed_ = false;
+  double told_ = 0.0;  ///< when the node was told so [s]
 };
 
 int run(int argc, char** argv) {

@@ -37,7 +37,7 @@ std::vector<OptionGroup> groupsOf(HandOptions& hand) {
         {"mass", field(hand.mass), kPositive, "kg", "mass of device and finger"},
         {"stiffness", field(hand.stiffness), kPositive, "N/m", "stiffness of the arm"},
         {"damping", field(hand.damping), kNotNegative, "N·s/m", "damping of the arm"},
-        {"rate", field(hand.rate), kPositive, "Hz", "poses per second"},
+        {"rate", field(hand.rate), atLeast(1), "Hz", "poses per second"},
         {"frame_id", field(hand.frame_id), kNoRange, "", "frame of the poses"}}}};
 }
 
@@ -45,7 +45,7 @@ std::vector<OptionGroup> groupsOf(MouseHandOptions& hand) {
   return {{"",
            "",
            {{"node", field(hand.node), kNoRange, "", kServed},
-            {"rate", field(hand.rate), kPositive, "Hz", "poses per second"},
+            {"rate", field(hand.rate), atLeast(1), "Hz", "poses per second"},
             {"time_constant", field(hand.time_constant), kPositive, "s", "lag between marker and hand"}}}};
 }
 
@@ -53,7 +53,7 @@ std::vector<OptionGroup> groupsOf(PathHandOptions& hand) {
   return {{"",
            "",
            {{"node", field(hand.node), kNoRange, "", kServed},
-            {"rate", field(hand.rate), kPositive, "Hz", "poses per second"},
+            {"rate", field(hand.rate), atLeast(1), "Hz", "poses per second"},
             {"repeat_after", field(hand.repeat_after), kNotNegative, "s",
              "wait after the end of all paths before they start again with a reset; 0: they do not"}}}};
 }

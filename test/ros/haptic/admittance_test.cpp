@@ -161,6 +161,17 @@ class AdmittanceTest : public testing::Test {
 /// This test runs first, while the tool has not started.
 TEST_F(AdmittanceTest, ACommandComesWithTheFirstForceAndWhereTheDeviceIs) {
   ASSERT_TRUE(says("no force"));
+  {
+    const TestDevice lost(node_, Vec3::Constant(NAN));
+    ASSERT_TRUE(says("no pose"));
+    EXPECT_NE(diagnostics_.value("probe", "poses dropped: not finite"), "0");
+    push(Vec3::Zero());
+    ASSERT_TRUE(waitFor([&] { return std::stoi("0" + diagnostics_.value("probe", "received")) > 200; }));
+    EXPECT_EQ(command_.count(), 0u) << "nobody knows where the device is";
+  }
+  sensor_.reset();
+  const long then = diagnostics_.count();
+  ASSERT_TRUE(waitFor([&] { return diagnostics_.count() > then + 2; }));  // longer than force_timeout
   const Vec3 device(0.01, 0.02, 0.16);
   TestDevice pose(node_, turnedBack(device - kOffset));
   ASSERT_TRUE(waitFor([&] { return reaction_.count() > 200; }));

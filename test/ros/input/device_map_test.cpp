@@ -315,7 +315,7 @@ TEST(UnitCheck, DiagnosticsNameTheRemedy) {
   counters.doubt = UnitDoubt::TooFar;
   FeltForce felt;
   felt.status = HapticStatus::Free;
-  const auto status = probeStatus("probe", counters, felt, GraspState::Open, 0.0, 0.0);
+  const auto status = probeStatus("probe", {counters}, felt, GraspState::Open, 0.0, 0.0);
   EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::WARN);
   EXPECT_NE(status.message.find("device/position_unit to 0.001"), std::string::npos) << status.message;
 }

@@ -329,7 +329,7 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
 
   InputCounters counters;
   FeltForce felt;
-  const auto probe = [&] { return probeStatus("thumb", counters, felt, GraspState::Closed, 0.25, 10.0); };
+  const auto probe = [&] { return probeStatus("thumb", {counters}, felt, GraspState::Closed, 0.25, 10.0); };
   EXPECT_EQ(probe().level, DiagnosticStatus::OK);
   EXPECT_EQ(probe().name, "thumb");
   EXPECT_EQ(value(probe(), "error of the force, estimated [N]"), "0.25");
@@ -385,6 +385,8 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
   EXPECT_EQ(probe().message, "the force was weakened against a buzz within the last 5 s");
   felt.weakened = 4.0;
   EXPECT_EQ(probe().level, DiagnosticStatus::OK) << "6 s ago";
+  felt.status = HapticStatus::Paused;
+  EXPECT_EQ(probe().message, "paused");
   felt.status = HapticStatus::Inside;
   EXPECT_EQ(probe().message, "the probe appeared in the cloth; move it clear of it once");
   counters.last_dropped = 9.0;
@@ -397,13 +399,60 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
   EXPECT_EQ(probe().message, "quaternions that are not of length 1; the probe does not turn");
   counters.bad_turn = 4.0;
   const DiagnosticStatus shared =
-      probeStatus("thumb", counters, felt, GraspState::Open, 0.0, 10.0, "pose", "/other");
+      probeStatus("thumb", {counters}, felt, GraspState::Open, 0.0, 10.0, "/other");
   EXPECT_EQ(shared.level, DiagnosticStatus::WARN);
   EXPECT_EQ(shared.message, "the device also gets messages of /other");
   counters.last_dropped = 9.0;
-  EXPECT_EQ(probeStatus("thumb", counters, felt, GraspState::Open, 0.0, 10.0, "pose", "/other").message,
+  EXPECT_EQ(probeStatus("thumb", {counters}, felt, GraspState::Open, 0.0, 10.0, "/other").message,
             "the device also gets messages of /other; 3 poses dropped, the last: unknown frame");
   EXPECT_EQ(displayStatus(0, 0, false, 0).level, DiagnosticStatus::WARN);
+}
+
+TEST(Diagnostics, OfAnAdmittanceDeviceKnowItsPosesToo) {
+  InputCounters poses, forces;
+  FeltForce felt;
+  felt.status = HapticStatus::NoForce;
+  const auto status = [&] { return probeStatus("arm", {poses, &forces}, felt, GraspState::Open, 0.0, 10.0); };
+  EXPECT_EQ(status().message, "no force yet");
+  poses.receive(9.9);
+  poses.drop(poses.unknown_frame, 9.9);
+  EXPECT_EQ(status().message, "1 poses dropped, the last: unknown frame; no force");
+  forces.receive(9.9);
+  felt.status = HapticStatus::NoPose;
+  EXPECT_EQ(status().message, "1 poses dropped, the last: unknown frame; no force");
+  EXPECT_EQ(value(status(), "poses dropped: unknown frame"), "1");
+  EXPECT_EQ(value(status(), "dropped"), "0") << "no force was";
+  poses.last_dropped = 9.0;
+  EXPECT_EQ(status().message, "the poses stopped; no force") << "none was usable";
+  felt.status = HapticStatus::Free;
+  poses.last_dropped = 1.0;
+  EXPECT_EQ(status().message, "receiving");
+  felt.status = HapticStatus::ForceStale;
+  EXPECT_EQ(status().message, "the forces stopped; no force");
+}
+
+TEST(Diagnostics, OfAnObstacleSayWhetherItMoves) {
+  using diagnostic_msgs::DiagnosticStatus;
+  const tf2_ros::Buffer transforms;
+  Mailbox<ObstacleTarget> shared;
+  geometry_msgs::PoseStamped pose;
+  pose.pose = toPose(Vec3(0.0, 0.0, 0.5));
+  for (const Shape shape : {Shape::Box, Shape::Sphere}) {
+    Obstacle obstacle;
+    obstacle.shape = shape;
+    ObstacleInput input(obstacle, FrameLookup("world", transforms), shared);
+    const auto status = [&](double now) { return obstacleStatus("table", input.counters(), now); };
+    EXPECT_EQ(status(100.0).message, "no pose yet");
+    input.accept(pose, 100.0);
+    EXPECT_EQ(status(101.0).message, "receiving");
+    EXPECT_EQ(status(103.0).message, "stands still: no pose for 2 s");
+    EXPECT_EQ(status(103.0).level, DiagnosticStatus::OK);
+    geometry_msgs::PoseStamped without_turn = pose;
+    without_turn.pose.orientation.w = 0.0;
+    input.accept(without_turn, 104.0);
+    EXPECT_EQ(status(105.0).level, shape == Shape::Box ? DiagnosticStatus::WARN : DiagnosticStatus::OK)
+        << "a sphere cannot be seen to turn";
+  }
 }
 
 TEST(Frames, SayWhenTheirNewestTransformWasSent) {
@@ -431,7 +480,7 @@ TEST(Diagnostics, AnObstaclesDroppedPoseIsForgivenWhenPosesAreGoodAgain) {
   using diagnostic_msgs::DiagnosticStatus;
   const tf2_ros::Buffer transforms;
   Mailbox<ObstacleTarget> shared;
-  ObstacleInput table(Pose(), FrameLookup("world", transforms), shared);
+  ObstacleInput table(Obstacle(), FrameLookup("world", transforms), shared);
   const auto level = [&](double now) { return obstacleStatus("table", table.counters(), now).level; };
   geometry_msgs::PoseStamped good;
   good.pose = toPose(Vec3(0.0, 0.0, 0.5));

@@ -5,6 +5,7 @@
 #include <ros/ros.h>
 #include <signal.h>
 #include <std_srvs/Empty.h>
+#include <std_srvs/SetBool.h>
 
 #include <algorithm>
 #include <atomic>
@@ -18,7 +19,7 @@
 namespace haptic_cloth {
 namespace {
 
-/// The reset before each round opens the grasp, so the hand has to close it after that.
+/// The reset before each round opens the grasp, so the hand has to close it after that. So does a pause.
 TEST(PathHand, AGraspFromTheStartHoldsInEveryRound) {
   ros::NodeHandle node;
   ros::AsyncSpinner spinner(1);
@@ -29,6 +30,17 @@ TEST(PathHand, AGraspFromTheStartHoldsInEveryRound) {
   };
   for (int round = 1; round <= 2; ++round) {
     EXPECT_TRUE(becomes("holds cloth")) << "round " << round;
+    if (round == 1) {
+      const auto pause = [](bool paused) {
+        std_srvs::SetBool request;
+        request.request.data = paused;
+        return ros::service::call("/haptic_cloth/pause", request);
+      };
+      EXPECT_TRUE(pause(true));
+      EXPECT_TRUE(becomes("open"));
+      EXPECT_TRUE(pause(false));
+      EXPECT_TRUE(becomes("holds cloth")) << "the pause opened it";
+    }
     EXPECT_TRUE(becomes("open")) << "round " << round;
   }
 }

@@ -139,6 +139,19 @@ TEST(AdmittanceLoop, StandsUntilThereIsAForce) {
   EXPECT_NEAR((loop.device().position - device).norm(), 0.0, 1e-5) << "it has started";
 }
 
+/// Forces may come before poses. The device would be sent to `start` from wherever it is.
+TEST(AdmittanceLoop, TheFirstPlaceCountsEvenAfterTheStart) {
+  AdmittanceLoop loop(softlessOptions());
+  for (double now : {1.0, 1.001}) loop.tick(pushed(Vec3(1, 0, 0), now), nothingTouched(now), false, now);
+  ASSERT_TRUE(loop.started());
+  const Vec3 device(0.05, 0.0, 0.1);
+  loop.place(device);
+  EXPECT_EQ(loop.position(), device);
+  EXPECT_TRUE(loop.atRest());
+  loop.place(Vec3::Zero());
+  EXPECT_EQ(loop.position(), device) << "the second one does not count";
+}
+
 /// Loop whose tool moves at about 0.2 m/s.
 struct MovingLoop {
   HapticOptions options = softlessOptions();
