@@ -60,6 +60,8 @@ class Check {
     that(value <= most, key, std::to_string(value) + " entries", "must have at most " + std::to_string(most));
   }
 
+  std::string placeOf(const std::string& key) const { return locate_(key); }
+
  private:
   const Locate& locate_;
 };
@@ -146,7 +148,10 @@ void checkProbe(const Check& check, const std::string& prefix, ProbeOptions& pro
 
 void checkThresholds(const Check& check, const AdaptOptions& adapt) {
   const auto below = [&check](const char* key, double value, const char* bound, double most) {
-    check.that(value < most, key, value, std::string("must be below ") + bound + " = " + shortestText(most));
+    const std::string place = check.placeOf(bound);
+    check.that(value < most, key, value,
+               std::string("must be below ") + bound + " = " + shortestText(most) +
+                   (place == check.placeOf(key) ? "" : " of " + place));
   };
   below("adapt.coarsen_below", adapt.coarsen_below, "adapt.refine_above", adapt.refine_above);
   below("adapt.coarsen_below_strain", adapt.coarsen_below_strain, "adapt.refine_above_strain",

@@ -194,7 +194,7 @@ DiagnosticStatus probeStatus(const std::string& name, const DeviceCounters& coun
   const auto dropsNow = [&](const InputCounters& of) {
     return of.dropped() > 0 && now - of.last_dropped < (stale ? kNow : kLately);
   };
-  if (input.received == 0) {
+  if (input.received == 0 && !dropsNow(poses)) {
     judge(status, DiagnosticStatus::OK, "no " + message + " yet");
   } else if (felt.status == HapticStatus::SnapshotStale) {
     judge(status, DiagnosticStatus::WARN, "the solver stalls; no force");

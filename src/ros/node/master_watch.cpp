@@ -76,8 +76,9 @@ void MasterWatch::look() {
   ROS_WARN("registered again with the ROS master");
   XmlRpc::XmlRpcValue known;
   if (call("hasParam", {ros::this_node::getName()}, known) && !static_cast<bool>(known))
-    ROS_WARN("this master has no parameters of the node. It goes on with those it started with; programs that "
-             "read them (path_hand, mouse_hand, monitor) need them loaded again");
+    ROS_WARN(
+        "this master has no parameters of the node. It goes on with those it started with; programs that "
+        "read them (path_hand, mouse_hand, monitor) need them loaded again");
 }
 
 /// A device that gets messages of two nodes follows them in turn.

@@ -257,6 +257,14 @@ TEST_F(MarkersTest, CapsulesAndObstaclesStandWhereTheyAre) {
   EXPECT_NE(colour(GraspState::Closed), colour(GraspState::Holding));
 }
 
+/// Value of a key of a status; empty: there is none.
+std::string value(const diagnostic_msgs::DiagnosticStatus& status, const std::string& key) {
+  for (const auto& entry : status.values) {
+    if (entry.key == key) return entry.value;
+  }
+  return std::string("no " + key);
+}
+
 TEST(Diagnostics, LevelsSayWhatIsWrong) {
   using diagnostic_msgs::DiagnosticStatus;
   EXPECT_EQ(solverStatus(SolverStats(), false, 10.0).level, DiagnosticStatus::WARN);
@@ -265,12 +273,6 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
   solver.taken = 9.5;
   EXPECT_EQ(solverStatus(solver, false, 10.0).level, DiagnosticStatus::OK);
 
-  const auto value = [](const DiagnosticStatus& status, const std::string& key) {
-    for (const auto& entry : status.values) {
-      if (entry.key == key) return entry.value;
-    }
-    return std::string("no " + key);
-  };
   EXPECT_EQ(value(solverStatus(solver, false, 10.0), "processor"), processorName());
   EXPECT_EQ(value(solverStatus(solver, false, 10.0), "instruction set"), instructionSet());
   EXPECT_EQ(value(solverStatus(solver, false, 10.0), "given up"), "nothing");

@@ -47,7 +47,7 @@ TEST(ProgramOptions, SaysWhatIsWrong) {
   XmlRpcValue zero, unknown;
   zero["rate"] = 0.0;
   unknown["speed"] = 1.0;
-  EXPECT_EQ(messageOf<PathHandOptions>(zero), "/program (parameters): rate = 0: must be > 0");
+  EXPECT_EQ(messageOf<PathHandOptions>(zero), "/program (parameters): rate = 0: must be finite and >= 1");
   EXPECT_EQ(messageOf<PathHandOptions>(unknown),
             "/program (parameters): speed: unknown parameter; known here: node, rate, repeat_after");
 }
