@@ -13,8 +13,8 @@ struct DropCounters {
   /// When a bad quaternion that should have turned the body last came, steady clock [s]. A device without
   /// orientation sends zeros, which do not matter to a sphere.
   std::atomic<double> bad_turn{-1e30};
-  std::atomic<double> last_received{-1e30};      ///< steady clock [s]
-  std::atomic<double> last_dropped{-1e30};       ///< steady clock [s]
+  std::atomic<double> last_received{-1e30};                              ///< steady clock [s]
+  std::atomic<double> last_dropped{-1e30};                               ///< steady clock [s]
   std::atomic<const std::atomic<std::uint64_t>*> last_counter{nullptr};  ///< of the last dropped message
   std::uint64_t dropped() const { return not_finite + unknown_frame + too_far; }
 
