@@ -29,8 +29,7 @@ ProbeTopics::ProbeTopics(const NodeOptions& options, std::size_t number, const t
       named(topics::kGrasp), topics::kGraspQueue, [this](const std_msgs::Bool::ConstPtr& message) {
         const std::string refused = grasp(message->data);
         constexpr double kSeldom = 10.0;  // [s]; some senders repeat it
-        if (!refused.empty())
-          ROS_WARN_STREAM_THROTTLE(kSeldom, name_ << " does not grasp: " << refused);
+        if (!refused.empty()) ROS_WARN_STREAM_THROTTLE(kSeldom, name_ << " does not grasp: " << refused);
       });
   set_grasp_ = node.advertiseService(named(topics::kSetGrasp), &ProbeTopics::setGrasp, this);
 }
