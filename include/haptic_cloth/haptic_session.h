@@ -198,8 +198,8 @@ class AdmittanceSession : public ProbeSession {
 
   /// Sets the pose of a device that reports it. The tool starts at this position [m]
   /// (otherwise at AdmittanceOptions::start; the first pose brings it to the device even then) and turns with
-  /// the device (otherwise it has the orientation of the scene's probe). Ignored if it is not finite or beyond
-  /// kFarthestPose.
+  /// the device (otherwise it has the orientation of the scene's probe). Ignored if it is not finite or
+  /// beyond kFarthestPose.
   void setPose(const Pose& pose);
 
   /// Does the same as HapticSession::setOptions(). The tool keeps its place and its velocity.

@@ -17,8 +17,8 @@ class AdmittanceLoop {
   /// Does the same as HapticLoop::setOptions(). The tool keeps its place and its velocity.
   void setOptions(const HapticOptions& options, double unit);
 
-  /// Sets the position of the device [m], at which the tool starts. If the first one comes after the start, the
-  /// tool stands still there: a device that is elsewhere would be sent away. Ignored from then on.
+  /// Sets the position of the device [m], at which the tool starts. If the first one comes after the start,
+  /// the tool stands still there: a device that is elsewhere would be sent away. Ignored from then on.
   void place(const Vec3& position) {
     if (!started_ || !placed_) tool_.place(position);
     placed_ = true;

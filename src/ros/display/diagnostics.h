@@ -30,8 +30,8 @@ diagnostic_msgs::DiagnosticStatus probeStatus(const std::string& name, const Dev
                                               const FeltForce& felt, GraspState grasp, double force_error,
                                               double now, const std::string& others = "");
 
-/// Status of one obstacle that can be moved. A dropped pose, and a quaternion that should have turned it, is a
-/// warning for 5 s. An obstacle without new poses stands still, which is no fault.
+/// Status of one obstacle that can be moved. A dropped pose, and a quaternion that should have turned it, is
+/// a warning for 5 s. An obstacle without new poses stands still, which is no fault.
 diagnostic_msgs::DiagnosticStatus obstacleStatus(const std::string& name, const DropCounters& counters,
                                                  double now);
 
