@@ -1,7 +1,6 @@
 #include "contact/pair_geometry.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace haptic_cloth {
 

@@ -1,7 +1,6 @@
 /// Energy, forces and stiffness of contact samples: pressure and friction.
 #pragma once
 
-#include <algorithm>
 #include <vector>
 
 #include "contact/contact_law.h"

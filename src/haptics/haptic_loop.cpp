@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "haptic_cloth/error.h"
 #include "haptic_cloth/haptics.h"
 #include "haptics/coupling_model.h"
 #include "haptics/freshness.h"

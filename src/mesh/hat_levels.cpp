@@ -6,24 +6,41 @@
 namespace haptic_cloth {
 namespace {
 
-/// Number of levels that leaves a few hats along the longer side.
-int levelsOf(const Grid& grid) {
+/// Levels that leave a few hats along the longer side.
+std::vector<HatLevels::Level> levelsOf(const Grid& grid) {
   constexpr int kFewest = 4;
-  int levels = 0;
-  while ((std::max(grid.columns, grid.rows) - 1) >> levels >= kFewest) ++levels;
+  // A direction whose spacing is longer by this factor waits: without it cells come nearer to squares.
+  constexpr double kNearlySquare = 1.41421356;
+  const std::array<double, 2> spacing{grid.dx, grid.dy};
+  const std::array<int, 2> cells{grid.columns - 1, grid.rows - 1};
+  std::array<int, 2> span{1, 1};
+  std::vector<HatLevels::Level> levels;
+  while (std::max(cells[0] / span[0], cells[1] / span[1]) >= kFewest) {
+    HatLevels::Level level{};
+    for (std::size_t d = 0; d < 2; ++d) {
+      const std::size_t other = 1 - d;
+      const bool waits = span[d] * spacing[d] > kNearlySquare * span[other] * spacing[other];
+      if (!waits || span[other] > cells[other]) level.spans[d] = span[d];
+    }
+    for (std::size_t d = 0; d < 2; ++d) span[d] += level.spans[d];
+    levels.push_back(level);
+  }
   return levels;
 }
 
 }  // namespace
 
 HatLevels::HatLevels(const ActiveMesh& mesh) : grid_(mesh.grid), levels_(levelsOf(mesh.grid)) {
-  const auto last = [&](int particles, std::size_t level) {  // last point on the lattice of a level
-    return (particles - 1 + (1 << level) - 1) >> level;
+  const auto points_along = [](int particles, int span) {  // with one beyond the end, if need be
+    return static_cast<std::size_t>((particles - 1 + span - 1) / span + 1);
   };
   number_.resize((grid_.columns + levels_.size()) * (grid_.rows + levels_.size()));
   std::size_t hats = 0, points = mesh.grid.particles() + 1;
-  for (std::size_t level = 1; level <= levels_.size(); ++level) {
-    const std::size_t columns = last(mesh.grid.columns, level) + 1, rows = last(mesh.grid.rows, level) + 1;
+  std::array<int, 2> span{1, 1};
+  for (const Level& level : levels_) {
+    for (std::size_t d = 0; d < 2; ++d) span[d] += level.spans[d];
+    const std::size_t columns = points_along(grid_.columns, span[0]),
+                      rows = points_along(grid_.rows, span[1]);
     hats += columns * rows;
     points += columns + rows + 1;  // points beyond the ends
   }
@@ -47,9 +64,9 @@ void HatLevels::rebuild(const ActiveMesh& mesh) {
   }
   nowhere_ = points();
   place_.push_back({-1, -1});
-  for (std::size_t l = 0; l < levels_.size(); ++l) {
-    addChildren(levels_[l], 1 << l);
-    addHats(levels_[l]);
+  for (Level& level : levels_) {
+    addChildren(level);
+    addHats(level);
   }
 }
 
@@ -76,13 +93,13 @@ int HatLevels::pointAt(int i, int j) {
 
 /// Adds the points between those of the next lattice as children, and keeps the others for the next
 /// level.
-void HatLevels::addChildren(Level& level, int span) {
+void HatLevels::addChildren(Level& level) {
   const int count = static_cast<int>(remaining_.size());
   const auto add = [&](bool four) {
     for (int k = 0; k < count; ++k) {
       const int point = remaining_[k];
       const auto [i, j] = place_[point];
-      const int di = i & span, dj = j & span;
+      const int di = i & level.spans[0], dj = j & level.spans[1];
       if (four ? !(di && dj) : !di == !dj) continue;
       children_.push_back({point,
                            {pointAt(i - di, j - dj), pointAt(i + di, j - dj), pointAt(i - di, j + dj),
@@ -93,7 +110,9 @@ void HatLevels::addChildren(Level& level, int span) {
   level.children = static_cast<int>(children_.size());
   level.fours = add(false);
   level.children_end = add(true);
-  const auto is_child = [&](int point) { return ((place_[point].i | place_[point].j) & span) != 0; };
+  const auto is_child = [&](int point) {
+    return (place_[point].i & level.spans[0]) != 0 || (place_[point].j & level.spans[1]) != 0;
+  };
   const auto end = remaining_.begin() + count;
   remaining_.erase(std::remove_if(remaining_.begin(), end, is_child), end);
 }

@@ -9,9 +9,10 @@
 
 namespace haptic_cloth {
 
-/// Lattices of points; level l = 0, 1, ... has a spacing of 2^l finest cells. A point that is not
-/// on the next lattice is a child; its value is the mean of the two or four nearest points there,
-/// its parents. Each point with children carries a hat function, which is one there and falls
+/// Lattices of points; the first has the spacing of the finest cells. From one to the next the spacing
+/// doubles in both directions, or only in that in which it is much shorter, until cells are nearly square. A
+/// point that is not on the next lattice is a child; its value is the mean of the two or four nearest points
+/// there, its parents. Each point with children carries a hat function, which is one there and falls
 /// linearly to zero at the points around it. Where the mesh is no finer than the lattice there are
 /// no children. Points may lie beyond the end of the cloth. Points are numbered after the nodes;
 /// nowhere() comes directly after the nodes.
@@ -31,8 +32,11 @@ class HatLevels {
     double shares;                       ///< sum of its weights in the means of its children
   };
 
+  /// Spacings that double from this lattice to the next, in finest cells; 0: that direction stays as it is.
   /// Ranges of children() and hats(); children before `fours` have two parents, the others four.
   struct Level {
+    std::array<int, 2> spans;
+    bool doublesBoth() const { return spans[0] > 0 && spans[1] > 0; }
     int children, fours, children_end, hats, hats_end;
   };
 
@@ -90,7 +94,7 @@ class HatLevels {
 
   int& numberAt(int i, int j);
   int pointAt(int i, int j);
-  void addChildren(Level& level, int span);
+  void addChildren(Level& level);
   void addHats(Level& level);
 
   Grid grid_;

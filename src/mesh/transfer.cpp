@@ -17,6 +17,14 @@ Vec3 middleOfDiagonal(const Cell& cell, const std::array<int, 4>& c, const std::
   return cell.diagonalRises() ? 0.5 * (x[c[0]] + x[c[3]]) : 0.5 * (x[c[1]] + x[c[2]]);
 }
 
+/// Sets the values of hanging particles to the means of their masters.
+void setHanging(const ActiveMesh& mesh, std::vector<Vec3>& values) {
+  for (const Ghost& g : mesh.ghosts) {
+    const int p = mesh.particle[g.node], a = mesh.particle[g.a], b = mesh.particle[g.b];
+    values[p] = 0.5 * (values[a] + values[b]);
+  }
+}
+
 }  // namespace
 
 void interpolateCell(const Grid& grid, const Cell& cell, std::vector<Vec3>& values) {
@@ -107,10 +115,7 @@ void MergeTransfer::apply(const LeafMesh& leaves, const ActiveMesh& mesh, Partic
   for (std::vector<Vec3>* values : motionsOf(state)) {
     if (!values->empty()) apply(leaves, mesh, *values);
   }
-  for (const Ghost& g : mesh.ghosts) {
-    const int p = mesh.particle[g.node], a = mesh.particle[g.a], b = mesh.particle[g.b];
-    state.position[p] = 0.5 * (state.position[a] + state.position[b]);
-  }
+  setHanging(mesh, state.position);
 }
 
 void MergeTransfer::apply(const LeafMesh& leaves, const ActiveMesh& mesh, std::vector<Vec3>& values) {
@@ -137,10 +142,7 @@ void MergeTransfer::apply(const LeafMesh& leaves, const ActiveMesh& mesh, std::v
   for (int n = 0; n < mesh.free; ++n) {
     if (changed_[n]) values[mesh.particle[n]] = momentum_[n] / mesh.mass[n];
   }
-  for (const Ghost& g : mesh.ghosts) {
-    const int p = mesh.particle[g.node], a = mesh.particle[g.a], b = mesh.particle[g.b];
-    values[p] = 0.5 * (values[a] + values[b]);
-  }
+  setHanging(mesh, values);
 }
 
 }  // namespace haptic_cloth

@@ -1,7 +1,5 @@
 #include "mesh/triangle_surface.h"
 
-#include <algorithm>
-
 namespace haptic_cloth {
 
 TriangleSurface::TriangleSurface(const Grid& grid) {

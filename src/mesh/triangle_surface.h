@@ -1,4 +1,4 @@
-/// TriangleSurface of the cloth as triangles: two for each leaf.
+/// Surface of the cloth as triangles: two for each leaf.
 #pragma once
 
 #include <array>

@@ -189,7 +189,7 @@ class Team {
   }
 
   /// Calls body() here and task() on another thread, if one is there before body() has ended, else here after
-  /// it. Neither may need the other; task() runs no loops of the team and throws nothing.
+  /// it. Neither may need the other; task() runs no loops of the team.
   template <class Task, class Body>
   void runBeside(const Task& task, const Body& body) {
     if (!loop_->open) {
@@ -197,13 +197,24 @@ class Team {
       task();
       return;
     }
-    // The task has to end before this call does, also if body() throws.
-    struct Offer {
-      Loop& loop;
-      ~Offer() { loop.finishOffer(); }
-    } offer{*loop_};
-    loop_->offer([](const void* context, int) { (*static_cast<const Task*>(context))(); }, &task);
-    body();
+    std::exception_ptr failure;  // no exception may leave another thread
+    const auto caught = [&] {
+      try {
+        task();
+      } catch (...) {
+        failure = std::current_exception();
+      }
+    };
+    {
+      // The task has to end before this call does, also if body() throws.
+      struct Offer {
+        Loop& loop;
+        ~Offer() { loop.finishOffer(); }
+      } offer{*loop_};
+      loop_->offer([](const void* context, int) { (*static_cast<decltype(&caught)>(context))(); }, &caught);
+      body();
+    }
+    if (failure) std::rethrow_exception(failure);
   }
 
   /// Calls work(k) for tasks 0 .. count-1, each long enough to be shared.

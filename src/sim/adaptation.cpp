@@ -1,7 +1,6 @@
 #include "sim/adaptation.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace haptic_cloth {
 

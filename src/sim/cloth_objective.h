@@ -164,10 +164,10 @@ class ClothObjective : public Objective {
 
   double timeStep() const { return integrator_.stepLength(); }  ///< length of the step [s]
 
-  /// Unit of residuals, |gravity| [m/s²].
+  /// Unit of residuals: |gravity|, or 9.81 without gravity [m/s²].
   double accelerationUnit() const { return acceleration_unit_; }
 
-  /// residual() of a state with this motionCost() [J]; 0 if all nodes are pinned.
+  /// residual() of a state with this motionCost() [J]; 0 if nothing is free to move.
   double residualOf(double cost) const {
     return residual_unit_ > 0.0 ? std::sqrt(2.0 * cost / residual_unit_) / timeStep() : 0.0;
   }
@@ -251,8 +251,8 @@ class ClothObjective : public Objective {
   Vec3 gravity_;
   Preconditioner preconditioner_;
   std::vector<Coupling> couplings_;  ///< one for each probe of the scene
-  double acceleration_unit_ = 1.0;   ///< |gravity| [m/s²]
-  /// Mass of the free nodes times |gravity|², the unit of squared residuals [kg m²/s⁴].
+  double acceleration_unit_ = 1.0;   ///< see accelerationUnit() [m/s²]
+  /// Mass of the free nodes times its square, the unit of squared residuals [kg m²/s⁴].
   double residual_unit_ = 1.0;
 
   std::vector<ProbeStep> probes_;

@@ -225,6 +225,7 @@ void ClothWorld::restore() {
 /// Makes a step that changes nothing but the time.
 StepReport ClothWorld::skipStep(int length) {
   StepReport report = idle_.skipped();
+  energy_.beginStep(solver_.objective());
   adaptation_.startDecision(ticks_);  // one for cloth that rests would change nothing
   ++steps_;
   ticks_ += length;

@@ -1,7 +1,6 @@
 #include "sim/energy_balance.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace haptic_cloth {
 
@@ -10,7 +9,7 @@ EnergyBalance::EnergyBalance(const Cloth& cloth, const ClothObjective& solved) {
 }
 
 void EnergyBalance::beginStep(const ClothObjective& last) {
-  created_by_mesh_ = returned_by_slip_ = 0.0;
+  created_by_mesh_ = created_by_samples_ = returned_by_slip_ = 0.0;
   pin_work_ = pin_drag_ = 0.0;
   contact_before_ = last.contactEnergy();
   layers_before_ = last.layerEnergy();

@@ -115,16 +115,20 @@ void JointObjective::takeHeld(Field& forces) {
   }
 }
 
-/// Gradient by positions: the sum of the changes of force along the residual, which are in the
-/// slots.
-void JointObjective::gatherGradient(Vector& gradient) {
+/// Sums the changes of force along a field, which are in the slots.
+void JointObjective::gatherAlong(const Field& field) {
   team_.forRange(mesh_.nodes(), [&](int begin, int end) {
-    for (int n = begin; n < end; ++n) gradient_.set(n, mesh_.mass[n] * step_.inertia(n) * residual_[n]);
+    for (int n = begin; n < end; ++n) gradient_.set(n, mesh_.mass[n] * step_.inertia(n) * field[n]);
     elements_.gather(begin, end, gradient_);
     contacts_.addChange(begin, end, gradient_);
   });
   mesh_.handOverGhosts(gradient_);
   takeHeld(gradient_);
+}
+
+/// Gradient by positions: the sum of the changes of force along the residual.
+void JointObjective::gatherGradient(Vector& gradient) {
+  gatherAlong(residual_);
   step_.packFree(gradient_, gradient);
   forPresent([&](int k, int at) {
     gradient.segment<3>(at) =
@@ -149,13 +153,7 @@ double JointObjective::changeOfForces(const double* d_forces) {
   team_.forRange(contacts_.size(), [&](int begin, int end) {
     contacts_.linearise(begin, end, nodes_, motion_, proxy_motions_);
   });
-  team_.forRange(mesh_.nodes(), [&](int begin, int end) {
-    for (int n = begin; n < end; ++n) gradient_.set(n, mesh_.mass[n] * step_.inertia(n) * motion_[n]);
-    elements_.gather(begin, end, gradient_);
-    contacts_.addChange(begin, end, gradient_);
-  });
-  mesh_.handOverGhosts(gradient_);
-  takeHeld(gradient_);
+  gatherAlong(motion_);
   double quadratic_form = laws[0] + team_.sum(mesh_.free, [&](int begin, int end) {
     Sums sums = Sums::Zero();
     for (int n = begin; n < end; ++n) sums[0] += weight_[n] * gradient_[n].squaredNorm();

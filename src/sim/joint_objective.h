@@ -44,6 +44,7 @@ class JointObjective : public Objective {
   void evaluateElements(const double* forces);
   double residualForces();
   void takeHeld(Field& forces);
+  void gatherAlong(const Field& field);
   void gatherGradient(Vector& gradient);
   double changeOfForces(const double* d_forces);
 

@@ -159,18 +159,20 @@ void MultilevelPreconditioner::invertHats() {
   hat_inverse_.resize(hats_.hats().size());
   for (const HatLevels::Level& level : hats_.levels()) {
     const auto invert = [&](int begin, int end) {
-      for (int k = level.hats + begin; k < level.hats + end; ++k) invertHat(k);
+      for (int k = level.hats + begin; k < level.hats + end; ++k) invertHat(k, level.doublesBoth());
     };
     team_.forRange(level.hats_end - level.hats, invert, kInverse);
   }
 }
 
-void MultilevelPreconditioner::invertHat(int k) {
+/// @param square whether the lattice below the hat is narrower in both directions
+void MultilevelPreconditioner::invertHat(int k, bool square) {
   const HatLevels::Hat& hat = hats_.hats()[k];
   const int point = hat.point;
   hats_.gatherChildren(hat, between_.data());
   hats_.gatherChildren(hat, points_.data());
-  between_[point] /= 1.0 + hat.shares;
+  // The mean of what it covers. Twice as long and no wider, edges have half of their stiffness.
+  between_[point] /= (square ? 1.0 : 2.0) * (1.0 + hat.shares);
   const bool held = point >= mesh_.free && point < mesh_.active();
   const Block own = held ? Block(Block::Zero()) : inverse(kOverlap * (between_[point] + points_[point]));
   hat_inverse_[k] << matrix(own).cast<float>(), Eigen::RowVector3f::Zero();
@@ -215,7 +217,11 @@ void MultilevelPreconditioner::applyHats() {
   }
   for (const int top : hats_.tops()) values[top].setZero();
   for (auto level = hats_.levels().rbegin(); level != hats_.levels().rend(); ++level) {
-    for (int k = level->hats; k < level->hats_end; ++k) values[hats_.hats()[k].point] += corrections_[k];
+    const auto add = [&](int begin, int end) {
+      for (int k = level->hats + begin; k < level->hats + end; ++k)
+        values[hats_.hats()[k].point] += corrections_[k];
+    };
+    team_.forRange(level->hats_end - level->hats, add, kHat);
     const auto interpolate = [&](int begin, int end) { hats_.interpolate(*level, begin, end, values); };
     team_.forRange(level->children_end - level->children, interpolate, kHat);
   }

@@ -89,7 +89,7 @@ class MultilevelPreconditioner {
   Block ofNode(int n) const { return between_[n] + points_[n] + layers_[n]; }
   void invertNodes(const std::vector<char>& awake, const std::vector<HeldNode>& held);
   void invertHats();
-  void invertHat(int k);
+  void invertHat(int k, bool square);
   void applyHats();
   void applyBody(const Body& body, const Vector& gradient, Vector& z) const;
 

@@ -1,7 +1,6 @@
 /// Text of what a simulation is given, for recordings. The format is in docs/reference/recordings.md.
 #pragma once
 
-#include <cstdint>
 #include <istream>
 #include <string>
 #include <vector>

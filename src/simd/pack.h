@@ -37,7 +37,6 @@ struct PackIndices {
     }
     return false;
   }
-  bool inRow() const { return rows == (1u << (kPack - 1)) - 1; }
 };
 
 /// Nodes of a pack of cells: corners (i, j), (i+s, j), (i, j+s), (i+s, j+s).

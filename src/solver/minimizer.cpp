@@ -152,7 +152,7 @@ double Minimizer::slopeAlongDirection(Objective& objective, Team& team, const Ve
 
 /// Newton's step along d, or the largest admissible one. If in a long solve that is much less than Newton's,
 /// a few constraints stop all unknowns. Then d is bent around them, if that promises to lower Φ further.
-double Minimizer::firstStep(Objective& objective, const MinimizerReport& report) {
+double Minimizer::firstStep(Objective& objective, Team& team, const MinimizerReport& report) {
   constexpr double kMuch = 0.2;  // of Newton's step
   const auto promise = [](double slope, const Objective::Along& along) {
     return -along.step * (slope + 0.5 * along.step * along.quadratic_form);
@@ -162,7 +162,7 @@ double Minimizer::firstStep(Objective& objective, const MinimizerReport& report)
   if (!isLong(report) || !(straight.step < kMuch * newton)) return straight.step;
   trial_.head(size_) = direction_.head(size_);
   if (!objective.keepClear(direction_, newton)) return straight.step;
-  const double slope = direction_.head(size_).dot(gradient_.head(size_));
+  const double slope = slopeAlongDirection(objective, team, gradient_);
   const Objective::Along bent = objective.along(direction_, slope);
   if (slope < 0.0 && promise(slope, bent) > promise(slope_, straight)) {
     slope_ = slope;
@@ -184,7 +184,7 @@ bool Minimizer::lineSearch(Objective& objective, Team& team, Vector& x, double& 
   constexpr double kSufficient = 1e-4, kRounding = 1e-10;
   constexpr double kFar = 0.5;  // slope at the end over that at the start: beyond the minimum by far [-]
   constexpr int kTrials = 20;
-  double step = firstStep(objective, report);
+  double step = firstStep(objective, team, report);
   bool may_shorten = true;
   for (int trial = 0; trial < kTrials; ++trial) {
     const auto go = [&](int begin, int end) {

@@ -40,7 +40,7 @@ class Minimizer {
 
   void direction(Objective& objective, Team& team, bool restart, MinimizerReport& report);
   double slopeAlongDirection(Objective& objective, Team& team, const Vector& gradient) const;
-  double firstStep(Objective& objective, const MinimizerReport& report);
+  double firstStep(Objective& objective, Team& team, const MinimizerReport& report);
   bool lineSearch(Objective& objective, Team& team, Vector& x, double& value, MinimizerReport& report);
 
   MinimizerOptions options_;

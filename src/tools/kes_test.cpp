@@ -1,9 +1,7 @@
 /// kes_test: the Kawabata tests on a virtual specimen of a fabric file.
 #include <sys/wait.h>
 
-#include <csignal>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -15,13 +13,12 @@
 #include "state/new_file.h"
 #include "tools/command_line.h"
 #include "tools/kes_values.h"
+#include "tools/run_tool.h"
 #include "tools/specimen.h"
 #include "tools/standard_output.h"
 
 namespace haptic_cloth {
 namespace {
-
-enum ExitCode { kSuccess = 0, kBadInput = 2, kFailed = 3, kNotWritten = 4 };
 
 constexpr const char* kCsvHeader = "deformation,force,upper,lower\n";
 
@@ -152,22 +149,4 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace haptic_cloth
 
-int main(int argc, char** argv) {
-  std::signal(SIGXFSZ, SIG_IGN);  // the limit of a file's size is an error like a full disk
-  std::signal(SIGPIPE, SIG_IGN);  // so is a reader that has gone, of the output or of the plot
-  try {
-    return haptic_cloth::run(argc, argv);
-  } catch (const haptic_cloth::UsageError& error) {
-    std::cerr << "kes_test: " << error.what() << " (see --help)" << std::endl;
-    return haptic_cloth::kBadInput;
-  } catch (const haptic_cloth::InputError& error) {
-    std::cerr << error.what() << std::endl;
-    return haptic_cloth::kBadInput;
-  } catch (const haptic_cloth::OutputError& error) {
-    std::cerr << "kes_test: " << error.what() << std::endl;
-    return haptic_cloth::kNotWritten;
-  } catch (const std::exception& error) {
-    std::cerr << "kes_test: " << error.what() << std::endl;
-    return haptic_cloth::kFailed;
-  }
-}
+int main(int argc, char** argv) { return haptic_cloth::runTool("kes_test", haptic_cloth::run, argc, argv); }

@@ -1,8 +1,5 @@
 #include "tools/kes_values.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "fabric/fabric_laws.h"
 
 namespace haptic_cloth {

@@ -2,10 +2,8 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <csignal>
 #include <cstdint>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -24,6 +22,7 @@
 #include "tools/command_line.h"
 #include "tools/outputs.h"
 #include "tools/run.h"
+#include "tools/run_tool.h"
 #include "tools/standard_output.h"
 #include "tools/summary.h"
 
@@ -32,8 +31,6 @@ namespace {
 using haptic_cloth::RunRecord;
 using haptic_cloth::RunTotals;
 using haptic_cloth::Simulation;
-
-enum ExitCode { kSuccess = 0, kBadInput = 2, kSimulationFailed = 3, kNotWritten = 4 };
 
 /// A run with a larger share of failed steps has not simulated its scene.
 constexpr double kMaxFailedShare = 0.1;
@@ -151,7 +148,8 @@ int simulate(const Arguments& arguments) {
     }
     const double budget = simulation.scene().solver.minimizer.time_budget;
     if (budget > 0.0) {
-      throw haptic_cloth::InputError(arguments.scene, "solver.time_budget", std::to_string(budget),
+      throw haptic_cloth::InputError(arguments.scene, "solver.time_budget",
+                                     haptic_cloth::shortestText(budget),
                                      "must be 0 for --replay: a clock cannot be repeated");
     }
     recording.open(arguments.replay);
@@ -186,37 +184,20 @@ int simulate(const Arguments& arguments) {
   if (replay && difference.empty()) std::cout << arguments.replay << ": replayed to the same state\n";
   haptic_cloth::requireStandardOutput();
   if (!difference.empty()) std::cerr << difference << std::endl;
-  if (succeeded) return difference.empty() ? kSuccess : kSimulationFailed;
+  if (succeeded) return difference.empty() ? haptic_cloth::kSuccess : haptic_cloth::kFailed;
   std::cerr << arguments.scene << ": simulation failed: "
             << (finite ? std::to_string(totals.failed_steps) + " of " + std::to_string(totals.steps) +
                              " steps were restored"
                        : std::string("the final state is not finite"))
             << std::endl;
-  return kSimulationFailed;
+  return haptic_cloth::kFailed;
 }
 
 int run(int argc, char** argv) {
   Arguments arguments;
-  return readArguments(argc, argv, arguments) ? simulate(arguments) : kSuccess;
+  return readArguments(argc, argv, arguments) ? simulate(arguments) : haptic_cloth::kSuccess;
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  std::signal(SIGXFSZ, SIG_IGN);  // the limit of a file's size is an error like a full disk
-  try {
-    return run(argc, argv);
-  } catch (const haptic_cloth::UsageError& error) {
-    std::cerr << "simulate: " << error.what() << " (see --help)" << std::endl;
-    return kBadInput;
-  } catch (const haptic_cloth::InputError& error) {
-    std::cerr << error.what() << std::endl;
-    return kBadInput;
-  } catch (const haptic_cloth::OutputError& error) {
-    std::cerr << "simulate: " << error.what() << std::endl;
-    return kNotWritten;
-  } catch (const std::exception& error) {
-    std::cerr << "simulate: " << error.what() << std::endl;
-    return kSimulationFailed;
-  }
-}
+int main(int argc, char** argv) { return haptic_cloth::runTool("simulate", run, argc, argv); }

@@ -1,8 +1,6 @@
 #include "tools/specimen.h"
 
-#include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "fabric/fabric_laws.h"
 

@@ -1,7 +1,6 @@
 /// The virtual Kawabata tests: a specimen meshed like the cloth, deformed as the KES-F instruments do.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "energy/internal_energy.h"

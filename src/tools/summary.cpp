@@ -1,7 +1,6 @@
 #include "tools/summary.h"
 
 #include <cmath>
-#include <cstdio>
 #include <iomanip>
 #include <nlohmann/json.hpp>
 #include <sstream>

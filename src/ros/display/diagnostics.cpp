@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "haptic_cloth/machine.h"
+#include "state/number_text.h"
 
 namespace haptic_cloth {
 namespace {
@@ -42,6 +43,8 @@ void judge(DiagnosticStatus& status, int level, const std::string& message) {
   status.level = static_cast<DiagnosticStatus::_level_type>(level);
   status.message = message;
 }
+
+std::string seconds(double time) { return shortestText(time) + " s"; }
 
 using DropReason = std::pair<const char*, const std::atomic<std::uint64_t>*>;
 
@@ -210,7 +213,7 @@ DiagnosticStatus probeStatus(const std::string& name, const DeviceCounters& coun
   } else if (felt.status == HapticStatus::Paused) {
     judge(status, DiagnosticStatus::OK, "paused");
   } else if (now - felt.stopped < kLately) {
-    judge(status, DiagnosticStatus::WARN, "the force was off within the last 5 s");
+    judge(status, DiagnosticStatus::WARN, "the force was off within the last " + seconds(kLately));
   } else if (doubt != UnitDoubt::None) {
     judge(status, DiagnosticStatus::WARN, toText(doubt));
   } else if (poses.transform_age > kTransformAge) {
@@ -218,7 +221,8 @@ DiagnosticStatus probeStatus(const std::string& name, const DeviceCounters& coun
   } else if (now - poses.bad_turn < kLately) {
     judge(status, DiagnosticStatus::WARN, std::string(kBadTurn) + "; the probe does not turn");
   } else if (now - felt.weakened < kLately) {
-    judge(status, DiagnosticStatus::WARN, "the force was weakened against a buzz within the last 5 s");
+    judge(status, DiagnosticStatus::WARN,
+          "the force was weakened against a buzz within the last " + seconds(kLately));
   } else {
     judge(status, DiagnosticStatus::OK, "receiving");
   }
@@ -253,9 +257,9 @@ DiagnosticStatus obstacleStatus(const std::string& name, const DropCounters& cou
     judge(status, DiagnosticStatus::WARN, std::string(kBadTurn) + "; the obstacle does not turn");
   } else {
     judge(status, DiagnosticStatus::OK,
-          counters.received == 0 ? "no pose yet"
-          : moves                ? "receiving"
-                                 : "stands still: no pose for 2 s");
+          counters.received == 0 ? std::string("no pose yet")
+          : moves                ? std::string("receiving")
+                                 : "stands still: no pose for " + seconds(kMoving));
   }
   add(status, "", counters);
   add(status, "taken: bad quaternion", counters.bad_quaternion.load());

@@ -4,7 +4,6 @@
 #include <haptic_cloth/ClothState.h>
 #include <ros/node_handle.h>
 
-#include <cmath>
 #include <cstdint>
 #include <deque>
 #include <limits>

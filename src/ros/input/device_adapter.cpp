@@ -3,6 +3,7 @@
 #include <ros/console.h>
 #include <ros/master.h>
 #include <ros/this_node.h>
+#include <xmlrpcpp/XmlRpcException.h>
 
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/haptics.h"
@@ -44,10 +45,13 @@ std::optional<std::string> typeOnMaster(const std::string& topic) {
   XmlRpc::XmlRpcValue request, response, types;
   request[0] = ros::this_node::getName();
   if (!ros::master::execute("getTopicTypes", request, response, types, false)) return std::nullopt;
-  for (int k = 0; k < types.size(); ++k) {
-    if (static_cast<std::string>(types[k][0]) != topic) continue;
-    const auto type = static_cast<std::string>(types[k][1]);
-    if (type != "*") return type;
+  try {
+    for (int k = 0; k < types.size(); ++k) {
+      if (static_cast<std::string>(types[k][0]) != topic) continue;
+      const auto type = static_cast<std::string>(types[k][1]);
+      if (type != "*") return type;
+    }
+  } catch (const XmlRpc::XmlRpcException&) {  // an answer of another form names no type
   }
   return std::nullopt;
 }

@@ -6,7 +6,6 @@
 #include <ros/node_handle.h>
 #include <topic_tools/shape_shifter.h>
 
-#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>

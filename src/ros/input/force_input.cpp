@@ -1,5 +1,7 @@
 #include "ros/input/force_input.h"
 
+#include <ros/console.h>
+
 #include "ros/node/conversions.h"
 #include "ros/node/steady_clock.h"
 
@@ -7,13 +9,14 @@ namespace haptic_cloth {
 
 ForceInput::ForceInput(const NodeOptions& options, std::size_t number, const tf2_ros::Buffer& transforms,
                        SharedState& shared)
-    : use_tf_(options.probes[number].device.use_tf),
+    : name_(options.scene.probes[number].name),
+      use_tf_(options.probes[number].device.use_tf),
       frames_(options.frame_id, transforms),
       shared_(shared.probes[number]),
       live_(shared.live_for_poses),
       silence_(options.probes[number].haptics.admittance.force_timeout),
       gate_(options.max_pose_age, silence_),
-      notice_("forces of " + options.scene.probes[number].name, frames_.clothFrame()) {}
+      notice_("forces of " + name_, frames_.clothFrame()) {}
 
 void ForceInput::takeOptions() {
   if (!live_.readNew()) return;
@@ -30,9 +33,13 @@ void ForceInput::accept(const geometry_msgs::WrenchStamped& wrench, const std::s
   const ros::Time now = ros::Time::now();
   const PoseVerdict verdict = gate_.judge(wrench.header, given.allFinite(), sender, now, received);
   if (std::atomic<std::uint64_t>* counter = counters_.of(verdict)) {
-    counters_.drop(*counter, received);
+    if (verdict == PoseVerdict::OtherSender && *counter == 0)
+      ROS_WARN_STREAM("forces of " << name_ << " from " << sender << " are dropped as long as "
+                                   << gate_.sender() << " sends, too");
+    if (verdict == PoseVerdict::NotFinite) warn(notice_.unusable("not finite", received));
     if (verdict == PoseVerdict::Late)
       warn(notice_.late(secondsBetween(wrench.header.stamp, now), gate_.maxAge(), received));
+    counters_.drop(*counter, received);
     return;
   }
   force.frame_id = wrench.header.frame_id.empty() ? frames_.clothFrame() : wrench.header.frame_id;

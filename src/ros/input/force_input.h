@@ -23,7 +23,8 @@ class ForceInput {
  private:
   void takeOptions();
 
-  bool use_tf_;  ///< see DeviceOptions
+  std::string name_;  ///< of the probe
+  bool use_tf_;       ///< see DeviceOptions
   FrameLookup frames_;
   SharedProbe& shared_;
   LiveReader live_;

@@ -9,6 +9,7 @@
 #include <ros/topic_manager.h>
 #include <ros/xmlrpc_manager.h>
 #include <xmlrpcpp/XmlRpcClient.h>
+#include <xmlrpcpp/XmlRpcException.h>
 #include <xmlrpcpp/XmlRpcValue.h>
 
 #include <algorithm>
@@ -50,7 +51,11 @@ void MasterWatch::run(const std::atomic<bool>& stop) {
   while (!stop) {
     sleepUntil(steadyNow() + kPoll);
     if (steadyNow() < due) continue;
-    look();
+    try {
+      look();
+    } catch (const XmlRpc::XmlRpcException& error) {
+      ROS_WARN_STREAM_THROTTLE(60.0, "the ROS master gave an unexpected answer: " << error.getMessage());
+    }
     due = steadyNow() + kPeriod;
   }
 }

@@ -10,7 +10,6 @@
 #include <tf2_ros/buffer.h>
 #include <visualization_msgs/MarkerArray.h>
 
-#include <algorithm>
 #include <array>
 #include <chrono>
 #include <deque>

@@ -1,6 +1,7 @@
 /// The clock that all threads share.
 #pragma once
 
+#include <errno.h>
 #include <time.h>
 
 namespace haptic_cloth {
@@ -17,7 +18,7 @@ inline void sleepUntil(double time) {
   timespec until;
   until.tv_sec = static_cast<time_t>(time);
   until.tv_nsec = static_cast<long>((time - static_cast<double>(until.tv_sec)) * 1e9);
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) != 0) {
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
   }
 }
 

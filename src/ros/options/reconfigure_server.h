@@ -24,8 +24,6 @@ class ReconfigureServer {
   /// @param private_node its queue belongs to the thread that answers
   ReconfigureServer(const NodeOptions& options, ros::NodeHandle private_node, SharedState& shared);
 
-  /// Full name of the service.
-
  private:
   using Request = dynamic_reconfigure::Reconfigure::Request;
   using Response = dynamic_reconfigure::Reconfigure::Response;

@@ -1,6 +1,5 @@
 #include "ros/programs/mouse_hand.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>

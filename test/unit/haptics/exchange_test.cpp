@@ -65,7 +65,7 @@ struct Loop {
 };
 
 struct SolverResult {
-  int failed = 0, backwards = 0;
+  int failed = 0, backwards = 0, present = 0;
 };
 
 SolverResult solve(Loop& loop) {
@@ -80,6 +80,7 @@ SolverResult solve(Loop& loop) {
     result.failed += loop.simulation.step().failed;
     loop.session.afterStep(loop.simulation, steadySeconds());
     if (!loop.session.isPresent()) continue;
+    ++result.present;
     const double x = loop.simulation.probe().device.x();
     result.backwards += x < newest;
     newest = x;
@@ -132,6 +133,7 @@ TEST(Exchange, PosesSolverAndTickShareWithoutLocks) {
   EXPECT_EQ(solved.failed, 0);
   EXPECT_EQ(solved.backwards + felt.backwards, 0);
   EXPECT_EQ(felt.bad_forces, 0);
+  EXPECT_GT(solved.present, 0) << "nothing was exchanged";
   EXPECT_GT(felt.ticks, 0);
 }
 
@@ -140,13 +142,16 @@ TEST(Exchange, AnAdmittanceSessionSharesWithoutLocks) {
   AdmittanceSession session(simulation.scene(), 0);
   const AdmittanceOptions tool = session.options().admittance;
   std::atomic<bool> stop{false};
-  int failed = 0, outside = 0;
+  int failed = 0, outside = 0, moves = 0;
   std::thread device([&] {
+    Vec3 last = tool.start;
     for (int k = 0; !stop; ++k) {
       const Pose pose =
           session.tick(Vec3(0.0, 0.0, k % 400 < 200 ? -3.0 : 3.0), steadySeconds(), pausedAt(k));
       const auto beyond = (pose.position - tool.workspace_low).cwiseMin(tool.workspace_high - pose.position);
       outside += !(beyond.minCoeff() >= 0.0);
+      moves += pose.position != last;
+      last = pose.position;
       std::this_thread::sleep_for(std::chrono::microseconds(300));
     }
   });
@@ -159,6 +164,7 @@ TEST(Exchange, AnAdmittanceSessionSharesWithoutLocks) {
   device.join();
   EXPECT_EQ(failed, 0);
   EXPECT_EQ(outside, 0);
+  EXPECT_GT(moves, 0) << "no snapshot arrived";
 }
 
 }  // namespace

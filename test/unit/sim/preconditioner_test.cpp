@@ -120,6 +120,25 @@ TEST(HatLevelsTest, AStripNeedsNoMoreThanItsParticles) {
   expectChildrenGiveAll({5, 65537, 0, 0.01, 0.01});
 }
 
+TEST(HatLevelsTest, NarrowCellsGrowSquareFirst) {
+  // Cells 5 times as long as wide. Criterion: no direction doubles while it is longer by more than the root
+  // of two, where doubling the other alone makes cells squarer; so at the end they differ by at most that
+  // factor.
+  const Grid grid{33, 129, 0, 0.05, 0.01};
+  expectChildrenGiveAll(grid);
+  const HatLevels hats(ActiveMesh(LeafMesh(grid, {}, 0), 0.1));
+  std::array<double, 2> spacing{grid.dx, grid.dy};
+  const double most = std::sqrt(2.0);
+  ASSERT_GT(hats.levels().size(), 3u);
+  for (const HatLevels::Level& level : hats.levels()) {
+    for (const int d : {0, 1}) {
+      EXPECT_TRUE(level.spans[d] == 0 || spacing[d] <= most * spacing[1 - d]);
+    }
+    for (const std::size_t d : {0u, 1u}) spacing[d] *= level.spans[d] > 0 ? 2.0 : 1.0;
+  }
+  EXPECT_LT(std::max(spacing[0], spacing[1]), most * std::min(spacing[0], spacing[1]));
+}
+
 TEST_F(MultilevelTest, IsSymmetricAndPositive) { expectSymmetricAndPositive(); }
 
 TEST_F(TurningMultilevelTest, IsSymmetricAndPositive) { expectSymmetricAndPositive(); }
