@@ -21,7 +21,7 @@ ContactSet::ContactSet(const Grid& grid, const std::vector<Obstacle>& obstacles,
       time_step_(options.time_step),
       grid_(grid),
       law_(options.range),
-      solids_(obstacles, probes),
+      solids_(obstacles, probes, options.range),
       memory_(grid),
       finder_(grid, solids_, law_, memory_, team),
       forces_(solids_, samples_, law_, options.slip_speed * options.time_step) {

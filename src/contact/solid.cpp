@@ -1,11 +1,13 @@
 #include "contact/solid.h"
 
+#include <algorithm>
+
 #include "shape/shapes.h"
 #include "simd/kernels.h"
 
 namespace haptic_cloth {
 
-Solid::Solid(const Obstacle& obstacle)
+Solid::Solid(const Obstacle& obstacle, double edge_radius)
     : shape_(obstacle.shape),
       half_size_(0.5 * obstacle.size),
       radius_(obstacle.radius),
@@ -13,6 +15,7 @@ Solid::Solid(const Obstacle& obstacle)
       half_width_(haptic_cloth::halfWidth(obstacle)),
       extent_(haptic_cloth::extent(obstacle)),
       face_curvature_(haptic_cloth::faceCurvature(obstacle)),
+      edge_radius_(std::min(edge_radius, half_width_)),
       friction_(obstacle.friction),
       has_corners_(haptic_cloth::hasCorners(obstacle.shape)),
       position_(obstacle.pose.position),
@@ -43,7 +46,7 @@ double Solid::cornerDistance(const Vec3& point) const {
 }
 
 SolidLanes Solid::lanes() const {
-  SolidLanes lanes{shape_, {}, radius_, half_length_, {}, {}};
+  SolidLanes lanes{shape_, {}, radius_, half_length_, edge_radius_, {}, {}};
   for (int c = 0; c < 3; ++c) {
     lanes.half_size[c] = half_size_[c];
     lanes.position[c] = position_[c];

@@ -18,7 +18,8 @@ struct Distance {
 /// A solid placed in the world.
 class Solid {
  public:
-  explicit Solid(const Obstacle& obstacle);
+  /// @param edge_radius by which sharp edges are rounded [m]; at most half of the smallest width is
+  explicit Solid(const Obstacle& obstacle, double edge_radius = 0.0);
   explicit Solid(const ProbeOptions& probe);
 
   /// Distance of one point, by the kernel that computes those of many.
@@ -66,7 +67,7 @@ class Solid {
  private:
   Shape shape_;
   Vec3 half_size_;
-  double radius_, half_length_, half_width_, extent_, face_curvature_, friction_;
+  double radius_, half_length_, half_width_, extent_, face_curvature_, edge_radius_, friction_;
   bool has_corners_;
   Vec3 position_;
   Mat3 rotation_;

@@ -5,13 +5,16 @@
 
 namespace haptic_cloth {
 
-SolidSet::SolidSet(const std::vector<Obstacle>& obstacles, const std::vector<ProbeOptions>& probes)
+SolidSet::SolidSet(const std::vector<Obstacle>& obstacles, const std::vector<ProbeOptions>& probes,
+                   double edge_radius)
     : obstacles_(static_cast<int>(obstacles.size())),
-      solids_(obstacles.begin(), obstacles.end()),
       paths_(obstacles.size(), 0.0),
       turns_(probes.size(), Mat3::Identity()),
       ways_(probes.size(), Vec3::Zero()) {
-  for (const Obstacle& obstacle : obstacles) targets_.push_back(obstacle.pose);
+  for (const Obstacle& obstacle : obstacles) {
+    solids_.emplace_back(obstacle, edge_radius);
+    targets_.push_back(obstacle.pose);
+  }
   for (const ProbeOptions& probe : probes) solids_.emplace_back(probe);
   before_ = solids_;
 }

@@ -17,7 +17,9 @@ inline Eigen::AngleAxisd partOf(const Eigen::AngleAxisd& turn, double share) {
 /// Obstacles first, then probes, each at the start and at the end of the current step.
 class SolidSet {
  public:
-  SolidSet(const std::vector<Obstacle>& obstacles, const std::vector<ProbeOptions>& probes);
+  /// @param edge_radius of the obstacles, see Solid [m]
+  SolidSet(const std::vector<Obstacle>& obstacles, const std::vector<ProbeOptions>& probes,
+           double edge_radius);
 
   int size() const { return static_cast<int>(solids_.size()); }
   int obstacles() const { return obstacles_; }

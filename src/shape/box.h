@@ -40,7 +40,8 @@ namespace HAPTIC_CLOTH_PATH {
 
 static HAPTIC_CLOTH_INLINE DistanceLanes localDistance(shapes::Box, const SolidLanes& solid,
                                                        const Lanes3& p) {
-  const double* const half = solid.half_size;
+  const double round = solid.edge_radius;
+  const double half[] = {solid.half_size[0] - round, solid.half_size[1] - round, solid.half_size[2] - round};
   const Lanes one = all(1.0), zero{};
   const Lanes3 sign{ifLess(p.x, zero, -one, one), ifLess(p.y, zero, -one, one), ifLess(p.z, zero, -one, one)};
   const Lanes3 q{sign.x * p.x - half[0], sign.y * p.y - half[1], sign.z * p.z - half[2]};
@@ -49,7 +50,7 @@ static HAPTIC_CLOTH_INLINE DistanceLanes localDistance(shapes::Box, const SolidL
   const Lanes inverse = ifPositive(d, 1.0 / d, zero);
   // Inside, the normal points through the nearest side, the first of several.
   const Lanes by_x = ifLess(q.x, depth, zero, one), by_y = ifLess(q.y, depth, zero, one - by_x);
-  return {ifPositive(d, d, depth),
+  return {ifPositive(d, d, depth) - round,
           {sign.x * ifPositive(d, out.x * inverse, by_x), sign.y * ifPositive(d, out.y * inverse, by_y),
            sign.z * ifPositive(d, out.z * inverse, one - by_x - by_y)}};
 }

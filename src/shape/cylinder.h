@@ -40,13 +40,14 @@ static HAPTIC_CLOTH_INLINE DistanceLanes localDistance(shapes::Cylinder, const S
   const Lanes r = squareRoot(p.x * p.x + p.y * p.y), inverse_r = ifPositive(r, 1.0 / r, zero);
   const Lanes rx = ifPositive(r, p.x * inverse_r, one), ry = p.y * inverse_r;
   const Lanes up = ifLess(p.z, zero, -one, one);
-  const Lanes side = r - solid.radius, cap = up * p.z - solid.half_length;
+  const double round = solid.edge_radius;
+  const Lanes side = r - (solid.radius - round), cap = up * p.z - (solid.half_length - round);
   const Lanes edge = smaller(side, cap);  // if positive, the nearest point is on the edge of a cap
   const Lanes d = squareRoot(side * side + cap * cap), inverse = ifPositive(edge, 1.0 / d, zero);
   const Lanes by_side = ifLess(cap, side, one, zero);
   const Lanes along = ifPositive(edge, side * inverse, by_side),
               across = up * ifPositive(edge, cap * inverse, one - by_side);
-  return {ifPositive(edge, d, larger(side, cap)), {along * rx, along * ry, across}};
+  return {ifPositive(edge, d, larger(side, cap)) - round, {along * rx, along * ry, across}};
 }
 
 }  // namespace HAPTIC_CLOTH_PATH

@@ -14,7 +14,8 @@
 ///       kHasCorners     whether it has corners: those of a box of size `size`
 ///       drawing()       what a display draws
 ///   * for the kernels localDistance(): signed distance and outer unit normal at points p of the
-///     local frame [m]. The solid is convex, so its distance is a convex function.
+///     local frame [m]. The solid is convex, so its distance is a convex function. Sharp edges are rounded by
+///     the edge radius: the distance from the solid that is smaller by it on all sides, minus it.
 #pragma once
 
 #include <string>

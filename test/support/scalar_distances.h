@@ -39,16 +39,21 @@ inline Distance scalarCylinder(const Vec3& p, double radius, double half_length)
   return side > cap ? Distance{side, radial} : Distance{cap, axial};
 }
 
+/// Distance from a solid that is smaller by the edge radius on all sides, minus that radius.
+inline Distance rounded(const Distance& smaller, double edge_radius) {
+  return {smaller.value - edge_radius, smaller.normal};
+}
+
 /// Distance in the solid's frame.
-inline Distance scalarLocalDistance(const Obstacle& solid, const Vec3& p) {
+inline Distance scalarLocalDistance(const Obstacle& solid, const Vec3& p, double edge_radius) {
   const double half_length = 0.5 * solid.length;
   switch (solid.shape) {
     case Shape::Box:
-      return scalarBox(p, 0.5 * solid.size);
+      return rounded(scalarBox(p, 0.5 * solid.size - Vec3::Constant(edge_radius)), edge_radius);
     case Shape::Sphere:
       return scalarDistanceFromPoint(p, solid.radius);
     case Shape::Cylinder:
-      return scalarCylinder(p, solid.radius, half_length);
+      return rounded(scalarCylinder(p, solid.radius - edge_radius, half_length - edge_radius), edge_radius);
     case Shape::Capsule:
       return scalarDistanceFromPoint(p - Vec3(0.0, 0.0, std::clamp(p.z(), -half_length, half_length)),
                                      solid.radius);
@@ -58,9 +63,10 @@ inline Distance scalarLocalDistance(const Obstacle& solid, const Vec3& p) {
   throw std::logic_error("this shape has no scalar formula");
 }
 
-inline Distance scalarDistance(const Obstacle& solid, const Vec3& point) {
+inline Distance scalarDistance(const Obstacle& solid, const Vec3& point, double edge_radius = 0.0) {
   const Mat3 rotation = solid.pose.orientation.toRotationMatrix();
-  const Distance d = scalarLocalDistance(solid, rotation.transpose() * (point - solid.pose.position));
+  const Vec3 local = rotation.transpose() * (point - solid.pose.position);
+  const Distance d = scalarLocalDistance(solid, local, edge_radius);
   return {d.value, rotation * d.normal};
 }
 

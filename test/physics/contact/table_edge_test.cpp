@@ -1,8 +1,9 @@
 /// Strips that hang over the edge of a table.
-/// Criteria: with its inner end held over a frictionless sharp edge, the tip of a strip drops as
-/// that of two heavy elasticas joined at the edge, computed by shooting. Held over a frictionless
-/// round edge, a limp strip pulls with exactly w times the drop of its tip. Loose with friction, a
-/// limp strip slides off beyond the overhang of the capstan (Euler 1769).
+/// Criteria: pulled over a sharp edge, a strip pulls with the force of the capstan (Euler 1769), and no more
+/// than its cells explain. With its inner end held over a frictionless sharp edge, the tip of a strip drops
+/// as that of two heavy elasticas joined at the edge, computed by shooting. Held over a frictionless round
+/// edge, a limp strip pulls with exactly w times the drop of its tip. Loose with friction, a limp strip
+/// slides off beyond the overhang of the capstan (Euler 1769).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -30,7 +31,7 @@ Obstacle table(double friction) {
 
 constexpr double kScale = 0.02;      // c [m]
 constexpr int kPerScale = 12;        // finest cells per length c
-constexpr double kThickness = 1e-4;  // c/200: height above the table, radius of the edge
+constexpr double kThickness = 1e-4;  // c/200: height above the table, radius of the edge [m]
 
 /// @param overhang length beyond the edge, a multiple of the spacing [c]
 /// @param shift distance by which the strip lies further out [finest cells]
@@ -50,15 +51,24 @@ Scene heldStrip(double overhang, double shift, Strategy strategy) {
   return scene;
 }
 
-/// Length of the strip beyond the edge [c]: less than it was while flat, because the strip rises before the
-/// edge.
-double lengthBeyondEdge(const Simulation& simulation) {
-  const auto x = [&](int column) { return particle(simulation, column, 2).x(); };
+/// Where the strip lies on the edge.
+struct OnEdge {
+  double beyond;  ///< length beyond it [c]: less than while flat, because the strip rises before the edge
+  double height;  ///< [m]
+};
+
+/// The edge is rounded by the thickness, and the strip is a thickness away from it, so its middle goes around
+/// an arc of two thicknesses. It lies where the arc is as steep as the strip.
+OnEdge onEdge(const Simulation& simulation) {
+  const auto place = [&](int column) { return particle(simulation, column, 2); };
   const int tip = simulation.scene().cloth.particles[kWarp] - 1;
   int last = 0;  // particle before the edge, which is at x = 0
-  while (x(last + 1) < 0.0) ++last;
-  const double crosses = last - x(last) / (x(last + 1) - x(last));
-  return (tip - crosses) / kPerScale;
+  while (place(last + 1).x() < 0.0) ++last;
+  const Vec3 chord = place(last + 1) - place(last);
+  const double steep = std::atan2(-chord.z(), chord.x());
+  const double x = kThickness * (2.0 * std::sin(steep) - 1.0);
+  const double crosses = last + (x - place(last).x()) / chord.x();
+  return {(tip - crosses) / kPerScale, kThickness * (2.0 * std::cos(steep) - 1.0)};
 }
 
 /// Measured and exact drop of the tip [c].
@@ -72,8 +82,8 @@ Drop dropOverEdge(double overhang, double shift, Strategy strategy) {
   EXPECT_TRUE(settled.at_rest);
   EXPECT_EQ(settled.failed_steps, 0);
   const int tip = simulation.scene().cloth.particles[kWarp] - 1;
-  const double beyond = lengthBeyondEdge(simulation);
-  const Drop drop{(kThickness - particle(simulation, tip, 2).z()) / kScale, stripOverEdge(beyond).drop};
+  const auto [beyond, height] = onEdge(simulation);
+  const Drop drop{(height - particle(simulation, tip, 2).z()) / kScale, stripOverEdge(beyond).drop};
   record({"strip over a sharp edge", "drop of the tip [c]", name(strategy), beyond, drop.measured, drop.exact,
           beyond});
   return drop;
@@ -115,6 +125,58 @@ TEST(OverEdgeSolution, MatchesTable) {
   for (int k = 0; k < 4; ++k) {
     const double held = heldOverhang(1.0, 0.0, friction[k]);
     EXPECT_NEAR(held / (1.0 + held), share[k], tolerance(6e-6));
+  }
+}
+
+/// Mean force [N] with which the inner end of a strip is pulled, over what weight and friction explain.
+///
+/// The strip of 1.2 m x 0.1 m lies on a table with friction 0.3, hangs over its edge and is pulled away from
+/// it at 0.1 m/s. Per width, with the weight w and the drag ρ c v of the air: (w + ρ c v) · hanging · e^(0.3
+/// π/2) + (0.3 w + ρ c v) · lying.
+double pullOverExpected(double thickness, int cells) {
+  constexpr double kLength = 1.2, kWidth = 0.1, kHangs = 0.9, kSpeed = 0.1, kFriction = 0.3, kAir = 10.0;
+  LinearFabric linear;
+  linear.areal_density = 0.3;
+  linear.thickness = thickness;
+  linear.rigidity = 1e-5;
+  Scene scene = sheetScene(makeFabric(linear), cells + 1, 9, kLength, kWidth);
+  scene.cloth.pose.position = Vec3(kHangs - 0.5 * kLength, 0.0, scene.cloth.fabric.thickness);
+  pin(scene, 0, 0, 0, 8);
+  scene.cloth.pins[0].velocity = Vec3(-kSpeed, 0.0, 0.0);
+  scene.cloth.self_contact = false;
+  Obstacle box = table(kFriction);
+  box.size = Vec3(4.0, 1.0, 3.0);
+  box.pose.position = Vec3(-2.0, 0.0, -1.5);
+  scene.obstacles = {box};
+  scene.gravity = Vec3(0.0, 0.0, -9.81);
+  scene.air_damping = kAir;
+  scene.solver.time_step = 2e-3;
+  setStrategy(scene, Strategy::Amrc, 2);
+  Simulation simulation(scene);
+  while (simulation.time() < 1.0) EXPECT_FALSE(simulation.step().failed);
+  const double from = simulation.time(), before = simulation.energy().work;
+  while (simulation.time() < 2.0) EXPECT_FALSE(simulation.step().failed);
+  const double pull = (simulation.energy().work - before) / (kSpeed * (simulation.time() - from));
+  const double middle = 0.5 * (from + simulation.time()), hanging = kHangs - kSpeed * middle;
+  const double weight = scene.cloth.fabric.areal_density * 9.81,
+               drag = scene.cloth.fabric.areal_density * kAir * kSpeed;
+  const double expected = (weight + drag) * hanging * std::exp(0.5 * EIGEN_PI * kFriction) +
+                          (kFriction * weight + drag) * (kLength - hanging);
+  record({"strip pulled over a sharp edge", "pull [N]", std::to_string(cells) + " cells", 1e3 * thickness,
+          pull, kWidth * expected, kWidth * expected});
+  return pull / (kWidth * expected);
+}
+
+/// A chord that lies across the edge at 45° is shorter than the way around it by the factor √2. All of the
+/// work that this saves may be lost at each cell, so the pull is at most √2 times too large.
+TEST(PulledOverEdge, TakesTheForceOfTheCapstan) {
+  for (const double thickness : {4e-4, 1e-3}) {
+    for (const int cells : {192, 384}) {
+      SCOPED_TRACE(std::to_string(cells) + " cells, thickness " + std::to_string(thickness));
+      const double ratio = pullOverExpected(thickness, cells);
+      EXPECT_GT(ratio, 0.95);
+      EXPECT_LT(ratio, std::sqrt(2.0));
+    }
   }
 }
 

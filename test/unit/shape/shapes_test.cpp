@@ -88,6 +88,28 @@ TEST(Shapes, DrawingExtentAndHalfWidthAreThoseOfTheDistance) {
   }
 }
 
+/// Criterion: faces stay where they are; over an edge the surface is an arc around a line within the solid,
+/// over a corner a part of a ball. A radius beyond half of the smallest width is cut to that.
+TEST(Shapes, EdgesAreRoundedWithinTheSolid) {
+  Obstacle box;
+  box.shape = Shape::Box;
+  box.size = Vec3(0.2, 0.4, 0.6);
+  const double r = 0.02;
+  const Solid rounded(box, r);
+  EXPECT_NEAR(rounded.distance(Vec3(0.13, 0.0, 0.0)).value, 0.03, kRounding) << "over a face";
+  EXPECT_NEAR(rounded.distance(Vec3(0.1, 0.2, 0.0)).value, (std::sqrt(2.0) - 1.0) * r, kRounding) << "edge";
+  EXPECT_NEAR(rounded.distance(Vec3(0.1, 0.2, 0.3)).value, (std::sqrt(3.0) - 1.0) * r, kRounding) << "corner";
+  EXPECT_NEAR(rounded.distance(Vec3(0.0, 0.0, 0.0)).value, -0.1, kRounding) << "centre";
+  EXPECT_NEAR(Solid(box, 1.0).distance(Vec3(0.1, 0.2, 0.0)).value, (std::sqrt(2.0) - 1.0) * 0.1, kRounding);
+  Obstacle cylinder;
+  cylinder.shape = Shape::Cylinder;
+  cylinder.radius = 0.1;
+  cylinder.length = 0.6;
+  const Solid rim(cylinder, r);
+  EXPECT_NEAR(rim.distance(Vec3(0.0, 0.12, 0.1)).value, 0.02, kRounding) << "beside the round face";
+  EXPECT_NEAR(rim.distance(Vec3(0.0, 0.1, 0.3)).value, (std::sqrt(2.0) - 1.0) * r, kRounding) << "rim";
+}
+
 /// Reference: places and lengths that can be read off the drawing of each solid.
 TEST(Shapes, KnowTheNearestSharpEdge) {
   Obstacle box;

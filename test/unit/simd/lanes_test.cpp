@@ -60,19 +60,22 @@ void expectSame(const Obstacle& solid, const std::vector<Vec3>& points, double d
   Field normals;
   normals.clear(count);
   std::vector<double> values(padded(count));
-  kernels().solidDistances(Solid(solid).lanes(), count, at.arrays(), values.data(), normals.arrays());
-  for (int l = 0; l < count; ++l) {
-    const Distance one = scalarDistance(solid, points[l]);
-    const Vec3 normal = normals[l];
-    EXPECT_NEAR(values[l], one.value, tolerance(digits)) << shape << " at " << points[l].transpose();
-    // A normal is an offset over its length, so its error is that of the offset over the length.
-    const double length = std::max(std::abs(one.value), 1e-3);
-    EXPECT_LT((normal - one.normal).norm(), tolerance(digits) / length + tolerance(1e-14))
-        << shape << " at " << points[l].transpose();
-    EXPECT_NEAR(normal.norm(), 1.0, tolerance(1e-14));
-    const Distance alone = Solid(solid).distance(points[l]);  // by the same kernel: the same bits
-    EXPECT_EQ(alone.value, values[l]);
-    EXPECT_EQ(alone.normal, normal);
+  for (const double edge_radius : {0.0, 0.03}) {
+    const Solid kept(solid, edge_radius);
+    kernels().solidDistances(kept.lanes(), count, at.arrays(), values.data(), normals.arrays());
+    for (int l = 0; l < count; ++l) {
+      const Distance one = scalarDistance(solid, points[l], edge_radius);
+      const Vec3 normal = normals[l];
+      EXPECT_NEAR(values[l], one.value, tolerance(digits)) << shape << " at " << points[l].transpose();
+      // A normal is an offset over its length, so its error is that of the offset over the length.
+      const double length = std::max(std::abs(one.value + edge_radius), 1e-3);
+      EXPECT_LT((normal - one.normal).norm(), tolerance(digits) / length + tolerance(1e-14))
+          << shape << " at " << points[l].transpose();
+      EXPECT_NEAR(normal.norm(), 1.0, tolerance(1e-14));
+      const Distance alone = kept.distance(points[l]);  // by the same kernel: the same bits
+      EXPECT_EQ(alone.value, values[l]);
+      EXPECT_EQ(alone.normal, normal);
+    }
   }
 }
 

@@ -478,6 +478,11 @@ TEST_F(Simulate, AReportThatCannotBePrintedIsAnError) {
   }
   EXPECT_EQ(run("scene.yaml --resume a.state --out rest").status, 0) << "the state is whole";
   EXPECT_EQ(runProgram(simulate + "scene.yaml --out nothing_to_print >/dev/full").status, 0);
+  const std::string without_reader =
+      "/usr/bin/python3 -c 'import os, subprocess, sys; r, w = os.pipe(); os.close(r); "
+      "sys.exit(subprocess.call(sys.argv[1:], stdout=w))' ";
+  for (const std::string& command : {simulate + "--help", kes_test + "--help"})
+    EXPECT_EQ(runProgram(without_reader + command).status, 4) << command;
 }
 
 TEST_F(Simulate, AUsersFileIsNotTakenForATemporaryOne) {
