@@ -25,9 +25,11 @@ struct Fabric {
   double areal_density = 0.0;              ///< [kg/m²]
   double thickness = 0.0;                  ///< [m]
   std::optional<Compression> compression;  ///< empty: not measured
-  double compression_ratio = 0.1;          ///< stiffness below zero strain / slope at 1 % strain [-]
-  std::array<Loop, 2> tensile;             ///< strain [-] → tension [N/m]
-  std::array<Loop, 2> bending;             ///< curvature [1/m] → moment per width [N·m/m]
+  /// Stiffness below zero strain / slope at 1 % strain [-]. The loaders build it into `tensile`; a law that
+  /// is given in code resists compression as it says itself.
+  double compression_ratio = 0.1;
+  std::array<Loop, 2> tensile;  ///< strain [-] → tension [N/m]
+  std::array<Loop, 2> bending;  ///< curvature [1/m] → moment per width [N·m/m]
   /// B_t, from the bending rigidity on the bias; 0: no twist term [N·m]
   double twist_rigidity = 0.0;
   Loop shear;  ///< shear angle [rad] → shear force per width [N/m]

@@ -146,8 +146,9 @@ class HapticSession : public ProbeSession {
   /// @param received when it arrived [s]; ignored if that is not later than the one before
   void setPose(const Pose& pose, double received);
 
-  /// Changes options from the next tick on, the coupling from the next step on too. The force
-  /// continues within max_force_rate. The check allocates memory.
+  /// Changes options from the next tick on, the coupling from the next step on too: begin with a copy of
+  /// options(), which has the coupling in use. The force continues within max_force_rate. The check allocates
+  /// memory.
   /// @param unit see HapticLoop::setOptions() [-]
   /// @throws InputError if an option or the unit is not valid; then nothing has changed
   void setOptions(const HapticOptions& options, double unit = 1.0);
@@ -193,7 +194,7 @@ class AdmittanceSession : public ProbeSession {
   Pose tick(double now, bool paused = false);
 
   /// Sets the force for the next ticks, for a sensor whose values come over a network.
-  /// @param received when it arrived [s]
+  /// @param received when it arrived [s]; ignored if that is before the one before
   void setForce(const Vec3& force, double received);
 
   /// Sets the pose of a device that reports it. The tool starts at this position [m]

@@ -46,7 +46,7 @@ struct PathPoint {
 /// A solid with friction. The axis of a cylinder or capsule is local z; the normal of a plane is
 /// local +z.
 struct Obstacle {
-  std::string name;  ///< name by which it can be moved; empty: it cannot
+  std::string name;  ///< name by which the node moves it; empty: it does not
   Shape shape = Shape::Plane;
   Vec3 size = Vec3::Zero();  ///< box: full side lengths [m]
   double radius = 0.0;       ///< sphere, cylinder, capsule [m]

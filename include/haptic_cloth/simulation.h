@@ -72,9 +72,9 @@ class Simulation {
   /// @throws InputError, with nothing changed, if a value is invalid
   void setCoupling(int probe, double stiffness, double damping);
 
-  /// Makes one step: move obstacles, adapt the mesh, update grasps, find contacts, minimise, accept
-  /// or restore. Numerical trouble does not throw: the last good state is restored, and the report
-  /// says `failed`.
+  /// Makes one step, also if length is less than 1: move obstacles, adapt the mesh, update grasps, find
+  /// contacts, minimise, accept or restore. Numerical trouble does not throw: the last good state is
+  /// restored, and the report says `failed`.
   /// @param length of the step in units of the scene's solver.time_step; at least 1. Mesh
   /// decisions and ages of cells count in these units, particles fall asleep by steps.
   StepReport step(int length = 1);
@@ -94,10 +94,11 @@ class Simulation {
   /// passes through itself; the simulation is then unchanged
   void loadState(const std::string& saved, const std::string& origin);
 
-  const Scene& scene() const;  ///< as given, with the changes by setOptions() and setCoupling()
-  double time() const;         ///< simulated time since reset [s]
-  int threads() const;         ///< largest number that a step uses
-  double mass() const;         ///< mass of the cloth [kg]
+  /// As given, with the changes by setOptions() and setCoupling(). Valid until reset() or loadState().
+  const Scene& scene() const;
+  double time() const;  ///< simulated time since reset [s]
+  int threads() const;  ///< largest number that a step uses
+  double mass() const;  ///< mass of the cloth [kg]
   int activeParticles() const;
   bool meetsItself() const;  ///< layers press on each other; false: they pass through each other
   ProbeReport probe(int probe = 0) const;
@@ -115,10 +116,12 @@ class Simulation {
   /// `sink`, and one for each later call that changes the simulation, on the thread of that call. The last
   /// line follows at record(nullptr), at another record() and at loadState(), which is not recorded.
   /// @pre nothing was changed and no step was made since the start or reset(): options that were changed
-  /// before do not fit the scene's file, and other changes are missing, so the replay ends in another state
+  /// before do not fit the scene's file, and other changes are missing, so the replay ends in another state.
+  /// The replay needs a scene file that describes this scene
+  /// @throws what `sink` throws; the recording then ends, without its last line
   void record(Sink sink);
 
-  /// Hash over the bits of the state: equal for equal bits.
+  /// Hash over the bits of positions, velocities, proxies and time: equal for equal bits.
   std::uint64_t stateHash() const;
 
   /// Finds where the cloth passes through itself: pairs of an edge and a triangle that cut each other,

@@ -35,7 +35,9 @@ struct QualityReport {
 ///     session.afterStep(simulation, now);
 ///     pacer.end(step, now);
 ///
-/// All functions belong to the solver's thread. `now` is in seconds on a steady clock.
+/// All functions belong to the solver's thread. `now` is in seconds on a steady clock, >= 0. The simulation
+/// keeps the quality of the last step: call restoreQuality() before a pacer goes, and change options by the
+/// pacer alone.
 class StepPacer {
  public:
   /// @param simulation is not kept; its options are the quality asked for

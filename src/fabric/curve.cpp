@@ -10,6 +10,9 @@ namespace haptic_cloth {
 
 Curve::Curve(double begin, double step, const std::vector<double>& forces)
     : begin_(begin), inverse_step_(1.0 / step) {
+  const auto finite = [](double value) { return std::isfinite(value); };
+  if (!finite(begin) || !finite(step) || !std::all_of(forces.begin(), forces.end(), finite))
+    throw InputError("curve", "begin, step, forces", "", "must be finite");
   if (!(step > 0.0)) throw InputError("curve", "step", std::to_string(step), "must be > 0");
   if (forces.size() < 2)
     throw InputError("curve", "forces", std::to_string(forces.size()) + " samples", "must be at least two");

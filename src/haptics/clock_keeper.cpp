@@ -32,7 +32,8 @@ void ClockKeeper::setRungs(const std::vector<int>& longest_steps, int gentle) {
 }
 
 ClockKeeper::Step ClockKeeper::begin(double now) {
-  if (due_ < 0.0) due_ = now;
+  if (!std::isfinite(now)) now = begun_;
+  if (isDue(now)) due_ = now;
   const double given_up = std::max(0.0, now - due_ - kLongestLag);
   slipped_ += given_up;
   due_ += given_up;
@@ -47,6 +48,7 @@ ClockKeeper::Step ClockKeeper::begin(double now) {
 }
 
 void ClockKeeper::end(double now, bool cut) {
+  if (!std::isfinite(now)) now = begun_;
   cut_ = cut;
   const double load = (now - begun_) / (h_ * std::pow(length_, kGrowth));
   load_ += std::min(1.0, length_ * h_ / kSmoothing) * (load - load_);

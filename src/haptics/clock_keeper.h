@@ -32,14 +32,15 @@ class ClockKeeper {
   void setRungs(const std::vector<int>& longest_steps, int gentle);
 
   /// Wall time before which the next step must not start [s]. @param now [s]
-  double due(double now) const { return due_ < 0.0 ? now : due_; }
+  double due(double now) const { return isDue(now) ? now : due_; }
 
   struct Step {
     int length;  ///< in time steps
     int rung;    ///< 0: the best
   };
 
-  /// A step starts. @param now wall time, not before due() [s]
+  /// A step starts. @param now wall time, not before due() [s]; that of the last step is taken if it is not
+  /// finite
   Step begin(double now);
 
   /// The step that was begun ends.
@@ -53,6 +54,8 @@ class ClockKeeper {
   double slipped() const { return slipped_; }  ///< lag given up so far [s]
 
  private:
+  /// Tells whether nothing says when the next step is due: the first one, and after a clock was set back.
+  bool isDue(double now) const { return due_ < 0.0 || due_ > now + kLongestLag + length_ * h_; }
   void chooseRung(double lag, double now);
   void fall(double now);
   void rise(double now);

@@ -90,6 +90,7 @@ Pose AdmittanceSession::tick(double now, bool paused) {
 }
 
 void AdmittanceSession::setForce(const Vec3& force, double received) {
+  if (!std::isfinite(received) || received < hand_.received) return;
   hand_.received = received;
   hand_.force = force;
 }

@@ -159,10 +159,11 @@ void Simulation::loadState(const std::string& saved, const std::string& origin) 
 }
 
 void Simulation::record(Sink sink) {
-  if (sink_) sink_(recorded::end(*this));
+  const Sink ended = std::exchange(sink_, nullptr);  // a sink that throws takes no more lines
+  if (ended) ended(recorded::end(*this));
+  if (!sink) return;
+  for (const std::string& line : recorded::header(*this)) sink(line);
   sink_ = std::move(sink);
-  if (!sink_) return;
-  for (const std::string& line : recorded::header(*this)) sink_(line);
 }
 
 const Scene& Simulation::scene() const { return world_->scene(); }

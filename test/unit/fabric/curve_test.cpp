@@ -24,6 +24,12 @@ TEST(Curve, PassesThroughItsSamplesAndIsLinearBetween) {
 TEST(Curve, RefusesWhatIsNoCurve) {
   EXPECT_THROW(Curve(0.0, 1.0, {5.0}), InputError);
   EXPECT_THROW(Curve(0.0, 0.0, {0.0, 1.0}), InputError);
+  for (const double odd : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+    EXPECT_THROW(Curve::linear(odd), InputError);
+    EXPECT_THROW(Curve(odd, 1.0, {0.0, 1.0}), InputError);
+    EXPECT_THROW(Curve(0.0, odd, {0.0, 1.0}), InputError);
+    EXPECT_THROW(Loop(0.0, 1.0, {0.0, odd}, {0.0, 1.0}, 2.0), InputError);
+  }
   EXPECT_THROW(Loop(0.0, 1.0, {0.0, 1.0}, {0.0}, 2.0), InputError);
   EXPECT_THROW(Loop(0.0, 1.0, {0.0, 1.0}, {0.0, 1.0}, 1.0), InputError);
   EXPECT_THROW(Loop(0.0, 1.0, {0.0, 1.0}, {0.0, 1.0}, 2.0, 0.0), InputError);

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/scene.h"
@@ -185,6 +186,22 @@ TEST(ClockKeeper, ALimitOfIterationsThatIsNotUsedUpIsLifted) {
   Loop busy({1, 2, 4, 4, 4}, cost, 3, [](int, double) { return true; });
   busy.run(3.0);
   EXPECT_EQ(busy.rung(), 4);
+}
+
+TEST(ClockKeeper, AClockThatIsSetBackOrIsNoNumberStopsNothing) {
+  ClockKeeper keeper(kStep);
+  keeper.begin(3600.0);
+  keeper.end(3600.0005, false);
+  EXPECT_EQ(keeper.due(5.0), 5.0) << "an hour back";
+  keeper.begin(5.0);
+  keeper.end(5.0005, false);
+  EXPECT_NEAR(keeper.due(5.0005), 5.0 + kStep, 1e-9);
+  for (const double odd : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+    keeper.begin(odd);
+    keeper.end(odd, false);
+  }
+  EXPECT_LE(keeper.due(5.002), 5.0 + 4.0 * kStep);
+  EXPECT_LT(keeper.slipped(), 1e-9);
 }
 
 TEST(ClockKeeper, DoesNotChatter) {

@@ -83,6 +83,21 @@ TEST(SimulationCalls, IgnoreWhatIsBeyondTheirLimits) {
   EXPECT_TRUE(std::isfinite(simulation.energy().dissipated));
 }
 
+TEST(SimulationCalls, ASinkThatThrowsEndsItsRecording) {
+  Simulation simulation(parseScene("cloth: {fabric: linear, particles: [9, 9]}\n", "scene", "."));
+  EXPECT_THROW(simulation.record([](const std::string&) { throw std::runtime_error("full"); }),
+               std::runtime_error);
+  EXPECT_FALSE(simulation.step().failed);
+  bool full = false;
+  simulation.record([&](const std::string&) {
+    if (full) throw std::runtime_error("full");
+  });
+  full = true;
+  EXPECT_THROW(simulation.record(nullptr), std::runtime_error) << "the last line";
+  EXPECT_NO_THROW(simulation.record(nullptr));
+  EXPECT_FALSE(simulation.step().failed);
+}
+
 /// The joint cost divides by the mass of the free nodes, and a probe's if there is one.
 TEST(SimulationCalls, ClothWithoutFreeNodesStaysWithEitherCost) {
   for (const std::string cost : {"condensed", "joint"}) {
