@@ -147,9 +147,9 @@ get_property(all_tests DIRECTORY PROPERTY TESTS)
 # Half an hour is for slow and busy machines; the longest takes five minutes on a core of 2022.
 set_tests_properties(${all_tests} PROPERTIES TIMEOUT 1800
   ENVIRONMENT "PATH=/usr/bin:/bin:$ENV{PATH};ROS_HOSTNAME=localhost;OMP_WAIT_POLICY=passive")
-# Tests of the node and the benchmarks run alone: their programs use all cores.
+# Tests of the node run alone: their programs use all cores.
 foreach(test ${all_tests})
-  if(test MATCHES "rostest|roslaunch|bench_|readme|consumer")
+  if(test MATCHES "rostest|roslaunch|bench_latency|consumer")
     set_tests_properties(${test} PROPERTIES RUN_SERIAL TRUE)
   endif()
 endforeach()
