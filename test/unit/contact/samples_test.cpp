@@ -83,6 +83,9 @@ TEST(Samples, OfAVeryFineGridStandNoCloserThanThePressureAsks) {
   EXPECT_LE(cell.samples, 64 + 2 * kPack);
 }
 
+/// Edges are rounded by the range. Where both faces slant by 45°, that lifts the lowest line by this [m].
+const double kLifted = (std::sqrt(2.0) - 1.0) * kRange;
+
 /// Energy of two level cells in a row, each 4 mm long, under the edge of a box turned by 45° about it, minus
 /// the integral of ψ; the gap under the edge is 0.6 ranges. @param edge place of the edge along the cells [m]
 struct UnderEdge {
@@ -96,7 +99,7 @@ UnderEdge underEdge(double edge) {
   box.shape = Shape::Box;
   box.size = Vec3(0.1, 0.1, 0.1);
   box.pose.orientation = Quat(Eigen::AngleAxisd(0.25 * EIGEN_PI, Vec3::UnitY()));
-  box.pose.position = Vec3(edge, 0.0, kGap + 0.05 * std::sqrt(2.0));
+  box.pose.position = Vec3(edge, 0.0, kGap - kLifted + 0.05 * std::sqrt(2.0));
   const double measured = contactOf(grid, box, kRange, [&](double column, double row) {
                             return Vec3(kSide * column, kSide * (row - 0.5), 0.0);
                           }).energy;
@@ -105,7 +108,9 @@ UnderEdge underEdge(double edge) {
   const ContactLaw law(kRange);
   constexpr int kParts = 100000;
   constexpr double kStep = 2.0 * kSide / kParts;
-  const auto energy = [&](double s) { return law(std::hypot(kGap, s - edge)).energy; };
+  const auto energy = [&](double s) {  // around the arc, whose radius is the range
+    return law(std::hypot(kGap + kRange, s - edge) - kRange).energy;
+  };
   double exact = 0.0, bent = 0.0;
   for (int k = 0; k < kParts; ++k) {
     const double s = (k + 0.5) * kStep;
@@ -139,7 +144,7 @@ Obstacle edgeAbove(Shape shape, double heading, const Vec3& place) {
   const Vec3 lowest(shape == Shape::Box ? -kHalf : -kRadius, 0.0, -kHalf);
   solid.pose.orientation =
       Quat(Eigen::AngleAxisd(heading, Vec3::UnitZ()) * Eigen::AngleAxisd(-0.25 * EIGEN_PI, Vec3::UnitY()));
-  solid.pose.position = place - solid.pose.orientation * lowest;
+  solid.pose.position = place - solid.pose.orientation * lowest - Vec3(0.0, 0.0, kLifted);
   return solid;
 }
 
@@ -154,7 +159,7 @@ Contact contactBelow(const Obstacle& solid, double side, double reach) {
 /// Integral of ψ over 2 x 2 cells of kCell below a solid [J].
 double energyBelow(const Obstacle& obstacle) {
   const ContactLaw law(kRange);
-  const Solid solid(obstacle);
+  const Solid solid(obstacle, kRange);
   constexpr int kParts = 100;
   constexpr double kStep = 2.0 * kCell / kParts;
   double energy = 0.0;
