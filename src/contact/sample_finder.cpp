@@ -168,7 +168,7 @@ void SampleFinder::findObstacles(const ActiveMesh& mesh, const Field& nodes, con
   for (int solid = 0; solid < solids_.obstacles(); ++solid) {
     if (solids_[solid].distance(ball.centre).value > ball.radius + law_.range()) continue;
     measure(solid, law_.range(), mesh, nodes, reach);
-    findEdges(solids_[solid], mesh, nodes);
+    findEdges(solids_[solid].sharp(), mesh, nodes);
     addCells(solids_[solid], mesh, nodes);
     addGroup(solid, motion, samples);
     addNodes(mesh, nodes, reach);
@@ -230,7 +230,8 @@ void SampleFinder::addCells(const Solid& solid, const ActiveMesh& mesh, const Fi
 /// Cloth that is ejected needs its nodes as samples.
 bool SampleFinder::mayBeDented(const Solid& solid, const Patch& patch, const Field& nodes) const {
   const auto was_put_inside = [&](int n) {
-    const double gap = at_nodes_.gaps[n];
+    if (!(at_nodes_.gaps[n] < 0.0)) return false;
+    const double gap = solid.distance(nodes[n]).value;
     return gap < 0.0 && (is_let_out_[n] || !isPressedIn(nodes[n], gap));
   };
   return isFlat(solid) && isFinestNearProbe(patch) &&
@@ -538,11 +539,11 @@ void SampleFinder::addProbePoints(const ActiveMesh& mesh, const Field& nodes,
   }
 }
 
-/// Measures the distance of the nodes from a solid, and which patches may come within `range` of it
-/// [m].
+/// Measures the distance of the nodes from a solid, and which patches may come within `range` of it [m]. It
+/// has sharp edges here: over rounded ones the normals at the nodes would not tell where an edge is.
 void SampleFinder::measure(int solid, double range, const ActiveMesh& mesh, const Field& nodes,
                            const std::vector<double>& reach) {
-  measureDistances(solids_[solid], nodes.size(), nodes, at_nodes_);
+  measureDistances(solids_[solid].sharp(), nodes.size(), nodes, at_nodes_);
   const int patches = kPack * static_cast<int>(mesh.patch_corners.size());
   patch_margins_.resize(patches);
   const auto margins = [&](int begin, int end) {

@@ -133,7 +133,7 @@ class SampleFinder {
   std::vector<char> dented_;      ///< see dented()
   std::vector<int> let_out_;      ///< particles that were let out of an obstacle in the last step
   std::vector<char> is_let_out_;  ///< flags of these, by node
-  // About the cloth and one solid, written by measure():
+  // About the cloth and one solid with sharp edges, written by measure():
   Distances at_nodes_;
   std::vector<double> patch_margins_;              ///< gap below which points of a patch count, or -1 [m]
   std::vector<double> node_area_;                  ///< area that the nodes stand for as samples [m²]

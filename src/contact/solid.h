@@ -25,6 +25,13 @@ class Solid {
   /// Distance of one point, by the kernel that computes those of many.
   Distance distance(const Vec3& point) const;
 
+  /// The same solid without rounded edges.
+  Solid sharp() const {
+    Solid solid = *this;
+    solid.edge_radius_ = 0.0;
+    return solid;
+  }
+
   double friction() const { return friction_; }
 
   void place(const Vec3& position) { position_ = position; }
