@@ -131,7 +131,6 @@ TEST(RandomScenes, WithAnyNumbersAreRefusedOrStayFinite) {
     runScene(simulation, Rows::None, nullptr);
     return judge(simulation, false, false);
   });
-  std::cerr << accepted << " accepted\n";
   EXPECT_GT(accepted, 0);
 }
 
