@@ -83,17 +83,11 @@ std::atomic<std::uint64_t>* DeviceInput::refused(const geometry_msgs::PoseStampe
                                                  const std::string& sender, double received) {
   const ros::Time now = ros::Time::now();
   const PoseVerdict verdict = gate_.judge(pose, sender, now, received);
-  if (verdict == PoseVerdict::OtherSender) warnOf(sender);
+  if (verdict == PoseVerdict::OtherSender) warn(notice_.otherSender(sender, gate_.sender()));
   if (verdict == PoseVerdict::NotFinite) warn(notice_.unusable("not finite", received));
   if (verdict == PoseVerdict::Late)
     warn(notice_.late(secondsBetween(pose.header.stamp, now), gate_.maxAge(), received));
   return counters_.of(verdict);
-}
-
-void DeviceInput::warnOf(const std::string& sender) const {
-  if (counters_.other_sender > 0) return;  // only one warning; the diagnostics continue to count
-  ROS_WARN_STREAM("poses of " << name_ << " from " << sender << " are dropped as long as " << gate_.sender()
-                              << " sends, too");
 }
 
 void DeviceInput::takeOrientation(const geometry_msgs::Quaternion& orientation, double received) {

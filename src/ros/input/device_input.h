@@ -45,8 +45,6 @@ class DeviceInput {
   /// @return the counter for a pose that the gate refuses; nullptr if the gate accepts it
   std::atomic<std::uint64_t>* refused(const geometry_msgs::PoseStamped& pose, const std::string& sender,
                                       double received);
-  /// Warns that a second node sends poses of this probe.
-  void warnOf(const std::string& sender) const;
   /// Warns once if the positions cannot be in metres.
   void checkUnits(const Vec3& position, double received);
   /// Remembers the orientation if it is a unit quaternion. Warns once of one that should turn the probe.

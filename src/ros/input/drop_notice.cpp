@@ -30,6 +30,11 @@ std::string DropNotice::late(double age, double max_age, double now) {
          ". Set it to 0 for a recording; a stamp of zero is always taken";
 }
 
+std::string DropNotice::otherSender(const std::string& sender, const std::string& first) {
+  if (!said_.insert(Reason::OtherSender).second) return "";  // the diagnostics continue to count
+  return what_ + " from " + sender + " are dropped as long as " + first + " sends, too";
+}
+
 std::string DropNotice::unusable(const std::string& fault, double now) {
   if (!isDue(Reason::Unusable, now)) return "";
   return "all " + what_ + " are dropped: they are " + fault;

@@ -22,6 +22,9 @@ class DropNotice {
   /// A message was dropped because of its stamp. @param age of the stamp [s]
   std::string late(double age, double max_age, double now);
 
+  /// A message was dropped because another node, `first`, sends them, too. Reported at once.
+  std::string otherSender(const std::string& sender, const std::string& first);
+
   /// A message was dropped because of its values. @param fault what is wrong with them: "not finite"
   std::string unusable(const std::string& fault, double now);
 
@@ -29,7 +32,7 @@ class DropNotice {
   void taken() { since_ = -1.0; }
 
  private:
-  enum class Reason { UnknownFrame, Late, Unusable };
+  enum class Reason { UnknownFrame, Late, OtherSender, Unusable };
   bool isDue(Reason reason, double now);
 
   std::string what_, cloth_frame_;

@@ -1,7 +1,5 @@
 #include "ros/input/force_input.h"
 
-#include <ros/console.h>
-
 #include "ros/node/conversions.h"
 #include "ros/node/steady_clock.h"
 
@@ -9,14 +7,13 @@ namespace haptic_cloth {
 
 ForceInput::ForceInput(const NodeOptions& options, std::size_t number, const tf2_ros::Buffer& transforms,
                        SharedState& shared)
-    : name_(options.scene.probes[number].name),
-      use_tf_(options.probes[number].device.use_tf),
+    : use_tf_(options.probes[number].device.use_tf),
       frames_(options.frame_id, transforms),
       shared_(shared.probes[number]),
       live_(shared.live_for_poses),
       silence_(options.probes[number].haptics.admittance.force_timeout),
       gate_(options.max_pose_age, silence_),
-      notice_("forces of " + name_, frames_.clothFrame()) {}
+      notice_("forces of " + options.scene.probes[number].name, frames_.clothFrame()) {}
 
 void ForceInput::takeOptions() {
   if (!live_.readNew()) return;
@@ -33,9 +30,7 @@ void ForceInput::accept(const geometry_msgs::WrenchStamped& wrench, const std::s
   const ros::Time now = ros::Time::now();
   const PoseVerdict verdict = gate_.judge(wrench.header, given.allFinite(), sender, now, received);
   if (std::atomic<std::uint64_t>* counter = counters_.of(verdict)) {
-    if (verdict == PoseVerdict::OtherSender && *counter == 0)
-      ROS_WARN_STREAM("forces of " << name_ << " from " << sender << " are dropped as long as "
-                                   << gate_.sender() << " sends, too");
+    if (verdict == PoseVerdict::OtherSender) warn(notice_.otherSender(sender, gate_.sender()));
     if (verdict == PoseVerdict::NotFinite) warn(notice_.unusable("not finite", received));
     if (verdict == PoseVerdict::Late)
       warn(notice_.late(secondsBetween(wrench.header.stamp, now), gate_.maxAge(), received));

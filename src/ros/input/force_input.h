@@ -23,8 +23,7 @@ class ForceInput {
  private:
   void takeOptions();
 
-  std::string name_;  ///< of the probe
-  bool use_tf_;       ///< see DeviceOptions
+  bool use_tf_;  ///< see DeviceOptions
   FrameLookup frames_;
   SharedProbe& shared_;
   LiveReader live_;

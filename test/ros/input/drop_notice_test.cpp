@@ -26,5 +26,12 @@ TEST(DropNotice, MessagesDroppedAmongGoodOnesAreNotSaid) {
   }
 }
 
+TEST(DropNotice, NamesASecondSenderOnce) {
+  DropNotice notice("forces of arm", "world");
+  EXPECT_EQ(notice.otherSender("/second", "/first"),
+            "forces of arm from /second are dropped as long as /first sends, too");
+  EXPECT_EQ(notice.otherSender("/second", "/first"), "");
+}
+
 }  // namespace
 }  // namespace haptic_cloth
