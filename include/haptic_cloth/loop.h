@@ -42,7 +42,8 @@ class Loop {
   /// before the first with the first slope of the lower.
   /// @param reversal ratio of the slope of R to that of the steeper branch, > 1
   /// @param longest_crossing R is so steep that it crosses the loop within this deformation, > 0
-  /// @throws InputError if lengths differ, there are less than two samples, or a number is out of its range
+  /// @throws InputError if lengths differ, there are less than two samples, lower lies above upper, or a
+  /// number is out of its range
   Loop(double begin, double step, std::vector<double> upper, std::vector<double> lower, double reversal,
        double longest_crossing = std::numeric_limits<double>::infinity());
 

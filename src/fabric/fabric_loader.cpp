@@ -6,6 +6,7 @@
 #include <string>
 
 #include "fabric/fabric_laws.h"
+#include "fabric/fabric_limits.h"
 #include "fabric/yaml_reader.h"
 #include "haptic_cloth/fabric.h"
 
@@ -34,11 +35,8 @@ double positive(const YamlValue& value) {
   return number;
 }
 
-// Limits that no fabric reaches, but a number in a neighbouring unit does.
-constexpr double kHeaviest = 10.0;  ///< [kg/m²]; fabrics have 0.01 to 5, in g/m² 10 and more
-constexpr double kThickest = 0.05;  ///< [m]; fabrics have 1e-4 to 1e-2, in mm 0.1 and more
-/// EMT [%]; fabrics have 0.5 to 50, as a fraction 0.005 to 0.5.
-constexpr double kLeastStretch = 0.1;
+// As in fabric_limits.h, of KES quantities.
+constexpr double kLeastStretch = 0.1;   ///< EMT [%]; fabrics have 0.5 to 50, as a fraction 0.005 to 0.5
 constexpr double kLeastResilience = 1;  ///< RT [%]; fabrics have 30 to 95, as a fraction up to 1
 
 double positiveUpTo(const YamlValue& value, double most, const char* rule) {
@@ -228,17 +226,15 @@ HalfLoop readShearLaw(const YamlMap& map) {
 Compression readCompression(const YamlValue& group, double fabric_thickness) {
   const YamlMap map(group, {"T0", "Tm", "LC", "WC", "RC"});
   constexpr double kMillimetre = 1e-3;
-  constexpr double kAlike = 10.0;  // largest ratio of T0 and the fabric's thickness: metres are a thousandth
   const YamlValue given = map.require("T0");
   const double thickness = positiveUpTo(given, kThickest / kMillimetre, "must be at most 50: it is in mm"),
                pressed = positive(map.require("Tm")), ratio = kMillimetre * thickness / fabric_thickness;
   if (!(ratio < kAlike && ratio > 1.0 / kAlike))
     given.fail("must be within a factor of 10 of thickness = " + plain(fabric_thickness / kMillimetre) +
                " mm: it is in mm");
-  // With far steeper laws mesh changes make energy that no step lets go of.
-  if (!(pressed <= 0.99 * thickness)) map.require("Tm").fail("must be at most 0.99 T0");
+  if (!(pressed <= kMostPressed * thickness)) map.require("Tm").fail("must be at most 0.99 T0");
   const double linearity = map.require("LC").number();
-  if (!(linearity >= 0.05 && linearity < 1.0)) map.require("LC").fail("must be >= 0.05 and < 1");
+  if (!(linearity >= kLeastLinearity && linearity < 1.0)) map.require("LC").fail("must be >= 0.05 and < 1");
   if (const auto work = map.find("WC")) {
     // LC is defined by WC = LC P_m (T0 - Tm)/2; 50 gf/cm² · 1 mm = 5 gf·cm/cm². Sources round.
     constexpr double kRounding = 0.05;
@@ -318,10 +314,8 @@ Fabric readFabric(const YamlMap& map, const std::string& default_name) {
   if (const auto name = map.find("name")) fabric.name = name->text();
   fabric.source = map.require("source", "is required: where the numbers come from").text();
   readAssumed(map, fabric.assumed);
-  fabric.areal_density =
-      positiveUpTo(map.require("areal_density"), kHeaviest, "must be at most 10: it is in kg/m^2, not g/m^2");
-  fabric.thickness =
-      positiveUpTo(map.require("thickness"), kThickest, "must be at most 0.05: it is in m, not mm");
+  fabric.areal_density = positiveUpTo(map.require("areal_density"), kHeaviest, kHeaviestRule);
+  fabric.thickness = positiveUpTo(map.require("thickness"), kThickest, kThickestRule);
   if (const auto ratio = map.find("compression_ratio")) fabric.compression_ratio = notNegative(*ratio);
 
   const Group tensile = readGroup(map.require("tensile"), kTensileKeys, false, readTensileLaw);

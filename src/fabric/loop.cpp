@@ -17,6 +17,12 @@ Loop::Loop(double begin, double step, std::vector<double> upper, std::vector<dou
                      std::to_string(upper.size()) + " and " + std::to_string(lower.size()) + " samples",
                      "must be as many, and at least two");
   }
+  const double rounding = 1e-9 * (std::abs(upper.back()) + std::abs(lower.front()));
+  for (std::size_t i = 0; i < upper.size(); ++i) {
+    if (lower[i] > upper[i] + rounding)
+      throw InputError("loop", "lower", std::to_string(lower[i]) + " in sample " + std::to_string(i),
+                       "must not be above upper, " + std::to_string(upper[i]));
+  }
   // One more interval at each end. There, and so beyond the ends, both branches rise alike: at the
   // upper end like the upper branch, at the lower end like the lower. So an odd loop is odd beyond
   // its ends, too.

@@ -6,6 +6,7 @@
 #include <locale>
 #include <sstream>
 
+#include "fabric/fabric_limits.h"
 #include "haptic_cloth/error.h"
 #include "scene/scene_options.h"
 #include "shape/shapes.h"
@@ -146,6 +147,50 @@ void checkProbe(const Check& check, const std::string& prefix, ProbeOptions& pro
   }
 }
 
+/// Checks that a branch of a law nowhere falls, but for rounding.
+void checkRises(const Check& check, const std::string& key, const Curve& branch) {
+  constexpr double kRounding = 1e-9;
+  const std::vector<Curve::Interval>& intervals = branch.intervals();
+  double steepest = 0.0;
+  for (const Curve::Interval& interval : intervals) steepest = std::max(steepest, interval.slope);
+  for (const Curve::Interval& interval : intervals)
+    check.that(interval.slope >= -kRounding * steepest, key, interval.slope,
+               "the stiffness must not be negative, as it is from " + toText(interval.begin) + " on");
+}
+
+void checkLaw(const Check& check, const std::string& key, const Loop& law) {
+  checkRises(check, key, law.upper());
+  checkRises(check, key, law.lower());
+}
+
+void checkCompression(const Check& check, const Compression& compression, double fabric_thickness) {
+  const std::string key = "cloth.fabric.compression.";
+  const auto [thickness, pressed, linearity] = compression;
+  check.that(thickness > fabric_thickness / kAlike && thickness < kAlike * fabric_thickness,
+             key + "thickness", thickness, "must be within a factor of 10 of the fabric's thickness");
+  check.that(pressed > 0.0 && pressed <= kMostPressed * thickness, key + "pressed_thickness", pressed,
+             "must be > 0 and at most 0.99 thickness");
+  check.that(linearity >= kLeastLinearity && linearity < 1.0, key + "linearity", linearity,
+             "must be >= 0.05 and < 1");
+}
+
+/// The rules of fabric files for a fabric that is given in code.
+void checkFabric(const Check& check, const Fabric& fabric) {
+  const std::string key = "cloth.fabric.";
+  check.positive(key + "areal_density", fabric.areal_density);
+  check.that(fabric.areal_density <= kHeaviest, key + "areal_density", fabric.areal_density, kHeaviestRule);
+  check.positive(key + "thickness", fabric.thickness);
+  check.that(fabric.thickness <= kThickest, key + "thickness", fabric.thickness, kThickestRule);
+  check.that(fabric.twist_rigidity >= 0.0 && fabric.twist_rigidity <= kLargest, key + "twist_rigidity",
+             fabric.twist_rigidity, "must be >= 0 and at most 1e12");
+  for (std::size_t d = 0; d < 2; ++d) {
+    checkLaw(check, indexed(key + "tensile", d), fabric.tensile[d]);
+    checkLaw(check, indexed(key + "bending", d), fabric.bending[d]);
+  }
+  checkLaw(check, key + "shear", fabric.shear);
+  if (fabric.compression) checkCompression(check, *fabric.compression, fabric.thickness);
+}
+
 void checkThresholds(const Check& check, const AdaptOptions& adapt) {
   const auto below = [&check](const char* key, double value, const char* bound, double most) {
     const std::string place = check.placeOf(bound);
@@ -176,8 +221,7 @@ void checkScene(const Scene& checked, const Locate& locate) {
   check.options("adapt.", optionsOf(scene.adapt));
   check.options("stop.", optionsOf(scene.stop));
   checkGrid(check, scene.cloth, scene.adapt);
-  check.positive("cloth.fabric.areal_density", scene.cloth.fabric.areal_density);
-  check.positive("cloth.fabric.thickness", scene.cloth.fabric.thickness);
+  checkFabric(check, scene.cloth.fabric);
   checkPins(check, scene.cloth);
   const double contacts = static_cast<double>(scene.cloth.particles[0]) * scene.cloth.particles[1] *
                           static_cast<double>(scene.obstacles.size() + scene.probes.size());

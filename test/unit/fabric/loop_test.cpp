@@ -9,6 +9,7 @@
 #include <cmath>
 #include <vector>
 
+#include "haptic_cloth/error.h"
 #include "haptic_cloth/fabric.h"
 #include "support/derivatives.h"
 #include "support/tolerance.h"
@@ -184,6 +185,10 @@ TEST(LoopTest, ElasticLawHasNoMemory) {
   const Loop degenerate(0.0, 1.0, {0.0, 1.0}, {0.0, 1.0}, 5.0);
   EXPECT_FALSE(degenerate.hasMemory());
   EXPECT_TRUE(Loop().isZero());
+}
+
+TEST(LoopTest, RefusesBranchesThatCross) {
+  EXPECT_THROW(Loop(0.0, 1.0, {0.0, 1.0, 2.0}, {0.0, 1.1, 1.5}, 5.0), InputError);
 }
 
 TEST(LoopTest, HandsForceOver) {

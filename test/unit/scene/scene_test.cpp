@@ -442,6 +442,61 @@ TEST(SceneFile, MessagesHaveTheLine) {
   EXPECT_THROW(loadScene(fs::temp_directory_path().string()), InputError);
 }
 
+/// A fabric built in code meets the rules of fabric files.
+TEST(ValidateScene, ChecksFabricsBuiltInCode) {
+  Scene scene;
+  Fabric& fabric = scene.cloth.fabric;
+  fabric.areal_density = 0.1;
+  fabric.thickness = 5e-4;
+  const Fabric good = fabric;
+  const auto fails = [&](const auto& change) {
+    fabric = good;
+    change();
+    try {
+      validateScene(scene, "code");
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(fails([&] { fabric.areal_density = 200.0; }),
+            "code: cloth.fabric.areal_density = 200: must be at most 10: it is in kg/m^2, not g/m^2");
+  EXPECT_EQ(fails([&] { fabric.thickness = 0.5; }),
+            "code: cloth.fabric.thickness = 0.5: must be at most 0.05: it is in m, not mm");
+  EXPECT_EQ(fails([&] { fabric.twist_rigidity = nan; }),
+            "code: cloth.fabric.twist_rigidity = nan: must be >= 0 and at most 1e12");
+  EXPECT_EQ(fails([&] { fabric.tensile[1] = Curve::linear(-100.0); }),
+            "code: cloth.fabric.tensile[1] = -100: the stiffness must not be negative, as it is from 0 on");
+  EXPECT_EQ(fails([&] {
+              fabric.bending[0] = Curve(-1.0, 1.0, {-1.0, 0.0, -0.5});
+            }),
+            "code: cloth.fabric.bending[0] = -0.5: the stiffness must not be negative, as it is from 0 on");
+  EXPECT_EQ(fails([&] {
+              fabric.shear = Loop(-1.0, 1.0, {0.0, 1.0, 2.0}, {-1.0, -2.0, 1.0}, 5.0);
+            }),
+            "code: cloth.fabric.shear = -1: the stiffness must not be negative, as it is from -2 on");
+  EXPECT_EQ(
+      fails([&] {
+        fabric.compression = Compression{5e-4, 5e-4, 0.3};
+      }),
+      "code: cloth.fabric.compression.pressed_thickness = 0.0005: must be > 0 and at most 0.99 thickness");
+  EXPECT_EQ(fails([&] {
+              fabric.compression = Compression{0.5, 0.4, 0.3};
+            }),
+            "code: cloth.fabric.compression.thickness = 0.5: must be within a factor of 10 of the fabric's "
+            "thickness");
+  EXPECT_EQ(fails([&] {
+              fabric.compression = Compression{5e-4, 3e-4, 1.0};
+            }),
+            "code: cloth.fabric.compression.linearity = 1: must be >= 0.05 and < 1");
+  EXPECT_EQ(fails([&] { fabric.compression = Compression{5e-4, 3e-4, 0.4}; }), "");
+  for (const char* shipped : {"winter_suiting", "denim_a", "linear"}) {
+    const std::string file = findFabric(shipped, "");
+    EXPECT_EQ(fails([&] { fabric = loadFabric(file); }), "") << shipped;
+  }
+}
+
 TEST(ValidateScene, ChecksWhatIsBuiltInCode) {
   Scene scene;
   scene.cloth.fabric.areal_density = 0.1;
