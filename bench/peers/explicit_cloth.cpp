@@ -123,7 +123,7 @@ class ExplicitCloth : public Peer {
     proxy_start_ = proxy_;
     proxy_reach_ = 2.0 * frame * proxy_velocity_.norm() + 0.1 * scene_.probes[0].radius;
     contacts_.startProbe(0, proxy_, Quat::Identity(), Quat::Identity());
-    if (present_ && !entered_) entered_ = contacts_.isClear(mesh_, x_, 0);
+    if (present_ && !entered_) entered_ = !contacts_.wayOut(mesh_, x_, 0);
     touching_.clear();
     if (present_ && entered_) touching_.push_back({0, proxy_reach_});
     contacts_.collectProbes(mesh_, x_, reach_, motion_, touching_);

@@ -38,7 +38,8 @@ struct ProbeSnapshot {
   bool contact = false;
   bool holds = false;   ///< the probe holds cloth
   bool inside = false;  ///< see ProbeReport
-  int cloth = 0;        ///< number of restarts of the probe: jumps, resets, loaded states
+  Vec3 way_out = Vec3::Zero();
+  int cloth = 0;  ///< number of restarts of the probe: jumps, resets, loaded states
 };
 
 /// A device pose as received.

@@ -91,6 +91,8 @@ struct ProbeReport {
   bool grasps = false;  ///< the probe holds some of the cloth, after a failed step, too
   /// The probe appeared in the cloth, and touches nothing until it has been clear of it once.
   bool inside = false;
+  /// Direction in which it then becomes clear of the cloth soonest, of length 1; else zero [-].
+  Vec3 way_out = Vec3::Zero();
 };
 
 /// Where the cloth passes through itself. Cells are named by their particle (i, j) at the lower left.

@@ -135,9 +135,9 @@ class ContactSet {
     return !self_ || self_->pairsStayApart(start, end);
   }
 
-  /// Tells whether the probe does not touch the cloth. @pre startProbe()
-  bool isClear(const ActiveMesh& mesh, const Field& nodes, int probe) {
-    return finder_.isClear(mesh, nodes, probe);
+  /// See SampleFinder::wayOut(). @pre startProbe()
+  std::optional<Vec3> wayOut(const ActiveMesh& mesh, const Field& nodes, int probe) {
+    return finder_.wayOut(mesh, nodes, probe);
   }
 
   /// Remembers the friction of all samples and pairs for the next step.

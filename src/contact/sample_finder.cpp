@@ -32,10 +32,10 @@ double probeSpacing(const Solid& probe, double range) {
   return std::min(width, std::sqrt(2.0 * width * range)) / 3.0;
 }
 
-/// Share of a way that another way makes, within 0 and 1 [-]; 1 of none.
+/// Share of a way that another way makes [-]; 1 of none.
 double shareAlong(const Vec3& way, const Vec3& whole) {
   const double squared = whole.squaredNorm();
-  return squared > 0.0 ? std::clamp(way.dot(whole) / squared, 0.0, 1.0) : 1.0;
+  return squared > 0.0 ? way.dot(whole) / squared : 1.0;
 }
 
 /// Line of points of a cell at one v along weft. It is straight, since cells are bilinear.
@@ -177,12 +177,15 @@ void SampleFinder::findObstacles(const ActiveMesh& mesh, const Field& nodes, con
   listLetOut(mesh, samples);
 }
 
-bool SampleFinder::isClear(const ActiveMesh& mesh, const Field& nodes, int probe) {
+std::optional<Vec3> SampleFinder::wayOut(const ActiveMesh& mesh, const Field& nodes, int probe) {
   still_.assign(mesh.nodes(), 0.0);
   addProbePoints(mesh, nodes, still_, {probe, 0.0});
   selectNear(solids_.indexOf(probe));
+  Vec3 out = Vec3::Zero();
+  for (const int k : near_) out -= points_[k].area * (law_.range() - now_.gaps[k]) * now_[k].normal;
   clearPoints();
-  return near_.empty();
+  if (near_.empty()) return std::nullopt;
+  return out.stableNormalized();
 }
 
 /// The ball around the box around the nodes.
@@ -655,7 +658,7 @@ ContactSample SampleFinder::startSample(int point, int index, const SolidStep& s
     carried = solid.position() + turned;
     sample.turn_share = shareAlong(sample.of(motion) - solids_.way(index), turned - arm);
     // Where cloth slips in place on a roller the normal stays, or friction would press the cloth on.
-    sample.start_normal = partOf(step.turn, sample.turn_share) * then.normal;
+    sample.start_normal = partOf(step.turn, std::clamp(sample.turn_share, 0.0, 1.0)) * then.normal;
     sample.elastic_slip = step.rotation * sample.elastic_slip;
   }
   sample.elastic_slip -= sample.elastic_slip.dot(sample.start_normal) * sample.start_normal;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "contact/contact_law.h"
@@ -52,8 +53,9 @@ class SampleFinder {
   /// on each other. @pre findProbes()
   const std::vector<char>& dented() const { return dented_; }
 
-  /// Tells whether the probe does not touch the cloth. @pre SolidSet::startProbe()
-  bool isClear(const ActiveMesh& mesh, const Field& nodes, int probe);
+  /// Direction in which the probe becomes clear of the cloth soonest: that of the force of springs at all
+  /// points of the cloth within the range of contact. Empty if there are none.  @pre SolidSet::startProbe()
+  std::optional<Vec3> wayOut(const ActiveMesh& mesh, const Field& nodes, int probe);
 
  private:
   /// Distances of points from a solid [m], and its normals there.

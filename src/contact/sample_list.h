@@ -41,7 +41,7 @@ struct ContactSample : SurfacePoint {
   /// Position if the solid carries it along; for a probe relative to the proxy [m].
   Vec3 start = Vec3::Zero();
   Vec3 carry = Vec3::Zero();  ///< displacement to that position from the start of the step [m]
-  double turn_share = 0.0;    ///< share of its solid's turn in the step with which it is expected to go along
+  double turn_share = 0.0;    ///< share of its solid's turn that it is expected to make in the step
   Vec3 start_normal = Vec3::Zero();
   /// Slip that the friction at the start of the step stands for, over the length below which friction
   /// is smoothed: at most 1 [-].

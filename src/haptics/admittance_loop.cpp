@@ -88,7 +88,19 @@ void AdmittanceLoop::moveTool(const ForceSample& hand, const ProbeSnapshot& snap
     stiffness = options_.coupling_stiffness * held;
     damping = options_.coupling_damping * held + options_.passivity.damping * Mat3::Identity();
   }
-  tool_.move(soft_ * limited(felt, options_.max_force) + reaction_, stiffness, damping, elapsed);
+  Vec3 force = soft_ * limited(felt, options_.max_force) + reaction_;
+  if (status_ == HapticStatus::Inside) {
+    // Nothing resists a tool that appeared in the cloth. It moves out of it, not on through it.
+    constexpr double kStop = 1e9;  // [N·s/m]
+    const Vec3& out = snapshot.way_out;
+    if (out.isZero(0.0)) return tool_.brake(elapsed);
+    force -= std::min(0.0, force.dot(out)) * out;
+    if (const double speed = tool_.velocity().dot(out); speed < 0.0) {
+      damping = kStop * out * out.transpose();
+      force -= kStop * speed * out;
+    }
+  }
+  tool_.move(force, stiffness, damping, elapsed);
 }
 
 }  // namespace haptic_cloth

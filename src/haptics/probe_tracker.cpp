@@ -31,6 +31,7 @@ ProbeSnapshot ProbeTracker::update(const ProbeReport& probe, const DeviceSample&
   snapshot.contact = probe.present && probe.contact;
   snapshot.holds = probe.grasps;
   snapshot.inside = probe.inside;
+  snapshot.way_out = probe.way_out;
   if (!snapshot.contact || !known_) {
     follow_.setIdentity();
     drift_.setZero();

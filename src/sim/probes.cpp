@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "sim/cloth_objective.h"
@@ -105,7 +106,11 @@ const std::vector<ContactSet::Reach>& Probes::findTouching(const ActiveMesh& mes
     if (!steps_[k].present) continue;
     contacts.startProbe(k, steps_[k].proxy, steps_[k].orientation, steps_[k].prescribed,
                         reports_[k].velocity);
-    if (!memory.has_been_clear) memory.has_been_clear = contacts.isClear(mesh, nodes, k);
+    if (!memory.has_been_clear) {
+      const std::optional<Vec3> way_out = contacts.wayOut(mesh, nodes, k);
+      memory.has_been_clear = !way_out;
+      reports_[k].way_out = way_out.value_or(Vec3::Zero());
+    }
     if (memory.has_been_clear) touching_.push_back({k, reach[k]});
   }
   return touching_;
@@ -168,6 +173,7 @@ void Probes::serialize(Archive& archive) {
   archive.each("probe_contact", reports_, &ProbeReport::contact);
   archive.each("probe_grasps", reports_, &ProbeReport::grasps);
   archive.each("probe_inside", reports_, &ProbeReport::inside);
+  archive.each("probe_way_out", reports_, &ProbeReport::way_out);
   archive.each("probe_orientation", reports_, &ProbeReport::orientation);
   archive.each("probe_turn_radius", reports_, &ProbeReport::turn_radius);
 }

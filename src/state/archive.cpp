@@ -14,7 +14,7 @@ namespace haptic_cloth {
 namespace {
 
 constexpr std::uint32_t kByteOrder = 0x01020304;
-constexpr std::uint32_t kVersion = 16;  // version of the envelope and of the entries
+constexpr std::uint32_t kVersion = 17;  // version of the envelope and of the entries
 constexpr std::size_t kMostInText = 8;  ///< numbers of an entry that messages show
 
 /// Header between kStateMagic and the entries.

@@ -315,7 +315,8 @@ std::uint64_t readings(const Simulation& simulation) {
   add(hash, simulation.energy());
   for (std::size_t k = 0; k < simulation.scene().probes.size(); ++k) {
     const ProbeReport probe = simulation.probe(static_cast<int>(k));
-    for (const Vec3& vector : {probe.device, probe.proxy, probe.velocity, probe.force, probe.torque})
+    for (const Vec3& vector :
+         {probe.device, probe.proxy, probe.velocity, probe.force, probe.torque, probe.way_out})
       hash.add(vector);
     hash.add(probe.force_error);
     hash.add(probe.turn_radius);
@@ -449,7 +450,7 @@ std::string sealState(const std::vector<StateEntry>& entries) {
   hash.add(content.data(), content.size());
   std::string sealed = kMagic;
   put(sealed, std::uint32_t{0x01020304});
-  put(sealed, std::uint32_t{16});
+  put(sealed, std::uint32_t{17});
   put(sealed, static_cast<std::uint64_t>(content.size()));
   put(sealed, hash.value());
   return sealed + content;

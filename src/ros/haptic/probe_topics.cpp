@@ -5,6 +5,7 @@
 #include <ros/console.h>
 #include <ros/message_event.h>
 
+#include "haptic_cloth/error.h"
 #include "ros/node/topics.h"
 
 namespace haptic_cloth {
@@ -32,6 +33,10 @@ ProbeTopics::ProbeTopics(const NodeOptions& options, std::size_t number, const t
         if (!refused.empty()) ROS_WARN_STREAM_THROTTLE(kSeldom, name_ << " does not grasp: " << refused);
       });
   set_grasp_ = node.advertiseService(named(topics::kSetGrasp), &ProbeTopics::setGrasp, this);
+  // Two nodelets of one manager would both answer the hand; the master sees one publisher.
+  if (!set_grasp_)
+    throw InputError(node.resolveName(named(topics::kSetGrasp)), "", "",
+                     "is offered by another nodelet of this process: give one of them another namespace");
 }
 
 void ProbeTopics::subscribe(ros::NodeHandle& node, ros::CallbackQueue& poses) {

@@ -29,6 +29,7 @@ SolverLoop::SolverLoop(const NodeOptions& options, SharedState& shared, RecordFi
       live_(shared.live_for_solver),
       simulation_(sceneFor(options.scene)),
       targets_seen_(options.scene.obstacles.size(), 0),
+      motions_(options.scene.obstacles.size()),
       probes_(options.probes),
       pacer_(simulation_, options.pace) {
   window_.meets_itself = simulation_.meetsItself();
@@ -47,13 +48,14 @@ void SolverLoop::run() {
       pacer_.restart();
       if (window_start_ >= 0.0) endWindow();
       for (SharedProbe& probe : shared_.probes) probe.session().pause(simulation_);
+      for (ObstacleMotion& motion : motions_) motion.rest();
       sleepUntil(steadyNow() + kIdle);
       continue;
     }
     sleepUntil(pacer_.due(steadyNow()));
     takeOptions();
     const int length = pacer_.begin(simulation_, steadyNow());
-    moveObstacles();
+    moveObstacles(length * simulation_.scene().solver.time_step);
     for (SharedProbe& probe : shared_.probes) {
       probe.session().beforeStep(simulation_, steadyNow(), length);
     }
@@ -92,8 +94,10 @@ void SolverLoop::loadState(const std::string& state, const std::string& origin) 
 void SolverLoop::startAgain() {
   for (SharedProbe& probe : shared_.probes) probe.session().restart(simulation_);
   // Targets sent before are not used.
-  for (std::size_t k = 0; k < targets_seen_.size(); ++k)
+  for (std::size_t k = 0; k < targets_seen_.size(); ++k) {
     targets_seen_[k] = shared_.obstacles[k].read().number;
+    motions_[k].stop();
+  }
   pacer_.restart();
   last_ = StepReport();
   last_.active_particles = simulation_.activeParticles();
@@ -154,12 +158,15 @@ double SolverLoop::forceError(std::size_t probe) const {
   return probes_[probe].device.force_scale * simulation_.probe(static_cast<int>(probe)).force_error;
 }
 
-void SolverLoop::moveObstacles() {
+/// @param length of the next step [s]
+void SolverLoop::moveObstacles(double length) {
   for (std::size_t k = 0; k < targets_seen_.size(); ++k) {
+    const int obstacle = static_cast<int>(k);
     const ObstacleTarget& target = shared_.obstacles[k].read();
-    if (target.number == targets_seen_[k]) continue;
+    if (target.number != targets_seen_[k]) motions_[k].aim(target.pose, simulation_.time());
     targets_seen_[k] = target.number;
-    simulation_.moveObstacle(static_cast<int>(k), target.pose);
+    if (motions_[k].isOnItsWay())
+      simulation_.moveObstacle(obstacle, motions_[k].advance(simulation_.obstaclePose(obstacle), length));
   }
 }
 

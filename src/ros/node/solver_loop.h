@@ -7,6 +7,7 @@
 
 #include "haptic_cloth/simulation.h"
 #include "haptic_cloth/step_pacer.h"
+#include "ros/node/obstacle_motion.h"
 #include "ros/node/record_writer.h"
 #include "ros/node/shared_state.h"
 #include "ros/options/node_options.h"
@@ -38,7 +39,7 @@ class SolverLoop {
   void takeOptions();
   void skipRamps();
   void copyFrameWhenWanted();
-  void moveObstacles();
+  void moveObstacles(double length);
   void record(const StepReport& report);
   void endWindow();
   void writeStats();
@@ -48,6 +49,7 @@ class SolverLoop {
   LiveReader live_;
   Simulation simulation_;
   std::vector<std::uint64_t> targets_seen_;  ///< number of the last target of each obstacle
+  std::vector<ObstacleMotion> motions_;      ///< of each obstacle
 
   std::vector<ProbeSettings> probes_;  ///< as they were asked for
   StepPacer pacer_;

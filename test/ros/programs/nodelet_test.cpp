@@ -37,6 +37,11 @@ TEST(Nodelet, LoadsIsFeltAndUnloadsWithoutForce) {
   EXPECT_TRUE(diagnostics.heard("cloth: probe")) << "its own name, not the manager's";
   device.moveTo(pressed);
   ASSERT_TRUE(waitFor([&] { return reaction.force().z() > 0.1; }));
+  std::string scene;
+  ASSERT_TRUE(ros::param::get("/cloth/scene_file", scene));
+  ros::param::set("/twin/scene_file", scene);
+  EXPECT_FALSE(load("/twin")) << "two on the same topics would both answer the hand";
+  ASSERT_TRUE(waitFor([&] { return reaction.force().z() > 0.1; })) << "the first one goes on";
   ASSERT_TRUE(unload("/cloth"));
   EXPECT_TRUE(waitFor([&] { return reaction.force() == Vec3::Zero(); }));
 

@@ -204,6 +204,31 @@ TEST(AdmittanceLoop, ComesToRestInAPauseAndWithoutTheSolver) {
                      HapticStatus::SnapshotStale);
 }
 
+/// Where the tool is inside the cloth, it brakes as it does elsewhere, and moves along and out as if free.
+TEST(AdmittanceLoop, InsideTheClothItMovesNoDeeper) {
+  MovingLoop moving;
+  const AdmittanceOptions& tool = moving.options.admittance;
+  const Vec3 out(-0.6, 0.0, 0.8), along(0.8, 0.0, 0.6);
+  const auto tick = [&](const Vec3& force) {
+    ProbeSnapshot inside = nothingTouched(moving.now += kTick);
+    inside.inside = true;
+    inside.way_out = out;
+    moving.loop.tick(pushed(force, moving.now), inside, false, moving.now);
+  };
+  const Vec3 start = moving.loop.position(), velocity = moving.loop.device().velocity;
+  const double inward = -velocity.dot(out), way = inward * inward / (2.0 * tool.max_acceleration);
+  ASSERT_GT(inward, 0.1);
+  for (int k = 0; k < 500; ++k) tick(-2.0 * out);
+  // A tick more for each of Euler's steps.
+  EXPECT_NEAR((moving.loop.position() - start).dot(out), -way, 2.0 * kTick * inward);
+  const Vec3 stopped = moving.loop.position();
+  for (int k = 0; k < 1000; ++k) tick(0.5 * along - 2.0 * out);
+  EXPECT_NEAR((moving.loop.position() - stopped).dot(out), 0.0, 1e-9);
+  EXPECT_NEAR(moving.loop.device().velocity.dot(along), 0.5 / tool.damping, 1e-3 / tool.damping);
+  for (int k = 0; k < 1000; ++k) tick(0.5 * out);
+  EXPECT_NEAR(moving.loop.device().velocity.dot(out), 0.5 / tool.damping, 1e-3 / tool.damping);
+}
+
 TEST(AdmittanceLoop, AForceThatIsNotFiniteIsNone) {
   MovingLoop moving;
   const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -535,6 +535,27 @@ TEST_F(AdmittanceSessionTest, HandAndClothBalanceAtTheTool) {
   EXPECT_LE(way, options().admittance.max_speed * kTick);
 }
 
+/// A tool that appears in the cloth feels nothing. A push would drive it through what the cloth lies on.
+TEST_F(AdmittanceSessionTest, AToolInsideTheClothOnlyMovesOut) {
+  const double radius = simulation_.scene().probes[0].radius, start = 0.4 * radius;
+  session_.setPose({Vec3(0.0, 0.0, start), Quat::Identity()});
+  push(100);
+  EXPECT_EQ(session_.status(), HapticStatus::Inside);
+  const double stopped = target_.position.z();
+  EXPECT_NEAR(stopped, start, 1e-4);  // until the second step it may fall, and it brakes
+  push(10000);
+  EXPECT_EQ(session_.status(), HapticStatus::Inside);
+  EXPECT_NEAR(target_.position.z(), stopped, 1e-6) << "it does not creep";
+  for (int k = 0; k < 200; ++k) {
+    target_ = session_.tick(Vec3(0.0, 0.0, kPush), time_ += kTick);
+    step();
+  }
+  EXPECT_GT(target_.position.z(), radius);
+  EXPECT_EQ(session_.status(), HapticStatus::Free);
+  push(2000);
+  EXPECT_EQ(session_.status(), HapticStatus::Contact);
+}
+
 TEST_F(AdmittanceSessionTest, StartsAndTurnsWithTheDevice) {
   const Pose device{Vec3(0.01, 0.0, 0.03), Quat(Eigen::AngleAxisd(0.5, Vec3::UnitX()))};
   session_.setPose(device);

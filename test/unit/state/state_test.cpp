@@ -112,7 +112,7 @@ TEST_F(State, WhatIsCutOffOrDamagedIsRefused) {
 TEST_F(State, OtherVersionsAndMachinesAreRefused) {
   std::string other = saved_;
   other[23] = 1;  // offset of the version, after magic and byte order
-  expectRefused(other, {"version = 1", "must be 16"});
+  expectRefused(other, {"version = 1", "must be 17"});
   other = saved_;
   std::reverse(other.begin() + 19, other.begin() + 23);
   expectRefused(other, {"byte order"});
