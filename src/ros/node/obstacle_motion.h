@@ -33,7 +33,7 @@ class ObstacleMotion {
   static constexpr double kLongest = 0.5;  ///< time of a way, at most [s]
 
   Pose target_;
-  double aimed_ = -kLongest;     ///< time of the last aim()
+  double aimed_ = -kLongest;    ///< time of the last aim()
   double interval_ = kLongest;  ///< time of a way
   double remaining_ = 0.0;      ///< of the present way
 };
