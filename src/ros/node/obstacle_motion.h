@@ -20,7 +20,7 @@ class ObstacleMotion {
   void stop() { *this = ObstacleMotion(); }
 
   /// Forgets how far poses are apart, because no steps are made for a while.
-  void rest() { interval_ = kLongest; }
+  void interrupt() { interval_ = kLongest; }
 
   /// Tells whether the target has not been reached.
   bool isOnItsWay() const { return remaining_ > 0.0; }

@@ -48,7 +48,7 @@ void SolverLoop::run() {
       pacer_.restart();
       if (window_start_ >= 0.0) endWindow();
       for (SharedProbe& probe : shared_.probes) probe.session().pause(simulation_);
-      for (ObstacleMotion& motion : motions_) motion.rest();
+      for (ObstacleMotion& motion : motions_) motion.interrupt();
       sleepUntil(steadyNow() + kIdle);
       continue;
     }
