@@ -72,10 +72,10 @@ class Simulation {
   /// @throws InputError, with nothing changed, if a value is invalid
   void setCoupling(int probe, double stiffness, double damping);
 
-  /// Makes one step, also if length is less than 1: move obstacles, adapt the mesh, update grasps, find
-  /// contacts, minimise, accept or restore. Numerical trouble does not throw: the last good state is
-  /// restored, and the report says `failed`.
-  /// @param length of the step in units of the scene's solver.time_step; at least 1. Mesh
+  /// Makes one step: move obstacles, adapt the mesh, update grasps, find contacts, minimise, accept or
+  /// restore. Numerical trouble does not throw: the last good state is restored, and the report says
+  /// `failed`.
+  /// @param length of the step in units of the scene's solver.time_step; less than 1 counts as 1. Mesh
   /// decisions and ages of cells count in these units, particles fall asleep by steps.
   StepReport step(int length = 1);
 
