@@ -45,9 +45,9 @@ class ProbeSession {
   /// for HapticOptions::probe_timeout the probe leaves the scene; if the device jumps (isJump()),
   /// the probe lets go and enters the scene again at the new place. After pause(), or if no step began
   /// for HapticOptions::snapshot_timeout, a probe that holds no cloth enters the scene again, too, if the
-  /// device has moved by more than max_force / coupling_stiffness. After a late step a hand that holds
-  /// cloth moves at most twice as fast as it did and catches up in later steps; what it lags behind by
-  /// more than 0.1 s is made up at once.
+  /// device has moved by more than max_force / coupling_stiffness, but not the tool of an admittance device.
+  /// After a late step a tool, and a hand that holds cloth, moves at most twice as fast as it did and catches
+  /// up in later steps; what it lags behind by more than 0.1 s is made up at once.
   /// @param length of the step, as for Simulation::step()
   void beforeStep(Simulation& simulation, double now, int length = 1);
 
@@ -81,7 +81,8 @@ class ProbeSession {
   bool isPresent() const { return present_; }
 
  protected:
-  ProbeSession(const Scene& scene, int probe, const HapticOptions& options);
+  /// @param is_tool the device follows the cloth, and is never elsewhere after a stall
+  ProbeSession(const Scene& scene, int probe, const HapticOptions& options, bool is_tool);
   ~ProbeSession();
 
   // On the device's thread.
@@ -96,7 +97,11 @@ class ProbeSession {
   void leave(Simulation& simulation);
   void open(Simulation& simulation);
 
+  /// Tells whether the probe moves on from where it was after a stall.
+  bool catchesUp() const { return is_tool_ || grasp_ == GraspState::Holding; }
+
   int number_;  ///< of the probe in the scene
+  bool is_tool_;
 
   Mailbox<HapticOptions> options_for_solver_;  ///< device's thread → solver's thread
   Mailbox<DeviceSample> device_for_solver_;    ///< device's thread → solver's thread

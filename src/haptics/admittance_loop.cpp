@@ -72,11 +72,31 @@ void AdmittanceLoop::tick(const ForceSample& hand, const ProbeSnapshot& snapshot
 
   if (allowsForce(status_)) {
     soft_ = risen(soft_, elapsed, options_.soft_start);
+    watchTouch(snapshot);
     moveTool(hand, snapshot, elapsed);
   } else {
     soft_ = 0.0;
+    if (!lost_) lost_ = touch_;
     tool_.brake(elapsed);
   }
+}
+
+/// Remembers where the tool touches the cloth. After a fault, as a reset or silence of the hand, the cloth
+/// may be elsewhere, and the probe touches nothing until it has been clear of it.
+void AdmittanceLoop::watchTouch(const ProbeSnapshot& snapshot) {
+  const Vec3 stretch = snapshot.proxy - snapshot.device;
+  touch_.reset();
+  if (status_ == HapticStatus::Contact && stretch.norm() > 0.0)
+    touch_ = Touch{snapshot.proxy, stretch.normalized()};
+  const bool again = lost_ && touch_ && touch_->out.dot(lost_->out) > 0.0;  // not from behind
+  if (again || (lost_ && !lost_->isInside(tool_.position()))) lost_.reset();
+}
+
+/// Direction against which the tool must not move; zero: it is free. A hand that still pushes where nothing
+/// resists would drive the device through the cloth and what it lies on.
+Vec3 AdmittanceLoop::wayOut(const ProbeSnapshot& snapshot) const {
+  if (lost_) return lost_->out;
+  return status_ == HapticStatus::Inside ? snapshot.way_out : Vec3(Vec3::Zero());
 }
 
 void AdmittanceLoop::moveTool(const ForceSample& hand, const ProbeSnapshot& snapshot, double elapsed) {
@@ -89,16 +109,12 @@ void AdmittanceLoop::moveTool(const ForceSample& hand, const ProbeSnapshot& snap
     damping = options_.coupling_damping * held + options_.passivity.damping * Mat3::Identity();
   }
   Vec3 force = soft_ * limited(felt, options_.max_force) + reaction_;
-  if (status_ == HapticStatus::Inside) {
-    // Nothing resists a tool that appeared in the cloth. It moves out of it, not on through it.
+  const Vec3 out = wayOut(snapshot);
+  force -= std::min(0.0, force.dot(out)) * out;
+  if (const double speed = tool_.velocity().dot(out); speed < 0.0) {
     constexpr double kStop = 1e9;  // [N·s/m]
-    const Vec3& out = snapshot.way_out;
-    if (out.isZero(0.0)) return tool_.brake(elapsed);
-    force -= std::min(0.0, force.dot(out)) * out;
-    if (const double speed = tool_.velocity().dot(out); speed < 0.0) {
-      damping = kStop * out * out.transpose();
-      force -= kStop * speed * out;
-    }
+    damping += kStop * out * out.transpose();
+    force -= kStop * speed * out;
   }
   tool_.move(force, stiffness, damping, elapsed);
 }

@@ -1,6 +1,8 @@
 /// Haptic tick of a probe with an admittance device: force in, pose out.
 #pragma once
 
+#include <optional>
+
 #include "haptic_cloth/haptics.h"
 #include "haptics/velocity_filter.h"
 
@@ -45,6 +47,15 @@ class AdmittanceLoop {
   bool atRest() const { return tool_.velocity().isZero(0.0); }
 
  private:
+  /// Where the tool touched the cloth: the proxy, and the way of the coupling's force from there. A tool that
+  /// is pressed is on the inner side.
+  struct Touch {
+    Vec3 place, out;
+    bool isInside(const Vec3& x) const { return (x - place).dot(out) < 0.0; }
+  };
+
+  void watchTouch(const ProbeSnapshot& snapshot);
+  Vec3 wayOut(const ProbeSnapshot& snapshot) const;
   void moveTool(const ForceSample& hand, const ProbeSnapshot& snapshot, double elapsed);
 
   HapticOptions options_;
@@ -55,6 +66,8 @@ class AdmittanceLoop {
   Quat turned_from_ = Quat::Identity();  ///< orientation at the last tick
   Vec3 reaction_ = Vec3::Zero();
   HapticStatus status_ = HapticStatus::NoForce;
+  std::optional<Touch> touch_;  ///< now, or before a fault
+  std::optional<Touch> lost_;   ///< that a fault ended, until the tool touches there again or is out
   bool started_ = false;
   bool placed_ = false;  ///< by the device
   double last_tick_ = -1.0;

@@ -27,7 +27,7 @@ void check(const HapticOptions& options, double unit) {
 }  // namespace
 
 HapticSession::HapticSession(const Scene& scene, int probe, const HapticOptions& options)
-    : ProbeSession(scene, probe, options),
+    : ProbeSession(scene, probe, options, false),
       loop_(this->options()),
       filter_(std::make_unique<VelocityFilter>(options.velocity_time_constant, options.pose_timeout)),
       turn_filter_(std::make_unique<VelocityFilter>(options.velocity_time_constant, options.pose_timeout)) {}
@@ -71,7 +71,7 @@ void HapticSession::setCheckedOptions(const HapticOptions& options, double unit)
 }
 
 AdmittanceSession::AdmittanceSession(const Scene& scene, int probe, const HapticOptions& options)
-    : ProbeSession(scene, probe, options), loop_(std::make_unique<AdmittanceLoop>(this->options())) {
+    : ProbeSession(scene, probe, options, true), loop_(std::make_unique<AdmittanceLoop>(this->options())) {
   loop_->turn(scene.probes[probe].orientation);
 }
 

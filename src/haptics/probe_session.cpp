@@ -29,8 +29,9 @@ Vec3 balancedProxy(const HapticOptions& options, const ProbeReport& probe, const
 
 }  // namespace
 
-ProbeSession::ProbeSession(const Scene& scene, int probe, const HapticOptions& options)
+ProbeSession::ProbeSession(const Scene& scene, int probe, const HapticOptions& options, bool is_tool)
     : number_(probe),
+      is_tool_(is_tool),
       tracker_(std::make_unique<ProbeTracker>()),
       step_interval_(std::make_unique<StepInterval>()) {
   takeOptions(coupledAs(scene, probe, options));
@@ -67,7 +68,7 @@ void ProbeSession::takeDevice(Simulation& simulation, const HapticOptions& optio
   // All of the motion during a pause or a stall would go into this one step. A hand that rests keeps its
   // contact: one that moved no farther than the coupling stretches under the largest force.
   const bool far = options.coupling_stiffness * way > options.max_force;
-  if (present_ && first && far && grasp_ != GraspState::Holding) leave(simulation);
+  if (present_ && first && far && !catchesUp()) leave(simulation);
   const DeviceSample device = catchingUp(newest);
   if (fresh) {
     const double elapsed = device.received - step_device_.received;
@@ -88,13 +89,13 @@ void ProbeSession::takeDevice(Simulation& simulation, const HapticOptions& optio
   step_device_ = device;
 }
 
-/// The newest pose or, if the probe holds cloth, one on the way to it. After a late step the hand has moved
-/// far; in one short step it would tear the cloth along at many times its speed.
+/// The newest pose or, of a tool and a probe that holds cloth, one on the way to it. After a late step the
+/// hand has moved far; in one short step it would tear the cloth along at many times its speed.
 DeviceSample ProbeSession::catchingUp(const DeviceSample& newest) const {
   constexpr double kFastest = 2.0;  // as a pin that was stopped [-]
   const double lag = newest.received - step_device_.received;
   const double made = std::max(kFastest * step_interval_->steadySeconds(), lag - ClockKeeper::kLongestLag);
-  if (grasp_ != GraspState::Holding || made >= lag) return newest;
+  if (!catchesUp() || made >= lag) return newest;
   const double share = made / lag;
   DeviceSample device = step_device_;
   device.received += made;

@@ -1,8 +1,22 @@
 #include "ros/node/obstacle_motion.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "contact/proxy.h"
 
 namespace haptic_cloth {
+namespace {
+
+/// The rotation vector of a turn that is nearest to another one, whole turns apart.
+Vec3 unwrapped(const Vec3& turn, const Vec3& other) {
+  const double angle = turn.norm(), whole = 2.0 * EIGEN_PI;
+  if (angle == 0.0) return turn;
+  const Vec3 axis = turn / angle;
+  return (angle + whole * std::round((other.dot(axis) - angle) / whole)) * axis;
+}
+
+}  // namespace
 
 void ObstacleMotion::aim(const Pose& target, double time) {
   constexpr double kMargin = 1.25;  // over the interval of poses, which trembles
@@ -10,6 +24,7 @@ void ObstacleMotion::aim(const Pose& target, double time) {
   // fast while the obstacle catches up.
   constexpr double kShrinks = 0.2;
   const double passed = time - aimed_;
+  if (isOnItsWay()) turn_ += turnBetween(target_.orientation, target.orientation);
   target_ = target;
   interval_ = std::min(kLongest, std::max(kMargin * passed, interval_ - kShrinks * passed));
   aimed_ = time;
@@ -19,9 +34,14 @@ void ObstacleMotion::aim(const Pose& target, double time) {
 Pose ObstacleMotion::advance(const Pose& now, double length) {
   const double share = length < remaining_ ? length / remaining_ : 1.0;
   remaining_ = std::max(0.0, remaining_ - length);
-  if (share == 1.0) return target_;
-  return {now.position + share * (target_.position - now.position),
-          now.orientation.slerp(share, target_.orientation)};
+  if (share == 1.0) {
+    turn_.setZero();
+    return target_;
+  }
+  const Vec3 turn = unwrapped(turnBetween(now.orientation, target_.orientation), turn_);
+  turn_ = (1.0 - share) * turn;
+  const Quat part(Eigen::AngleAxisd(share * turn.norm(), turn.stableNormalized()));
+  return {now.position + share * (target_.position - now.position), part * now.orientation};
 }
 
 }  // namespace haptic_cloth

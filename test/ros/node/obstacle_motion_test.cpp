@@ -80,6 +80,31 @@ TEST(ObstacleMotion, Turns) {
   EXPECT_NEAR(half.orientation.angularDistance(target.orientation), 0.4, 1e-9);
 }
 
+/// While it catches up, a fast turn lags by more than half a turn, and goes on in its direction.
+TEST(ObstacleMotion, TurnsOnwardsByWholeTurns) {
+  constexpr double kSpin = 25.0, kPeriod = 0.01;  // rad/s, s
+  const Vec3 axis = Vec3(1.0, 2.0, -0.5).normalized();
+  ObstacleMotion motion;
+  Pose now;
+  double next = 0.0, turned = 0.0;
+  for (double time = 0.0; time < 4.0; time += kStep) {
+    if (time >= next) {
+      Pose pose;
+      pose.orientation = Eigen::AngleAxisd(kSpin * time, axis);
+      motion.aim(pose, time);
+      next += kPeriod;
+    }
+    const Quat before = now.orientation;
+    if (motion.isOnItsWay()) now = motion.advance(now, kStep);
+    const Eigen::AngleAxisd turn(now.orientation * before.conjugate());
+    const double part = turn.angle() * turn.axis().dot(axis);
+    EXPECT_GE(part, -1e-9) << time;
+    EXPECT_LE(part, 1.3 * kSpin * kStep) << time;  // as FollowsAnEvenMotionEvenly, with little jitter
+    turned += part;
+  }
+  EXPECT_NEAR(turned, kSpin * 4.0, 3.0 * kPeriod * kSpin);
+}
+
 /// Cloth lies on a block that poses raise at 0.1 m/s. Raised evenly the block throws the cloth by v²/2g = 0.5
 /// mm where it stops, at a third more speed by 0.9 mm; raised by the way of a pose in a step, the cloth flew
 /// up by decimetres.

@@ -234,7 +234,12 @@ TEST_F(LiveTest, TheMeshFollowsOtherThresholds) {
           {"adapt/coarsen_below_strain", 1e-6},
           {"adapt/interval", 1}});
   ASSERT_TRUE(becomes("solver", "active particles", [&](double n) { return n > 1.2 * before; }));
-  const double fine = diagnostics_.number("solver", "active particles");
+  double fine = 0.0;
+  ASSERT_TRUE(waitFor([&] {  // all cells that may split have split
+    const double last = std::exchange(fine, diagnostics_.number("solver", "active particles"));
+    ros::WallDuration(2.0).sleep();  // two messages
+    return fine == last;
+  }));
   accept({{"adapt/refine_above", 3.0},
           {"adapt/coarsen_below", 2.0},
           {"adapt/refine_above_strain", 0.5},

@@ -556,6 +556,106 @@ TEST_F(AdmittanceSessionTest, AToolInsideTheClothOnlyMovesOut) {
   EXPECT_EQ(session_.status(), HapticStatus::Contact);
 }
 
+/// A hand presses a tool on cloth that lies on a block, so hard that the tool is deeper in it than its
+/// radius.
+class PressedTool : public ::testing::Test {
+ protected:
+  static constexpr double kTick = 1e-3, kPush = 3.2, kStiffness = 220.0;  ///< [s], [N], [N/m]
+  static constexpr double kTop = 0.04;                                    ///< of the block [m]
+
+  static Scene scene() {
+    LinearFabric linear;
+    linear.rigidity = 1e-5;
+    Scene scene = sheetScene(makeFabric(linear), 17, 17, 0.16, 0.16);
+    scene.cloth.pose.position.z() = kTop + 0.004;
+    scene.air_damping = 5.0;
+    Obstacle block;
+    block.shape = Shape::Box;
+    block.size = Vec3(0.2, 0.2, kTop);
+    block.pose.position.z() = 0.5 * kTop;
+    scene.obstacles.push_back(block);
+    scene.probes[0].coupling_stiffness = kStiffness;
+    return scene;
+  }
+
+  PressedTool() : simulation_(scene()), session_(simulation_.scene(), 0) {
+    session_.setPose({Vec3(0.0, 0.0, kTop + 0.03), Quat::Identity()});
+    push(-kPush, 2000);
+    pressed_ = tool();
+    EXPECT_EQ(session_.status(), HapticStatus::Contact);
+    EXPECT_LT(pressed_, kTop - 0.004) << "its centre is in the block";
+  }
+
+  void push(double force, int ticks) {
+    run(ticks, [&] { target_ = session_.tick(Vec3(0.0, 0.0, force), time_); });
+  }
+  void beSilent(int ticks) {
+    run(ticks, [&] { target_ = session_.tick(time_); });
+  }
+  void stall(double force, int ticks) {
+    for (int k = 0; k < ticks; ++k) target_ = session_.tick(Vec3(0.0, 0.0, force), time_ += kTick);
+  }
+  template <class Tick>
+  void run(int ticks, const Tick& tick) {
+    for (int k = 0; k < ticks; ++k) {
+      time_ += kTick;
+      tick();
+      session_.beforeStep(simulation_, time_);
+      simulation_.step();
+      session_.afterStep(simulation_, time_);
+    }
+  }
+  void reset() {
+    simulation_.reset();
+    session_.restart(simulation_);
+  }
+  double tool() const { return target_.position.z(); }
+
+  Simulation simulation_;
+  AdmittanceSession session_;
+  Pose target_;
+  double time_ = 10.0, pressed_ = 0.0;
+};
+
+TEST_F(PressedTool, GoesNoDeeperAfterAReset) {
+  reset();
+  push(-kPush, 1000);  // the last reaction fades
+  const double held = tool();
+  EXPECT_GT(held, pressed_ - 1e-6);
+  push(-kPush, 3000);
+  EXPECT_NEAR(tool(), held, 1e-6);
+  push(0.5, 600);
+  EXPECT_GT(tool(), kTop + 0.02) << "it gets out";
+}
+
+TEST_F(PressedTool, GoesNoDeeperWhereTheHandWasSilentUntilTheProbeLeft) {
+  beSilent(1300);
+  EXPECT_FALSE(session_.isPresent());
+  push(-kPush, 3000);
+  EXPECT_GT(tool(), pressed_ - 1e-4);
+}
+
+TEST_F(PressedTool, IsPressedHarderAfterAShortSilence) {
+  push(-0.5 * kPush, 1000);
+  const double lightly = tool();
+  beSilent(100);
+  push(-kPush, 2000);
+  EXPECT_EQ(session_.status(), HapticStatus::Contact);
+  EXPECT_NEAR(tool(), pressed_, 0.1 * (lightly - pressed_)) << "as before";
+}
+
+/// A tool moves on while no steps are made, until its snapshot is too old. It must not pass the cloth.
+TEST_F(PressedTool, MeetsTheClothThatItPassedInAStall) {
+  push(1.0, 400);
+  while (tool() > kTop + 0.03) push(-kPush, 1);
+  ASSERT_EQ(session_.status(), HapticStatus::Free);
+  stall(-kPush, 300);
+  EXPECT_LT(tool(), kTop) << "it has passed the cloth";
+  push(-kPush, 3000);
+  EXPECT_EQ(session_.status(), HapticStatus::Contact);
+  EXPECT_NEAR(tool(), pressed_, 0.1 * (kTop - pressed_));
+}
+
 TEST_F(AdmittanceSessionTest, StartsAndTurnsWithTheDevice) {
   const Pose device{Vec3(0.01, 0.0, 0.03), Quat(Eigen::AngleAxisd(0.5, Vec3::UnitX()))};
   session_.setPose(device);
