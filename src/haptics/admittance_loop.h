@@ -22,7 +22,11 @@ class AdmittanceLoop {
   /// Sets the position of the device [m], at which the tool starts. If the first one comes after the start,
   /// the tool stands still there: a device that is elsewhere would be sent away. Ignored from then on.
   void place(const Vec3& position) {
-    if (!started_ || !placed_) tool_.place(position);
+    if (!started_ || !placed_) {
+      tool_.place(position);
+      touch_.reset();
+      lost_.reset();
+    }
     placed_ = true;
   }
 

@@ -153,9 +153,12 @@ void checkRises(const Check& check, const std::string& key, const Curve& branch)
   const std::vector<Curve::Interval>& intervals = branch.intervals();
   double steepest = 0.0;
   for (const Curve::Interval& interval : intervals) steepest = std::max(steepest, interval.slope);
-  for (const Curve::Interval& interval : intervals)
-    check.that(interval.slope >= -kRounding * steepest, key, interval.slope,
-               "the stiffness must not be negative, as it is from " + toText(interval.begin) + " on");
+  const auto falls = std::find_if(intervals.begin(), intervals.end(), [&](const Curve::Interval& interval) {
+    return !(interval.slope >= -kRounding * steepest);
+  });
+  if (falls != intervals.end())
+    check.that(false, key, falls->slope,
+               "the stiffness must not be negative, as it is from " + toText(falls->begin) + " on");
 }
 
 void checkLaw(const Check& check, const std::string& key, const Loop& law) {
