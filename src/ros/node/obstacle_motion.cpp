@@ -38,10 +38,14 @@ Pose ObstacleMotion::advance(const Pose& now, double length) {
     turn_.setZero();
     return target_;
   }
+  constexpr double kRounding = 1e-12;  // [rad]
+  const Vec3 position = now.position + share * (target_.position - now.position);
   const Vec3 turn = unwrapped(turnBetween(now.orientation, target_.orientation), turn_);
   turn_ = (1.0 - share) * turn;
+  // An obstacle that stands still must not tremble: the cloth on it would never rest.
+  if (turn.norm() < kRounding) return {position, target_.orientation};
   const Quat part(Eigen::AngleAxisd(share * turn.norm(), turn.stableNormalized()));
-  return {now.position + share * (target_.position - now.position), part * now.orientation};
+  return {position, part * now.orientation};
 }
 
 }  // namespace haptic_cloth

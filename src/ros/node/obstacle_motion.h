@@ -33,8 +33,8 @@ class ObstacleMotion {
   static constexpr double kLongest = 0.5;  ///< time of a way, at most [s]
 
   Pose target_;
-  Vec3 turn_ =
-      Vec3::Zero();  ///< rotation vector of what is left of the way, which may be several turns [rad]
+  /// Rotation vector of what is left of the way, which may be several turns [rad].
+  Vec3 turn_ = Vec3::Zero();
   double aimed_ = -kLongest;    ///< time of the last aim()
   double interval_ = kLongest;  ///< time of a way
   double remaining_ = 0.0;      ///< of the present way

@@ -105,6 +105,32 @@ TEST(ObstacleMotion, TurnsOnwardsByWholeTurns) {
   EXPECT_NEAR(turned, kSpin * 4.0, 3.0 * kPeriod * kSpin);
 }
 
+/// A sensor sends the pose of something that stands still, again and again.
+TEST(ObstacleMotion, StandsStillToTheBit) {
+  LinearFabric linear;
+  Scene scene = sheetScene(makeFabric(linear), 5, 5, 0.1, 0.1);
+  Obstacle block;
+  block.shape = Shape::Box;
+  block.size = Vec3(0.1, 0.1, 0.1);
+  scene.obstacles.push_back(block);
+  Simulation simulation(scene);
+  Pose pose;
+  pose.position = Vec3(0.3, 0.1, -0.2);
+  pose.orientation = Eigen::AngleAxisd(0.7, Vec3(1.0, -2.0, 0.4).normalized());
+  ObstacleMotion motion;
+  std::vector<Pose> poses;
+  for (int k = 0; k < 4000; ++k) {
+    if (k % 10 == 0) motion.aim(pose, simulation.time());
+    if (motion.isOnItsWay()) simulation.moveObstacle(0, motion.advance(simulation.obstaclePose(0), kStep));
+    simulation.step();
+    poses.push_back(simulation.obstaclePose(0));
+  }
+  for (std::size_t k = 3500; k < poses.size(); ++k) {
+    EXPECT_EQ(poses[k].position, poses[k - 1].position) << k;
+    EXPECT_EQ(poses[k].orientation.coeffs(), poses[k - 1].orientation.coeffs()) << k;
+  }
+}
+
 /// Cloth lies on a block that poses raise at 0.1 m/s. Raised evenly the block throws the cloth by v²/2g = 0.5
 /// mm where it stops, at a third more speed by 0.9 mm; raised by the way of a pose in a step, the cloth flew
 /// up by decimetres.
