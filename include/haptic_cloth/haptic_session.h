@@ -100,8 +100,8 @@ class ProbeSession {
   /// Tells whether the probe moves on from where it was after a stall.
   bool catchesUp() const { return is_tool_ || grasp_ == GraspState::Holding; }
 
-  int number_;  ///< of the probe in the scene
-  bool is_tool_;
+  int number_;    ///< of the probe in the scene
+  bool is_tool_;  ///< see the constructor
 
   Mailbox<HapticOptions> options_for_solver_;  ///< device's thread → solver's thread
   Mailbox<DeviceSample> device_for_solver_;    ///< device's thread → solver's thread

@@ -36,10 +36,10 @@ struct ProbeSnapshot {
   Vec3 force = Vec3::Zero();   ///< on the probe at that solve [N]
   Vec3 torque = Vec3::Zero();  ///< on the probe about its proxy at that solve [N·m]
   bool contact = false;
-  bool holds = false;   ///< the probe holds cloth
-  bool inside = false;  ///< see ProbeReport
-  Vec3 way_out = Vec3::Zero();
-  int cloth = 0;  ///< number of restarts of the probe: jumps, resets, loaded states
+  bool holds = false;           ///< the probe holds cloth
+  bool inside = false;          ///< see ProbeReport
+  Vec3 way_out = Vec3::Zero();  ///< see ProbeReport [-]
+  int cloth = 0;                ///< number of restarts of the probe: jumps, resets, loaded states
 };
 
 /// A device pose as received.

@@ -167,8 +167,9 @@ void SampleFinder::findObstacles(const ActiveMesh& mesh, const Field& nodes, con
   const Ball ball = ballAround(nodes, reach);
   for (int solid = 0; solid < solids_.obstacles(); ++solid) {
     if (solids_[solid].distance(ball.centre).value > ball.radius + law_.range()) continue;
-    measure(solid, law_.range(), mesh, nodes, reach);
-    findEdges(solids_[solid].sharp(), mesh, nodes);
+    const Solid sharp = solids_[solid].sharp();
+    measure(sharp, law_.range(), mesh, nodes, reach);
+    findEdges(sharp, mesh, nodes);
     addCells(solids_[solid], mesh, nodes);
     addGroup(solid, motion, samples);
     addNodes(mesh, nodes, reach);
@@ -525,9 +526,8 @@ int SampleFinder::partsOf(const Patch& patch) const {
 /// Adds points of the cells near a probe, in rows and columns that are dense enough for it.
 void SampleFinder::addProbePoints(const ActiveMesh& mesh, const Field& nodes,
                                   const std::vector<double>& reach, const Reach& touching) {
-  const int index = solids_.indexOf(touching.probe);
-  const Solid& solid = solids_[index];
-  measure(index, law_.range() + touching.distance, mesh, nodes, reach);
+  const Solid& solid = solids_[solids_.indexOf(touching.probe)];
+  measure(solid, law_.range() + touching.distance, mesh, nodes, reach);
   for (int k = 0; k < static_cast<int>(mesh.patches.size()); ++k) {
     const double near = patch_margins_[k];
     if (near < 0.0) continue;
@@ -542,11 +542,11 @@ void SampleFinder::addProbePoints(const ActiveMesh& mesh, const Field& nodes,
   }
 }
 
-/// Measures the distance of the nodes from a solid, and which patches may come within `range` of it [m]. It
-/// has sharp edges here: over rounded ones the normals at the nodes would not tell where an edge is.
-void SampleFinder::measure(int solid, double range, const ActiveMesh& mesh, const Field& nodes,
+/// Measures the distance of the nodes from a solid, and which patches may come within `range` of it [m].
+/// @param solid has sharp edges: over rounded ones the normals at the nodes would not tell where an edge is
+void SampleFinder::measure(const Solid& solid, double range, const ActiveMesh& mesh, const Field& nodes,
                            const std::vector<double>& reach) {
-  measureDistances(solids_[solid].sharp(), nodes.size(), nodes, at_nodes_);
+  measureDistances(solid, nodes.size(), nodes, at_nodes_);
   const int patches = kPack * static_cast<int>(mesh.patch_corners.size());
   patch_margins_.resize(patches);
   const auto margins = [&](int begin, int end) {

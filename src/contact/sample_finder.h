@@ -115,7 +115,7 @@ class SampleFinder {
   /// Largest distance of a finest cell's chord from an arc that turns by `turn` [rad]: length ·
   /// turn / 8 [m].
   double chord(double turn) const { return turn * longestSide() / 8.0; }
-  void measure(int solid, double range, const ActiveMesh& mesh, const Field& nodes,
+  void measure(const Solid& solid, double range, const ActiveMesh& mesh, const Field& nodes,
                const std::vector<double>& reach);
   void measureDistances(const Solid& solid, int count, const Field& points, Distances& distances);
   void addPoint(const SurfacePoint& point, const Vec3& place, double margin);

@@ -1,4 +1,5 @@
-/// Limits of a fabric's numbers that no fabric reaches, but a number in a neighbouring unit does.
+/// Limits of a fabric's numbers, in files and in code. No fabric reaches the first three, but a number in a
+/// neighbouring unit does.
 #pragma once
 
 namespace haptic_cloth {

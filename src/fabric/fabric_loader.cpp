@@ -35,7 +35,7 @@ double positive(const YamlValue& value) {
   return number;
 }
 
-// As in fabric_limits.h, of KES quantities.
+// Limits of KES quantities, like those of fabric_limits.h.
 constexpr double kLeastStretch = 0.1;   ///< EMT [%]; fabrics have 0.5 to 50, as a fraction 0.005 to 0.5
 constexpr double kLeastResilience = 1;  ///< RT [%]; fabrics have 30 to 95, as a fraction up to 1
 

@@ -1,8 +1,6 @@
 /// Motion of an obstacle between the poses of a topic.
 #pragma once
 
-#include <optional>
-
 #include "haptic_cloth/types.h"
 
 namespace haptic_cloth {

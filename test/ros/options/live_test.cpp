@@ -14,6 +14,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <utility>
 
 #include "ros/options/reconfigure_messages.h"
 #include "ros/support/ros_test_support.h"

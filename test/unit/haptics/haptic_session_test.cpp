@@ -490,7 +490,8 @@ class AdmittanceSessionTest : public ::testing::Test {
   static constexpr double kTick = 1e-3;  ///< [s]
   static constexpr double kPush = 1.0;   ///< [N]
 
-  AdmittanceSessionTest() : simulation_(pinnedSheet()), session_(simulation_.scene(), 0, options()) {}
+  explicit AdmittanceSessionTest(const Scene& scene = pinnedSheet())
+      : simulation_(scene), session_(simulation_.scene(), 0, options()) {}
 
   static HapticOptions options() {
     HapticOptions options;
@@ -505,9 +506,9 @@ class AdmittanceSessionTest : public ::testing::Test {
     session_.afterStep(simulation_, time_);
   }
 
-  void push(int ticks) {
+  void push(int ticks, double force = -kPush) {
     for (int k = 0; k < ticks; ++k) {
-      target_ = session_.tick(Vec3(0.0, 0.0, -kPush), time_ += kTick);
+      target_ = session_.tick(Vec3(0.0, 0.0, force), time_ += kTick);
       step();
     }
   }
@@ -546,10 +547,7 @@ TEST_F(AdmittanceSessionTest, AToolInsideTheClothOnlyMovesOut) {
   push(10000);
   EXPECT_EQ(session_.status(), HapticStatus::Inside);
   EXPECT_NEAR(target_.position.z(), stopped, 1e-6) << "it does not creep";
-  for (int k = 0; k < 200; ++k) {
-    target_ = session_.tick(Vec3(0.0, 0.0, kPush), time_ += kTick);
-    step();
-  }
+  push(200, kPush);
   EXPECT_GT(target_.position.z(), radius);
   EXPECT_EQ(session_.status(), HapticStatus::Free);
   push(2000);
@@ -558,10 +556,10 @@ TEST_F(AdmittanceSessionTest, AToolInsideTheClothOnlyMovesOut) {
 
 /// A hand presses a tool on cloth that lies on a block, so hard that the tool is deeper in it than its
 /// radius.
-class PressedTool : public ::testing::Test {
+class PressedTool : public AdmittanceSessionTest {
  protected:
-  static constexpr double kTick = 1e-3, kPush = 3.2, kStiffness = 220.0;  ///< [s], [N], [N/m]
-  static constexpr double kTop = 0.04;                                    ///< of the block [m]
+  static constexpr double kPress = -3.2, kStiffness = 220.0;  ///< [N], [N/m]
+  static constexpr double kTop = 0.04;                        ///< of the block [m]
 
   static Scene scene() {
     LinearFabric linear;
@@ -578,80 +576,58 @@ class PressedTool : public ::testing::Test {
     return scene;
   }
 
-  PressedTool() : simulation_(scene()), session_(simulation_.scene(), 0) {
+  PressedTool() : AdmittanceSessionTest(scene()) {
     session_.setPose({Vec3(0.0, 0.0, kTop + 0.03), Quat::Identity()});
-    push(-kPush, 2000);
+    push(2000, kPress);
     pressed_ = tool();
     EXPECT_EQ(session_.status(), HapticStatus::Contact);
     EXPECT_LT(pressed_, kTop - 0.004) << "its centre is in the block";
   }
 
-  void push(double force, int ticks) {
-    run(ticks, [&] { target_ = session_.tick(Vec3(0.0, 0.0, force), time_); });
-  }
-  void beSilent(int ticks) {
-    run(ticks, [&] { target_ = session_.tick(time_); });
-  }
-  void stall(double force, int ticks) {
-    for (int k = 0; k < ticks; ++k) target_ = session_.tick(Vec3(0.0, 0.0, force), time_ += kTick);
-  }
-  template <class Tick>
-  void run(int ticks, const Tick& tick) {
-    for (int k = 0; k < ticks; ++k) {
-      time_ += kTick;
-      tick();
-      session_.beforeStep(simulation_, time_);
-      simulation_.step();
-      session_.afterStep(simulation_, time_);
-    }
-  }
-  void reset() {
-    simulation_.reset();
-    session_.restart(simulation_);
+  void stall(int ticks) {
+    for (int k = 0; k < ticks; ++k) target_ = session_.tick(Vec3(0.0, 0.0, kPress), time_ += kTick);
   }
   double tool() const { return target_.position.z(); }
 
-  Simulation simulation_;
-  AdmittanceSession session_;
-  Pose target_;
-  double time_ = 10.0, pressed_ = 0.0;
+  double pressed_ = 0.0;
 };
 
 TEST_F(PressedTool, GoesNoDeeperAfterAReset) {
-  reset();
-  push(-kPush, 1000);  // the last reaction fades
+  simulation_.reset();
+  session_.restart(simulation_);
+  push(1000, kPress);  // the last reaction fades
   const double held = tool();
   EXPECT_GT(held, pressed_ - 1e-6);
-  push(-kPush, 3000);
+  push(3000, kPress);
   EXPECT_NEAR(tool(), held, 1e-6);
-  push(0.5, 600);
+  push(600, 0.5);
   EXPECT_GT(tool(), kTop + 0.02) << "it gets out";
 }
 
 TEST_F(PressedTool, GoesNoDeeperWhereTheHandWasSilentUntilTheProbeLeft) {
-  beSilent(1300);
+  letGo(1300);
   EXPECT_FALSE(session_.isPresent());
-  push(-kPush, 3000);
+  push(3000, kPress);
   EXPECT_GT(tool(), pressed_ - 1e-4);
 }
 
 TEST_F(PressedTool, IsPressedHarderAfterAShortSilence) {
-  push(-0.5 * kPush, 1000);
+  push(1000, 0.5 * kPress);
   const double lightly = tool();
-  beSilent(100);
-  push(-kPush, 2000);
+  letGo(100);
+  push(2000, kPress);
   EXPECT_EQ(session_.status(), HapticStatus::Contact);
   EXPECT_NEAR(tool(), pressed_, 0.1 * (lightly - pressed_)) << "as before";
 }
 
 /// A tool moves on while no steps are made, until its snapshot is too old. It must not pass the cloth.
 TEST_F(PressedTool, MeetsTheClothThatItPassedInAStall) {
-  push(1.0, 400);
-  while (tool() > kTop + 0.03) push(-kPush, 1);
+  push(400, 1.0);
+  while (tool() > kTop + 0.03) push(1, kPress);
   ASSERT_EQ(session_.status(), HapticStatus::Free);
-  stall(-kPush, 300);
+  stall(300);
   EXPECT_LT(tool(), kTop) << "it has passed the cloth";
-  push(-kPush, 3000);
+  push(3000, kPress);
   EXPECT_EQ(session_.status(), HapticStatus::Contact);
   EXPECT_NEAR(tool(), pressed_, 0.1 * (kTop - pressed_));
 }
