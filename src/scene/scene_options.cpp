@@ -1,6 +1,7 @@
 #include "scene/scene_options.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "shape/shapes.h"
 
@@ -9,6 +10,16 @@ namespace {
 
 constexpr Range kLevels{0.0, 8.0}, kThreads{0.0, 1024.0}, kFactor{1.0, 1000.0};
 constexpr Range kTimeStep{0.0, 1.0, true};  ///< [s]; cloth moves for about a second
+
+Option airDampingOption(double& air_damping) {
+  return {"air_damping",
+          field(air_damping),
+          kNotNegative,
+          "1/s",
+          "drag of still air: force per mass and speed",
+          Live{0.0, 20.0},
+          kInState};
+}
 
 }  // namespace
 
@@ -37,10 +48,22 @@ Options optionsOf(Pin& pin) {
           {"centre", field(pin.centre), kPosition, "m", "point of the axis at time 0", kFixed, kInState}};
 }
 
+Options optionsOf(StepOptions& options) {
+  Options rows{airDampingOption(options.air_damping)};
+  const auto append = [&rows](const std::string& prefix, Options group) {
+    for (Option& row : group) {
+      row.key = prefix + row.key;
+      rows.push_back(std::move(row));
+    }
+  };
+  append("solver.", optionsOf(options.solver));
+  append("adapt.", optionsOf(options.adapt));
+  return rows;
+}
+
 Options worldOptions(Scene& scene) {
   return {{"gravity", field(scene.gravity), kPosition, "m/s²", "acceleration of free fall", kFixed, kInState},
-          {"air_damping", field(scene.air_damping), kNotNegative, "1/s",
-           "drag of still air: force per mass and speed", Live{0.0, 20.0}, kInState},
+          airDampingOption(scene.air_damping),
           {"obstacles", OwnReader{"[]", "list"}, kNoRange, "", "solids, see below"}};
 }
 

@@ -50,6 +50,18 @@ Options optionsOf(SolverOptions& solver);
 Options optionsOf(AdaptOptions& adapt);
 Options optionsOf(StopOptions& stop);
 
+/// What Simulation::setOptions() takes.
+struct StepOptions {
+  SolverOptions solver;
+  AdaptOptions adapt;
+  double air_damping = 0.0;  ///< [1/s]
+};
+
+inline StepOptions stepOptions(const Scene& scene) { return {scene.solver, scene.adapt, scene.air_damping}; }
+
+/// Rows with whole keys, such as "solver.tolerance". Those that are not live cannot change.
+Options optionsOf(StepOptions& options);
+
 /// Rows of the virtual coupling, which are part of those of a probe.
 Options couplingOptions(double& stiffness, double& damping);
 

@@ -8,7 +8,6 @@
 
 #include "fabric/fabric_limits.h"
 #include "haptic_cloth/error.h"
-#include "scene/scene_options.h"
 #include "shape/shapes.h"
 #include "state/number_text.h"
 
@@ -211,6 +210,14 @@ void checkThresholds(const Check& check, const AdaptOptions& adapt) {
 double smallestProbeRadius(const ClothOptions& cloth) {
   return kFinestProbe *
          std::min(cloth.size[0] / (cloth.particles[0] - 1), cloth.size[1] / (cloth.particles[1] - 1));
+}
+
+void checkStepOptions(const StepOptions& options, const std::string& origin) {
+  const Locate locate = [&origin](const std::string&) { return origin; };
+  const Check check(locate);
+  StepOptions checked = options;  // rows point to members that could be written
+  check.options("", optionsOf(checked));
+  checkThresholds(check, checked.adapt);
 }
 
 void checkScene(const Scene& checked, const Locate& locate) {

@@ -11,7 +11,6 @@
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/machine.h"
 #include "scene/scene_identity.h"
-#include "scene/scene_options.h"
 #include "state/archive.h"
 #include "state/number_text.h"
 
@@ -55,20 +54,6 @@ std::vector<std::string> sceneLines(const Simulation& start) {
   return lines;
 }
 
-/// Live options of solver and mesh, and the air damping, as "solver.tolerance".
-std::vector<std::pair<std::string, Option>> liveRows(Scene& scene) {
-  std::vector<std::pair<std::string, Option>> rows;
-  const auto append = [&rows](const std::string& prefix, const Options& options) {
-    for (const Option& option : options) {
-      if (option.live) rows.emplace_back(prefix + option.key, option);
-    }
-  };
-  append("", worldOptions(scene));
-  append("solver.", optionsOf(scene.solver));
-  append("adapt.", optionsOf(scene.adapt));
-  return rows;
-}
-
 }  // namespace
 
 namespace recorded {
@@ -90,13 +75,12 @@ std::string obstacle(int obstacle, const Pose& target) {
   return join("obstacle", obstacle, {target.position.data(), target.orientation.coeffs().data()}, {3, 4});
 }
 
-std::string options(const Scene& now, const Scene& changed) {
-  Scene before = now, after = changed;  // rows point to members that could be written
-  const auto then = liveRows(before), next = liveRows(after);
+std::string options(StepOptions now, StepOptions changed) {
+  const Options rows = optionsOf(now), next = optionsOf(changed);
   std::string line = "options";
   for (std::size_t k = 0; k < next.size(); ++k) {
-    const std::string value = valueText(next[k].second);
-    if (value != valueText(then[k].second)) line += ' ' + next[k].first + ' ' + value;
+    const std::string value = valueText(next[k]);
+    if (value != valueText(rows[k])) line += ' ' + next[k].key + ' ' + value;
   }
   return line;
 }
@@ -248,14 +232,14 @@ bool Replay::apply(Simulation& simulation, const std::string& line, int& length)
     numbers(&damping, 1);
     change([&] { simulation.setCoupling(probe, stiffness, damping); });
   } else if (word == "options") {
-    Scene changed = scene;
-    const auto rows = liveRows(changed);
+    StepOptions changed = stepOptions(scene);
+    const Options rows = optionsOf(changed);
     for (std::string key; text >> key;) {
       double value = 0.0;
       numbers(&value, 1);
       bool known = false;
-      for (const auto& [name, option] : rows) {
-        if (name != key) continue;
+      for (const Option& option : rows) {
+        if (!option.live || option.key != key) continue;
         known = true;
         if (const auto* number = std::get_if<Numbers<double>>(&option.field)) *number->first = value;
         if (const auto* whole = std::get_if<Numbers<int>>(&option.field)) {

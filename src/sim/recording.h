@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "haptic_cloth/simulation.h"
+#include "scene/scene_options.h"
 
 namespace haptic_cloth {
 
@@ -16,8 +17,8 @@ std::string device(int probe, const DeviceState& device);
 std::string removal(int probe);
 std::string grasp(int probe, bool closed);
 std::string obstacle(int obstacle, const Pose& target);
-/// @param changed scene with other live options of solver and mesh, or another air damping
-std::string options(const Scene& now, const Scene& changed);
+/// Those that differ. By value, as their rows point to members that could be written.
+std::string options(StepOptions now, StepOptions changed);
 std::string coupling(int probe, double stiffness, double damping);
 std::string step(int length);
 std::string reset();

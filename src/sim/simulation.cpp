@@ -10,6 +10,7 @@
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/machine.h"
 #include "scene/scene_options.h"
+#include "scene/scene_validation.h"
 #include "sim/cloth_world.h"
 #include "sim/recording.h"
 #include "state/byte_hash.h"
@@ -18,10 +19,12 @@ namespace haptic_cloth {
 namespace {
 
 /// Refuses a change of a row that is not live.
-void requireFixed(const Options& now, const Options& changed, const std::string& prefix) {
-  for (std::size_t k = 0; k < now.size(); ++k) {
-    if (now[k].live || valueText(now[k]) == valueText(changed[k])) continue;
-    throw InputError("options", prefix + now[k].key, "", "cannot change while the simulation runs");
+/// @param now, changed by value, as rows point to members that could be written
+void requireFixed(StepOptions now, StepOptions changed) {
+  const Options rows = optionsOf(now), next = optionsOf(changed);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (rows[k].live || valueText(rows[k]) == valueText(next[k])) continue;
+    throw InputError("options", rows[k].key, "", "cannot change while the simulation runs");
   }
 }
 
@@ -111,13 +114,9 @@ Pose Simulation::obstaclePose(int obstacle) const {
 }
 
 void Simulation::setOptions(const SolverOptions& solver, const AdaptOptions& adapt, double air_damping) {
-  Scene now = scene(), changed = now;
-  changed.solver = solver;
-  changed.adapt = adapt;
-  changed.air_damping = air_damping;
-  requireFixed(optionsOf(now.solver), optionsOf(changed.solver), "solver.");
-  requireFixed(optionsOf(now.adapt), optionsOf(changed.adapt), "adapt.");
-  validateScene(changed, "options");
+  const StepOptions now = stepOptions(scene()), changed{solver, adapt, air_damping};
+  requireFixed(now, changed);
+  checkStepOptions(changed, "options");
   if (sink_) sink_(recorded::options(now, changed));
   world_->setOptions(solver, adapt, air_damping);
 }
