@@ -1,12 +1,13 @@
 /// Search for contact samples at the start of a step.
 #pragma once
 
-#include <algorithm>
-#include <array>
 #include <optional>
 #include <vector>
 
+#include "contact/candidates.h"
+#include "contact/cloth_gaps.h"
 #include "contact/contact_law.h"
+#include "contact/edge_division.h"
 #include "contact/friction_memory.h"
 #include "contact/sample_list.h"
 #include "contact/solid_set.h"
@@ -30,6 +31,8 @@ class SampleFinder {
 
   SampleFinder(const Grid& grid, const SolidSet& solids, const ContactLaw& law, const FrictionMemory& memory,
                Team& team);
+  SampleFinder(const SampleFinder&) = delete;  // its parts refer to one another
+  SampleFinder& operator=(const SampleFinder&) = delete;
 
   /// Number of samples to reserve memory for. If finest cells outside dents have at most one sample of each
   /// solid, cells two finest cells wide under an uneven solid need most: five samples and one node for four
@@ -58,13 +61,6 @@ class SampleFinder {
   std::optional<Vec3> wayOut(const ActiveMesh& mesh, const Field& nodes, int probe);
 
  private:
-  /// Distances of points from a solid [m], and its normals there.
-  struct Distances {
-    std::vector<double> gaps;
-    Field normals;
-    Distance operator[](int k) const { return {gaps[k], normals[k]}; }
-  };
-
   /// How a solid moves in the step.
   struct SolidStep {
     bool still;
@@ -78,29 +74,11 @@ class SampleFinder {
     double radius;
   };
   static Ball ballAround(const Field& nodes, const std::vector<double>& reach);
-  static Ball ballAround(const Patch& patch, const Field& nodes);
 
-  void findEdges(const Solid& solid, const ActiveMesh& mesh, const Field& nodes);
-  void noteEdge(const Solid& solid, const Field& nodes, int node, int towards, double turn,
-                std::vector<double>& turns) const;
-  double edgeTurn(const Solid& solid, const Patch& patch, int direction) const;
   void addCells(const Solid& solid, const ActiveMesh& mesh, const Field& nodes);
   void addNodes(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach);
   void addProbePoints(const ActiveMesh& mesh, const Field& nodes, const std::vector<double>& reach,
                       const Reach& touching);
-  void addCorners(const Patch& patch, int parts, const Field& nodes, double margin);
-  void addMiddlesOfCell(const Patch& patch, const Field& nodes, double margin);
-  void addLines(const Patch& patch, const Solid& solid, const Field& nodes, double margin);
-  void addMiddles(int direction, int parts, double from, double to);
-  void addEnds(int direction, int parts);
-  double normalTurn(const Patch& patch, int c, int d) const;
-  bool mayTouchCorner(const Solid& solid, const Patch& patch, const Field& nodes) const;
-  bool isTilted(const Patch& patch, int direction) const;
-  int partsAlong(const Solid& solid, int direction) const;
-  bool divideAtEdge(const Solid& solid, const Patch& patch, const Field& nodes);
-  void divideEvenly();
-  bool mayTouchEdge(const Solid& solid, const Patch& patch, const Field& nodes) const;
-  std::array<double, 2> strip(const Patch& patch, int direction, bool within, const Field& nodes) const;
   bool isFinestNearProbe(const Patch& patch) const;
   bool layersMayBeDented(const Patch& patch, const Field& nodes) const;
   bool isFlat(const Solid& solid) const;
@@ -110,17 +88,10 @@ class SampleFinder {
   bool touchesLetOut(const SurfacePoint& point) const;
   void listLetOut(const ActiveMesh& mesh, const SampleList& samples);
   int partsOf(const Patch& patch) const;
-  double longestSide() const { return std::max(grid_.dx, grid_.dy); }  ///< of a finest cell [m]
-  double spacing(int direction) const { return direction == kWarp ? grid_.dx : grid_.dy; }
   /// Largest distance of a finest cell's chord from an arc that turns by `turn` [rad]: length ·
   /// turn / 8 [m].
-  double chord(double turn) const { return turn * longestSide() / 8.0; }
-  void measure(const Solid& solid, double range, const ActiveMesh& mesh, const Field& nodes,
-               const std::vector<double>& reach);
-  void measureDistances(const Solid& solid, int count, const Field& points, Distances& distances);
-  void addPoint(const SurfacePoint& point, const Vec3& place, double margin);
+  double chord(double turn) const { return turn * grid_.longestSpacing() / 8.0; }
   void selectNear(int solid);
-  void clearPoints();
   bool addGroup(int solid, const Field& motion, SampleList& samples);
   Vec3 elasticSlip(const ContactSample& sample) const;
   ContactSample startSample(int point, int solid, const SolidStep& step, const Field& motion) const;
@@ -135,24 +106,16 @@ class SampleFinder {
   std::vector<char> dented_;      ///< see dented()
   std::vector<int> let_out_;      ///< particles that were let out of an obstacle in the last step
   std::vector<char> is_let_out_;  ///< flags of these, by node
-  // About the cloth and one solid with sharp edges, written by measure():
-  Distances at_nodes_;
-  std::vector<double> patch_margins_;              ///< gap below which points of a patch count, or -1 [m]
-  std::vector<double> node_area_;                  ///< area that the nodes stand for as samples [m²]
-  std::array<std::vector<double>, 2> edge_turns_;  ///< see findEdges(), along warp and weft [rad]
-  /// Line of points across a cell: its place and the width that it stands for, as shares of the cell's
-  /// length.
-  struct Line {
-    double at, width;
-  };
-  std::array<std::vector<Line>, 2> lines_;  ///< columns along weft and rows along warp, for addLines()
-  std::vector<double> still_;               ///< a reach of zero [m]
-  // Candidates for samples of one group:
-  std::vector<SurfacePoint> points_;
-  std::vector<double> margins_;  ///< largest gap at which each counts [m]
-  Field places_;                 ///< their positions [m]
-  Distances now_, then_;         ///< to the solid at the end and at the start of the step
-  std::vector<int> near_;        ///< candidates that become samples
+  // About one solid:
+  ClothGaps gaps_;  ///< from the solid with sharp edges
+  EdgeDivision edges_;
+  std::vector<double> node_area_;  ///< area that the nodes stand for as samples [m²]
+  CellLines lines_;                ///< scratch
+  std::vector<double> still_;      ///< a reach of zero [m]
+  // About one group of samples:
+  Candidates candidates_;
+  Distances now_, then_;   ///< of these from the solid at the end and at the start of the step
+  std::vector<int> near_;  ///< candidates that become samples
   std::vector<ContactSample> started_;
 };
 

@@ -148,8 +148,7 @@ int ActiveMesh::sideSlot(int level, int i, int j) const {
 /// Numbers the edges of one direction by their first nodes, so that neighbours in a row follow one
 /// another.
 void ActiveMesh::numberEdges(int direction) {
-  const double along = direction == kWarp ? grid.dx : grid.dy,
-               across = direction == kWarp ? grid.dy : grid.dx;
+  const double along = grid.spacing(direction), across = grid.spacing(1 - direction);
   for (int n = 0; n < nodes(); ++n) {
     const int i = grid.column(particle[n]), j = grid.row(particle[n]);
     for (int level = 0; level <= grid.levels; ++level) {

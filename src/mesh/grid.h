@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include "haptic_cloth/types.h"
+
 namespace haptic_cloth {
 
 /// Grid of I × J particles at the crossings of warp (i, x) and weft (j, y). Level l has a spacing
@@ -21,6 +23,8 @@ struct Grid {
   int cell(int i, int j) const { return j * (columns - 1) + i; }
   int column(int particle) const { return particle % columns; }
   int row(int particle) const { return particle / columns; }
+  double spacing(int direction) const { return direction == kWarp ? dx : dy; }  ///< finest [m]
+  double longestSpacing() const { return std::max(dx, dy); }                    ///< finest [m]
 };
 
 /// Square of 2^level × 2^level finest cells with its lower left corner at particle (i, j).
@@ -30,7 +34,7 @@ struct Cell {
   int span() const { return 1 << level; }
 
   /// Longer side in the flat cloth [m].
-  double length(const Grid& grid) const { return span() * std::max(grid.dx, grid.dy); }
+  double length(const Grid& grid) const { return span() * grid.longestSpacing(); }
 
   /// Tells whether the two triangles of this leaf meet along the line from corner 0 to corner 3; else
   /// they meet from 1 to 2. The children of a leaf divide its triangles; mirror images have mirrored

@@ -159,7 +159,7 @@ double TurnEstimate::bend(const View& view, const Cell& cell, int parts) const {
 double TurnEstimate::missing(const View& view, const Cell& cell, int parts) const {
   constexpr double kShare = 0.02, kLeast = 0.01;  // no device renders less force [N]
   if (view.touches.empty()) return 0.0;
-  const double finest = std::max(grid_.dx, grid_.dy), length = cell.length(grid_);
+  const double finest = grid_.longestSpacing(), length = cell.length(grid_);
   const double area = length * length - finest * finest;  // the finest mesh lacks its share, too
   const double turn_by_load = area / (kShare * std::max(kLeast, leastForce(view, cell))) * view.split_turn;
   if (density_ * gravity_ * turn_by_load <= least_) return 0.0;
@@ -176,7 +176,7 @@ double TurnEstimate::buckle(const View& view, const Cell& cell, int parts) const
   const int step = cell.span() / parts;
   double largest = 0.0;
   for (const int direction : {kWarp, kWeft}) {
-    const double length = cell.span() * (direction == kWarp ? grid_.dx : grid_.dy);
+    const double length = cell.span() * grid_.spacing(direction);
     const double bears =
         kOver * (kEuler * rigidity_[direction] / (length * length) + kHeld * density_ * gravity_ * length);
     const auto particle = [&](int along, int across) {

@@ -3,7 +3,6 @@
 
 #include <string>
 
-#include "haptic_cloth/error.h"
 #include "haptic_cloth/scene.h"
 #include "haptic_cloth/simulation.h"
 
@@ -27,14 +26,6 @@ TEST(SceneStart, OtherStrategiesStartAsTheyMust) {
     };
     EXPECT_EQ(particles("finest"), particles("coarsest")) << strategy;
   }
-}
-
-TEST(SceneStart, CannotChangeInARun) {
-  Simulation simulation(parse("start: coarsest"));
-  AdaptOptions other = simulation.scene().adapt;
-  EXPECT_NO_THROW(simulation.setOptions(simulation.scene().solver, other, 0.5));
-  other.start = StartMesh::Finest;
-  EXPECT_THROW(simulation.setOptions(simulation.scene().solver, other, 0.5), InputError);
 }
 
 }  // namespace
