@@ -220,9 +220,11 @@ double ContactSet::ejectionWork() const {
   forSamples(kObstacles, [&](int k) {
     const ContactSample& sample = samples_[k];
     const double gap = forces_.gap(k);
-    if (sample.pressed_in || (sample.gap_offset == 0.0 && !(gap < 0.0))) return;
-    work +=
-        sample.area * (law_(gap + law_.gapOffset(gap, false)).energy - law_(gap + sample.gap_offset).energy);
+    if (sample.pressed_in || (sample.count.offset == 0.0 && !(gap < 0.0))) return;
+    const auto energy = [&](const ContactLaw::Count& count) {
+      return law_(gap + count.offset, count.firmest).energy;
+    };
+    work += sample.area * (energy(law_.count(gap, false)) - energy(sample.count));
   });
   return work;
 }
@@ -235,7 +237,7 @@ double ContactSet::deepest() const {
 
 void ContactSet::markEjected(std::vector<char>& nodes) const {
   for (const ContactSample& sample : samples_) {
-    if (sample.gap_offset == 0.0) continue;
+    if (sample.count.offset == 0.0) continue;
     for (const int node : sample.nodes) nodes[node] = 1;
   }
 }

@@ -342,10 +342,10 @@ ContactSample SampleFinder::startSample(int point, int index, const SolidStep& s
   // A probe came from outside, so what is inside it is under load.
   sample.pressed_in = solids_.isProbe(index) ||
                       (then.value < 0.0 && !touchesLetOut(sample) && isPressedIn(place, then.value));
-  sample.gap_offset = law_.gapOffset(then.value, sample.pressed_in);
+  sample.count = law_.count(then.value, sample.pressed_in);
   // Ejected cloth has no friction, which would hold it inside.
   const double friction = sample.isLetOut() ? 0.0 : solid.friction();
-  sample.friction_force = friction * sample.area * law_(then.value + sample.gap_offset).pressure;
+  sample.friction_force = friction * sample.area * law_(then.value + sample.count.offset).pressure;
   Vec3 carried = place;
   sample.start_normal = then.normal;
   if (sample.friction_force > 0.0) sample.elastic_slip = elasticSlip(sample);

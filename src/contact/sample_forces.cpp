@@ -31,7 +31,8 @@ void SampleForces::rebuild() {
       pack.start_normal[c][l] = sample.start_normal[c];
     }
     pack.area[l] = sample.area;
-    pack.gap_offset[l] = sample.gap_offset;
+    pack.gap_offset[l] = sample.count.offset;
+    pack.firmest_gap[l] = sample.count.firmest;
     pack.friction[l] = sample.friction_force;
     pack.clearance[l] = sample.area > 0.0 ? sample.clearance : 1e150;
   }

@@ -53,14 +53,16 @@ struct PressureLanes {
 };
 
 /// ContactLaw in lanes.
-HAPTIC_CLOTH_INLINE PressureLanes press(double range, const Lanes& gap) {
-  const Lanes u = 1.0 - gap / range, limit = all(ContactLaw::kSwitch), none{};
+HAPTIC_CLOTH_INLINE PressureLanes press(double range, const Lanes& gap, const Lanes& firmest) {
+  const Lanes over = larger(firmest - gap, Lanes{});
+  const Lanes u = 1.0 - (gap + over) / range, limit = all(ContactLaw::kSwitch), none{};
   const Lanes v = smaller(larger(u, none), limit), past = larger(u - limit, none);
   const Lanes left = 1.0 - v, inverse = 1.0 / left;
   const Lanes energy = -0.5 * v * v - v - logarithm(left), pressure = v * v * inverse;
   const Lanes slope = v * (2.0 - v) * inverse * inverse;
-  return {ContactLaw::kPressure * range * (energy + past * (pressure + 0.5 * past * slope)),
-          ContactLaw::kPressure * (pressure + past * slope), ContactLaw::kPressure / range * slope};
+  const Lanes whole = ContactLaw::kPressure * (pressure + past * slope);
+  return {ContactLaw::kPressure * range * (energy + past * (pressure + 0.5 * past * slope)) + over * whole,
+          whole, ifPositive(over, none, ContactLaw::kPressure / range * slope)};
 }
 
 /// Evaluates one vector of samples; adds their stored energy and their friction potential.
@@ -69,7 +71,8 @@ HAPTIC_CLOTH_INLINE void evaluateOne(SamplePack& pack, int l, const SampleContex
                                      int slot, Lanes& energy, Lanes& loss) {
   const DistanceLanes d = distance(context.solid, position);
   const Lanes area = load(pack.area + l);
-  const PressureLanes law = press(context.range, d.value + load(pack.gap_offset + l));
+  const PressureLanes law =
+      press(context.range, d.value + load(pack.gap_offset + l), load(pack.firmest_gap + l));
   const Lanes pressing = area * law.pressure;
   energy += area * law.energy;
   const Lanes3 start_normal = load3(pack.start_normal, l);

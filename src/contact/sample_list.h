@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "contact/contact_law.h"
 #include "contact/friction_memory.h"
 #include "haptic_cloth/types.h"
 #include "mesh/field.h"
@@ -31,10 +32,9 @@ struct SurfacePoint {
 
 /// Point of the surface that may touch one solid in this step.
 struct ContactSample : SurfacePoint {
-  int solid = 0;            ///< index in SolidSet
-  bool pressed_in = false;  ///< if it is inside the solid, a load pressed it there
-  /// Offset added to the gap if the sample began the step inside a solid [m].
-  double gap_offset = 0.0;
+  int solid = 0;                                       ///< index in SolidSet
+  bool pressed_in = false;                             ///< if it is inside the solid, a load pressed it there
+  ContactLaw::Count count{0.0, ContactLaw::kNoLimit};  ///< other if it began the step inside a solid
   /// Gap at the start of the step beyond the range of contact [m].
   double clearance = 0.0;
   double friction_force = 0.0;  ///< μ times the normal force at the start of the step [N]
@@ -48,7 +48,7 @@ struct ContactSample : SurfacePoint {
   Vec3 elastic_slip = Vec3::Zero();
 
   /// Tells whether it was put inside an obstacle, which lets it out.
-  bool isLetOut() const { return !pressed_in && gap_offset != 0.0; }
+  bool isLetOut() const { return !pressed_in && count.offset != 0.0; }
 };
 
 /// Samples in groups: each belongs to one solid and fills whole packs, the last with samples that

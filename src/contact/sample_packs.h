@@ -10,10 +10,11 @@ namespace haptic_cloth {
 /// Samples of one solid. Unused lanes have no area and refer to node 0.
 struct alignas(64) SamplePack {
   double weights[4][kPack];
-  double area[kPack];        ///< [m²]
-  double gap_offset[kPack];  ///< see ContactSample [m]
-  double friction[kPack];    ///< limit of the friction force [N]
-  double clearance[kPack];   ///< distance that the sample can move before it may touch [m]
+  double area[kPack];         ///< [m²]
+  double gap_offset[kPack];   ///< see ContactLaw::Count [m]
+  double firmest_gap[kPack];  ///< the same
+  double friction[kPack];     ///< limit of the friction force [N]
+  double clearance[kPack];    ///< distance that the sample can move before it may touch [m]
   double start[3][kPack], start_normal[3][kPack];  ///< where slip counts from, and normal there
   // Results of the last evaluation:
   double normal[3][kPack];

@@ -401,6 +401,7 @@ TEST(SamplePacks, AreTheLawsOfContactAndFriction) {
       pack.area[l] = 1e-6 * (1 + l);
       pack.friction[l] = 1e-3 * l;
       pack.gap_offset[l] = here.value < 0.0 ? 1e-5 - here.value : 0.0;
+      pack.firmest_gap[l] = l % 2 == 0 ? ContactLaw::kNoLimit : 2e-5;
     }
     pack.at_nodes = true;
     pack.nodes[0].finish();
@@ -411,7 +412,7 @@ TEST(SamplePacks, AreTheLawsOfContactAndFriction) {
     double contact = 0.0, friction = 0.0;
     for (int l = 0; l < kPack; ++l) {
       const Distance d = scalarDistance(obstacle, points[l]);
-      const ContactLaw::Point law = ContactLaw(kRange)(d.value + pack.gap_offset[l]);
+      const ContactLaw::Point law = ContactLaw(kRange)(d.value + pack.gap_offset[l], pack.firmest_gap[l]);
       const Vec3 normal(pack.start_normal[0][l], pack.start_normal[1][l], pack.start_normal[2][l]);
       const Vec3 moved = points[l] - Vec3(pack.start[0][l], pack.start[1][l], pack.start[2][l]);
       const Vec3 slip = moved - normal.dot(moved) * normal;
