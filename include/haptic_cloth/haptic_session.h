@@ -204,9 +204,11 @@ class AdmittanceSession : public ProbeSession {
 
   /// Sets the pose of a device that reports it. The tool starts at this position [m]
   /// (otherwise at AdmittanceOptions::start; the first pose brings it to the device even then) and turns with
-  /// the device (otherwise it has the orientation of the scene's probe). Ignored if it is not finite or
+  /// the device (otherwise it has the orientation of the scene's probe). After a silence of
+  /// HapticOptions::probe_timeout it starts again where the device is. Ignored if it is not finite or
   /// beyond kFarthestPose.
-  void setPose(const Pose& pose);
+  /// @param received when it arrived [s]; ignored if that is not after the one before
+  void setPose(const Pose& pose, double received);
 
   /// Does the same as HapticSession::setOptions(). The tool keeps its place and its velocity.
   void setOptions(const HapticOptions& options, double unit = 1.0);

@@ -49,6 +49,7 @@ struct DeviceSample {
   Vec3 velocity = Vec3::Zero();          ///< filtered [m/s]
   Quat orientation = Quat::Identity();   ///< in the cloth's frame; see DeviceState
   Vec3 angular_velocity = Vec3::Zero();  ///< filtered [rad/s]
+  int returns = 0;  ///< how often it came back after a silence of HapticOptions::probe_timeout
 };
 
 /// Newest-value mailbox for one writer and one reader, wait-free on both sides (three slots).

@@ -52,17 +52,39 @@ void AdmittanceLoop::setOptions(const HapticOptions& options, double unit) {
   cloth_.setOptions(clothOptions(options), unit);
 }
 
+void AdmittanceLoop::place(const Vec3& position, double received) {
+  if (!(received > reported_.received)) return;
+  const bool returns = received - reported_.received > options_.probe_timeout;
+  reported_ = {position, received};
+  if (!started_ || returns) goToDevice();
+}
+
+/// Places the tool where the device is, unless that has followed its commands.
+void AdmittanceLoop::goToDevice() {
+  constexpr double kFollows = 5e-3;  // [m]
+  if (started_ && (reported_.position - tool_.position()).norm() < kFollows) return;
+  tool_.place(reported_.position);
+  touch_.reset();
+  lost_.reset();
+  soft_ = 0.0;
+  ++device_.returns;
+}
+
 void AdmittanceLoop::tick(const ForceSample& hand, const ProbeSnapshot& snapshot, bool paused, double now) {
   const double elapsed = timeSince(last_tick_, now, 1.0 / options_.rate);
   const HapticStatus hand_status = judge(options_.admittance, hand, now);
   const bool fresh = hand_status == HapticStatus::Free;
   started_ = started_ || fresh;
+  forgetAhead(reported_.received, now, options_.probe_timeout);
+  const bool returns = fresh && now - device_.received > options_.probe_timeout;
+  if (returns && isFresh(reported_.received, now, options_.probe_timeout)) goToDevice();
   device_.position = tool_.position();
   device_.velocity = tool_.velocity();
   const Vec3 turned = turnBetween(turned_from_, device_.orientation);
   device_.angular_velocity = turn_filter_.update(turned, isTurnJump(turned.norm(), elapsed), now);
   turned_from_ = device_.orientation;
   if (fresh) device_.received = now;
+  if (returns) ++device_.returns;
   DeviceSample here = device_;
   here.received = now;  // the tool is where it is, whatever the hand says
   ProbeSnapshot unlimited = snapshot;

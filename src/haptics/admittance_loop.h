@@ -19,16 +19,11 @@ class AdmittanceLoop {
   /// Does the same as HapticLoop::setOptions(). The tool keeps its place and its velocity.
   void setOptions(const HapticOptions& options, double unit);
 
-  /// Sets the position of the device [m], at which the tool starts. If the first one comes after the start,
-  /// the tool stands still there: a device that is elsewhere would be sent away. Ignored from then on.
-  void place(const Vec3& position) {
-    if (!started_ || !placed_) {
-      tool_.place(position);
-      touch_.reset();
-      lost_.reset();
-    }
-    placed_ = true;
-  }
+  /// Sets the position of the device [m], at which the tool starts. A device that is elsewhere would be sent
+  /// away: so the tool goes there and stands still when the first position comes after the start, and when
+  /// positions or forces come back after a silence of `probe_timeout`.
+  /// @param received when it arrived [s]; ignored if that is not after the one before
+  void place(const Vec3& position, double received);
 
   /// Turns the tool as the device is turned: a force does not.
   void turn(const Quat& orientation) { device_.orientation = orientation; }
@@ -58,6 +53,13 @@ class AdmittanceLoop {
     bool isInside(const Vec3& x) const { return (x - place).dot(out) < 0.0; }
   };
 
+  /// Where the device said that it is.
+  struct Place {
+    Vec3 position = Vec3::Zero();  ///< [m]
+    double received = -1.0;        ///< [s]; < 0: never
+  };
+
+  void goToDevice();
   void watchTouch(const ProbeSnapshot& snapshot);
   Vec3 wayOut(const ProbeSnapshot& snapshot) const;
   void moveTool(const ForceSample& hand, const ProbeSnapshot& snapshot, double elapsed);
@@ -73,7 +75,7 @@ class AdmittanceLoop {
   std::optional<Touch> touch_;  ///< now, or before a fault
   std::optional<Touch> lost_;   ///< that a fault ended, until the tool touches there again or is out
   bool started_ = false;
-  bool placed_ = false;  ///< by the device
+  Place reported_;  ///< by the device
   double last_tick_ = -1.0;
   double soft_ = 0.0;  ///< 0..1, share of the hand's force
 };

@@ -55,6 +55,7 @@ void HapticSession::setPose(const Pose& pose, double received) {
   device_.velocity = filter_->update(moved, isJump(moved.norm(), elapsed), received);
   device_.orientation = orientation;
   device_.angular_velocity = turn_filter_->update(turned, isTurnJump(turned.norm(), elapsed), received);
+  if (elapsed > options().probe_timeout) ++device_.returns;
   sendDevice(device_);
 }
 
@@ -95,9 +96,9 @@ void AdmittanceSession::setForce(const Vec3& force, double received) {
   hand_.force = force;
 }
 
-void AdmittanceSession::setPose(const Pose& pose) {
-  if (!isPose(pose)) return;
-  loop_->place(pose.position);
+void AdmittanceSession::setPose(const Pose& pose, double received) {
+  if (!isPose(pose) || !std::isfinite(received)) return;
+  loop_->place(pose.position, received);
   loop_->turn(pose.orientation.normalized());
 }
 

@@ -61,7 +61,9 @@ void ProbeSession::takeDevice(Simulation& simulation, const HapticOptions& optio
   const double way = (newest.position - newest_device_.position).norm();
   const double turn = newest.orientation.angularDistance(newest_device_.orientation);
   const bool turned = simulation.scene().probes[number_].isTurned(closed_);
-  if (present_ && (isJump(way, since) || (turned && isTurnJump(turn, since)))) {
+  // Silence while no step was made is silence, too.
+  const bool returns = newest.returns != newest_device_.returns;
+  if (present_ && (returns || isJump(way, since) || (turned && isTurnJump(turn, since)))) {
     open(simulation);
     leave(simulation);
   }

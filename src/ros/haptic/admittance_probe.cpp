@@ -24,7 +24,7 @@ void AdmittanceProbe::tick(double now, bool paused) {
   const StampedForce& hand = shared_.force.read();
   const StampedPose& device = shared_.pose.read();
   heard_ = hand.received;
-  if (device.received >= 0.0) session_.setPose(device.pose);
+  if (device.received >= 0.0) session_.setPose(device.pose, device.received);
   // A device all of whose poses were dropped is at an unknown place: no command may move it.
   const bool lost = device.received < 0.0 && shared_.sends_poses;
   // Scaled here, where the force scale moves: hand, tool and reaction have the same one in each tick.

@@ -324,6 +324,27 @@ TEST(HapticSession, GivesTheTorqueOfTheCouplingAlsoWhereItsSpringIsSpent) {
   EXPECT_NEAR(solved.norm(), spent, 0.01 * spent);
 }
 
+/// A device whose poses stop for longer than `probe_timeout` must not find its hand closed, also where no
+/// step was made meanwhile.
+TEST_F(HapticSessionTest, AHandThatWasSilentWhileNoStepWasMadeIsOpen) {
+  session_.setGrasp(true);
+  press();
+  ASSERT_EQ(session_.grasp(), GraspState::Holding);
+  const Vec3 there = probe().device;
+  const auto silent = [&](double timeouts) {
+    for (int k = 0; k < timeouts * options_.probe_timeout / kTick; ++k) tickWithoutPose();
+  };
+  silent(0.9);
+  tick(there);
+  step();
+  EXPECT_EQ(session_.grasp(), GraspState::Holding);
+  silent(1.1);
+  tick(there + Vec3(0.0, 0.0, 0.02));
+  step();
+  EXPECT_EQ(session_.grasp(), GraspState::Open);
+  EXPECT_FALSE(probe().contact);
+}
+
 TEST_F(HapticSessionTest, AHandThatHoldsClothInSlowMotionIsNotLate) {
   session_.setGrasp(true);
   press();
@@ -539,7 +560,7 @@ TEST_F(AdmittanceSessionTest, HandAndClothBalanceAtTheTool) {
 /// A tool that appears in the cloth feels nothing. A push would drive it through what the cloth lies on.
 TEST_F(AdmittanceSessionTest, AToolInsideTheClothOnlyMovesOut) {
   const double radius = simulation_.scene().probes[0].radius, start = 0.4 * radius;
-  session_.setPose({Vec3(0.0, 0.0, start), Quat::Identity()});
+  session_.setPose({Vec3(0.0, 0.0, start), Quat::Identity()}, time_);
   push(100);
   EXPECT_EQ(session_.status(), HapticStatus::Inside);
   const double stopped = target_.position.z();
@@ -577,7 +598,7 @@ class PressedTool : public AdmittanceSessionTest {
   }
 
   PressedTool() : AdmittanceSessionTest(scene()) {
-    session_.setPose({Vec3(0.0, 0.0, kTop + 0.03), Quat::Identity()});
+    session_.setPose({Vec3(0.0, 0.0, kTop + 0.03), Quat::Identity()}, time_);
     push(2000, kPress);
     pressed_ = tool();
     EXPECT_EQ(session_.status(), HapticStatus::Contact);
@@ -634,7 +655,7 @@ TEST_F(PressedTool, MeetsTheClothThatItPassedInAStall) {
 
 TEST_F(AdmittanceSessionTest, StartsAndTurnsWithTheDevice) {
   const Pose device{Vec3(0.01, 0.0, 0.03), Quat(Eigen::AngleAxisd(0.5, Vec3::UnitX()))};
-  session_.setPose(device);
+  session_.setPose(device, time_);
   letGo(10);
   EXPECT_FALSE(session_.hasStarted());
   EXPECT_FALSE(session_.isPresent());
@@ -645,6 +666,66 @@ TEST_F(AdmittanceSessionTest, StartsAndTurnsWithTheDevice) {
   EXPECT_TRUE(session_.isPresent());
   EXPECT_LT(target_.position.z(), device.position.z());
   EXPECT_TRUE(session_.orientation().isApprox(device.orientation, kRoundOff));
+}
+
+/// A device that comes back after a silence may have been moved. A command at the old place would move it
+/// there at once, whatever the tool's limits of speed are.
+class ReturningTool : public AdmittanceSessionTest {
+ protected:
+  static constexpr double kFar = 0.2;  ///< [m]
+
+  ReturningTool() {
+    session_.setPose(at(0.0), time_);
+    push(200, 0.5);
+    old_ = target_.position;
+  }
+
+  Pose at(double x) const { return {Vec3(x, 0.0, 0.05), Quat::Identity()}; }
+  double silence() const { return 1.5 * session_.options().probe_timeout; }
+
+  /// The hand lets go for a while, in which the device says where it is.
+  void letGoAt(double x, double seconds) {
+    for (int k = 0; k < static_cast<int>(seconds / kTick); ++k) {
+      session_.setPose(at(x), time_);
+      letGo(1);
+    }
+  }
+
+  void expectStartsAt(double x) {
+    push(1, 0.5);
+    EXPECT_LT((target_.position - at(x).position).norm(), 1e-6);
+    EXPECT_FALSE(session_.isPresent() && simulation_.probe().contact);
+  }
+
+  Vec3 old_;
+};
+
+TEST_F(ReturningTool, IsWhereItsPosesComeBack) {
+  letGo(static_cast<int>(silence() / kTick));
+  EXPECT_LT((target_.position - old_).norm(), 0.05) << "it has stopped";
+  session_.setPose(at(kFar), time_);
+  letGo(1);
+  expectStartsAt(kFar);
+}
+
+TEST_F(ReturningTool, IsWhereTheDeviceIsWhenForcesComeBack) {
+  session_.setPose(at(0.0), time_);
+  letGoAt(kFar, silence());
+  EXPECT_LT((target_.position - old_).norm(), 0.05) << "nothing moves a device whose force is not known";
+  expectStartsAt(kFar);
+}
+
+TEST_F(ReturningTool, StaysAfterAShortSilenceAndWhereTheDeviceFollowed) {
+  letGo(100);
+  session_.setPose(at(kFar), time_);
+  letGo(1);
+  EXPECT_LT((target_.position - old_).norm(), 0.05) << "poses may be rare";
+  const double here = target_.position.x();
+  letGo(static_cast<int>(silence() / kTick));
+  const Vec3 stopped = target_.position;
+  session_.setPose({stopped + Vec3(3e-3, 0.0, 0.0), Quat::Identity()}, time_);
+  push(1, 0.5);
+  EXPECT_NEAR(target_.position.x(), here, 1e-6) << "its controller is 3 mm off";
 }
 
 TEST_F(AdmittanceSessionTest, RefusesOtherOptionsThatAreBad) {
