@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -36,12 +37,16 @@ std::string temporaryNameFor(const fs::path& target) {
   return (target.parent_path() / (start + "." + middle + ".partial")).string();
 }
 
-/// Creates a file that did not exist, with the permissions of the user's umask. mkstemp() would
-/// prevent others from reading it.
+/// Creates a file that did not exist, with the permissions of the target or, if there is none, those of the
+/// user's umask. mkstemp() would prevent others from reading it.
 int createUnique(const fs::path& target, std::string& name) {
+  struct stat replaced;
+  const bool replaces = stat(target.c_str(), &replaced) == 0;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     name = temporaryNameFor(target);
-    const int descriptor = open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    const int descriptor =
+        open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, replaces ? 0600 : 0666);
+    if (descriptor >= 0 && replaces) fchmod(descriptor, replaced.st_mode & 0777);
     if (descriptor >= 0 || errno != EEXIST) return descriptor;
   }
   return -1;
@@ -98,6 +103,8 @@ void checkNewFile(const fs::path& file) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (fs::exists(status) && !fs::is_regular_file(status)) refuse("must be a regular file");
+  if (fs::exists(status) && access(path.c_str(), W_OK) != 0)
+    refuse("cannot be written: " + std::string(std::strerror(errno)));
   const fs::path folder = path.parent_path();
   const bool is_folder = fs::is_directory(folder, error);
   if (!is_folder && !error) error = std::make_error_code(std::errc::not_a_directory);

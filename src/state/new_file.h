@@ -10,7 +10,7 @@
 
 namespace haptic_cloth {
 
-/// Checks that a file may be written: a new one in a writable directory, or a regular file to be
+/// Checks that a file may be written: a new one in a writable directory, or a regular, writable file to be
 /// replaced. Devices, FIFOs and directories are refused without being opened.
 /// @throws InputError naming the file
 void checkNewFile(const std::filesystem::path& file);

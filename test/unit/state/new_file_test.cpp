@@ -12,6 +12,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <map>
 #include <sstream>
 #include <string>
@@ -66,6 +67,37 @@ TEST_F(NewFileTest, LeavesNothingWhereItIsNotPublished) {
   write("a", "old");
   { NewFile(folder_ / "a").stream() << "new"; }
   EXPECT_EQ(contents(), (Contents{{"a", "old"}}));
+}
+
+TEST_F(NewFileTest, KeepsThePermissionsOfTheFileThatItReplaces) {
+  write("a", "old");
+  fs::permissions(file("a"), fs::perms::owner_read | fs::perms::owner_write);
+  NewFile file(folder_ / "a");
+  const auto mode = [](const fs::path& path) { return fs::status(path).permissions(); };
+  EXPECT_EQ(mode(file.temporaryName()), fs::perms::owner_read | fs::perms::owner_write);
+  file.stream() << "new";
+  file.finish();
+  file.publish();
+  EXPECT_EQ(mode(folder_ / "a"), fs::perms::owner_read | fs::perms::owner_write);
+}
+
+/// Root may write it all the same, so another user tries.
+TEST_F(NewFileTest, AWriteProtectedFileIsRefused) {
+  constexpr int kNobody = 65534, kRefused = 7;
+  write("a", "old");
+  fs::permissions(folder_, fs::perms::all);
+  fs::permissions(file("a"), fs::perms::owner_read | fs::perms::others_read);
+  const auto check = [&] {
+    if (getuid() == 0 && setuid(kNobody) != 0) _exit(1);
+    try {
+      checkNewFile(file("a"));
+    } catch (const InputError& error) {
+      std::cerr << error.what();
+      _exit(kRefused);
+    }
+    _exit(0);
+  };
+  EXPECT_EXIT(check(), testing::ExitedWithCode(kRefused), "a: cannot be written: Permission denied");
 }
 
 TEST_F(NewFileTest, TwoWritersOfOneNameDoNotMeet) {
