@@ -12,7 +12,9 @@ constexpr Range kRates{1.0, kMostTickRate};
 
 Options hapticOptions(HapticOptions& haptics) {
   return {
-      {"rate", field(haptics.rate), kRates, "Hz", "ticks of the haptic thread", Live{100.0, 4000.0}},
+      {"rate", field(haptics.rate), kRates, "Hz",
+       "ticks of the haptic thread, at least two in each of `pose_timeout` and `probe_timeout`",
+       Live{100.0, 4000.0}},
       {"max_force", field(haptics.max_force), kPositive, "N",
        "largest force on the hand; `admittance`: of the hand", Live{0.1, 12.0}},
       {"max_force_rate", field(haptics.max_force_rate), kPositive, "N/s",
@@ -69,6 +71,16 @@ void checkWorkspace(const AdmittanceOptions& tool, const std::string& origin) {
   }
 }
 
+/// Silence has to be noticed in time, and the solver has to get poses before they are too old.
+void checkRate(const HapticOptions& options, const std::string& origin) {
+  constexpr double kTicks = 2.0;
+  const double least = kTicks / std::min(options.pose_timeout, options.probe_timeout);
+  if (options.rate < least)
+    throw InputError(origin, "haptics/rate", shortestText(options.rate),
+                     "must be at least " + shortestText(least) +
+                         ": two ticks in haptics/pose_timeout and in probe_timeout");
+}
+
 }  // namespace
 
 std::vector<OptionGroup> groupsOf(HapticOptions& haptics) {
@@ -92,6 +104,7 @@ void validateHapticOptions(const HapticOptions& options, const std::string& orig
   for (const OptionGroup& group : groupsOf(haptics)) checkOptions(group.options, group.path, locate);
   checkOptions(poseOptions(haptics), "", locate);
   checkOptions(couplingOptions(haptics.coupling_stiffness, haptics.coupling_damping), "probe.", locate);
+  checkRate(haptics, origin);
   checkWorkspace(haptics.admittance, origin);
 }
 

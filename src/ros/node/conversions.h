@@ -7,6 +7,7 @@
 #include <haptic_cloth/ClothState.h>
 #include <xmlrpcpp/XmlRpcValue.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,9 +43,9 @@ Pose toPose(const geometry_msgs::TransformStamped& transform);
 /// Transforms a pose from `frame` into the parent of `frame`.
 Pose composed(const Pose& frame, const Pose& pose);
 
-/// Name of a frame as tf2 knows it: without the slash with which tf names began.
+/// Name of a frame as tf2 knows it: without the slash with which tf names began, and any further ones.
 inline std::string withoutSlash(const std::string& frame) {
-  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
+  return frame.substr(std::min(frame.find_first_not_of('/'), frame.size()));
 }
 
 geometry_msgs::WrenchStamped toWrench(const Wrench& wrench, const ros::Time& stamp,
