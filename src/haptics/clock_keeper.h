@@ -27,8 +27,8 @@ class ClockKeeper {
 
   /// Sets the longest step of each rung, in time steps; the first rung is the best. The rung in use stays, or
   /// becomes the last one. Failed attempts are forgotten.
-  /// @param gentle number of the first rungs, which cost the force little: only these may be skipped. The
-  ///   others limit the iterations and do nothing else that the last of these does not
+  /// @param gentle number of the first rungs, which cost the force little: only these may be skipped. Those
+  ///   after them limit the iterations or have longer steps, and are else like the last of these
   void setRungs(const std::vector<int>& longest_steps, int gentle);
 
   /// Wall time before which the next step must not start [s]. @param now [s]

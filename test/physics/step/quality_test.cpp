@@ -178,9 +178,9 @@ std::vector<Vec3> forcesAlongPath(Simulation simulation, int length) {
   return forces;
 }
 
-/// A probe pushes a strip into a fold. Criterion: the table in docs/guide/speed_and_accuracy.md says 3 % up
-/// to 50 iterations, 5 to 11 % with 20 and 15 to 25 % with 10, root mean square on three paths of vector
-/// code. Solves that a limit ends depend on the order of sums: half as much again is allowed for.
+/// A probe pushes a strip into a fold. Criterion: the table in docs/guide/speed_and_accuracy.md, root mean
+/// square on three paths of vector code: 2 % up to 50 iterations, 3 % with 20, 7 % with 10, and 12 to 28 % in
+/// steps of 4 ms. Solves that a limit ends depend on the order of sums: half as much again is allowed for.
 TEST(Rungs, CostTheForceOfAFoldWhatTheGuideSays) {
   Scene scene = loadScene(HAPTIC_CLOTH_SOURCE_DIR "/bench/scenes/fold_probe.yaml");
   Scene exact = scene;
@@ -191,7 +191,7 @@ TEST(Rungs, CostTheForceOfAFoldWhatTheGuideSays) {
   double mean = 0.0;
   for (const Vec3& force : expected) mean += force.squaredNorm();
   const std::vector<Quality> rungs = qualityLadder(scene.solver, scene.adapt, 4);
-  ASSERT_EQ(rungs.size(), 10U);
+  ASSERT_EQ(rungs.size(), 11U);
   for (std::size_t r = 0; r < rungs.size(); ++r) {
     Simulation simulation(scene);
     simulation.setOptions(rungs[r].solver, rungs[r].adapt, scene.air_damping);
@@ -200,14 +200,51 @@ TEST(Rungs, CostTheForceOfAFoldWhatTheGuideSays) {
     double squared = 0.0;
     for (std::size_t k = 0; k < found.size(); ++k) squared += (found[k] - expected[k]).squaredNorm();
     const int iterations = rungs[r].solver.minimizer.max_iterations;
-    const double limit = iterations <= 10   ? 0.4
-                         : iterations <= 20 ? 0.15
-                         : iterations <= 50 ? 0.045
-                                            : 0.03,
+    const double limit = rungs[r].longest_step > 2 ? 0.42
+                         : iterations <= 10        ? 0.11
+                         : iterations <= 20        ? 0.05
+                                                   : 0.035,
                  error = std::sqrt(squared / mean);
     record({"rungs of the ladder, a probe pushes a strip into a fold", "rms error of the force [%]", "amrc",
             static_cast<double>(r), 100.0 * error, 0.0, 100.0 * limit});
     EXPECT_LT(error, tolerance(limit)) << rungs[r].given_up;
+  }
+}
+
+/// A hand sweeps at 0.45 m/s through a light sheet that hangs from two corners. On all rungs with 50
+/// iterations or more it has to feel hardly more than the exact peak, 0.04 N: solves that a limit ends depend
+/// on the order of sums, so half as much again is allowed for. With steps of 4 ms and 50 iterations it was 1
+/// N. The guide names the cost of the other rungs.
+TEST(Rungs, LeaveAHandThatSweepsThroughLightClothItsForce) {
+  Scene scene;
+  scene.cloth.fabric = loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/polyester_faille.yaml");
+  scene.cloth.particles = {33, 33};
+  scene.cloth.size = {0.2, 0.2};
+  scene.cloth.pose.position = Vec3::Zero();
+  scene.cloth.pose.orientation = Quat(Eigen::AngleAxisd(M_PI / 2, Vec3::UnitX()));
+  for (const int i : {0, 32}) pin(scene, i, i, 32, 32);
+  scene.solver.threads = 1;
+  scene.probes[0].radius = 0.008;
+  scene.probes[0].path = {{0.1, Vec3(0.02, 0.06, -0.03)}, {0.5, Vec3(0.02, -0.12, -0.03)}};
+  scene.stop.time = 0.5;
+  const auto peak = [](const std::vector<Vec3>& forces) {
+    double most = 0.0;
+    for (const Vec3& force : forces) most = std::max(most, force.norm());
+    return most;
+  };
+  Scene exact = scene;
+  exact.adapt.strategy = Strategy::Finest;
+  exact.solver.minimizer.tolerance = 0.01;
+  const double expected = peak(forcesAlongPath(Simulation(exact), 1));
+  const std::vector<Quality> rungs = qualityLadder(scene.solver, scene.adapt, 4);
+  for (std::size_t r = 0; r < rungs.size(); ++r) {
+    Simulation simulation(scene);
+    simulation.setOptions(rungs[r].solver, rungs[r].adapt, scene.air_damping);
+    const double found = peak(forcesAlongPath(std::move(simulation), rungs[r].longest_step));
+    record({"rungs of the ladder, a probe sweeps through a sheet", "largest force [N]", "amrc",
+            static_cast<double>(r), found, expected, expected});
+    if (rungs[r].solver.minimizer.max_iterations >= 50)
+      EXPECT_LT(found, tolerance(1.5) * expected) << rungs[r].given_up;
   }
 }
 

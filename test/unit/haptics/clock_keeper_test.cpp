@@ -182,6 +182,10 @@ TEST(ClockKeeper, ALimitOfIterationsThatIsNotUsedUpIsLifted) {
   EXPECT_EQ(loop.rung(), 4);
   loop.run(2.0);
   EXPECT_EQ(loop.rung(), 2);
+  // A rung with longer steps costs less, whatever the iterations: two of half the length would take longer.
+  Loop longer({1, 2, 2, 2, 4}, cost, 3, [&](int, double now) { return blow(now); });
+  longer.run(3.0);
+  EXPECT_EQ(longer.rung(), 4);
   // A rung whose steps are cut stays.
   Loop busy({1, 2, 4, 4, 4}, cost, 3, [](int, double) { return true; });
   busy.run(3.0);
@@ -276,7 +280,7 @@ TEST(QualityLadder, BeginsWithTheSceneAndGetsCoarser) {
   const SolverOptions solver;
   const AdaptOptions adapt;
   const std::vector<Quality> ladder = qualityLadder(solver, adapt, 4);
-  ASSERT_EQ(ladder.size(), 10u);
+  ASSERT_EQ(ladder.size(), 11u);
   EXPECT_EQ(ladder[0].longest_step, 1);
   EXPECT_EQ(ladder[0].given_up, "");
   EXPECT_EQ(ladder[0].solver.minimizer.tolerance, solver.minimizer.tolerance);
@@ -294,6 +298,8 @@ TEST(QualityLadder, BeginsWithTheSceneAndGetsCoarser) {
   }
   EXPECT_EQ(ladder[1].given_up, "tolerance 1, steps to 2 ms, 200 iterations");
   EXPECT_EQ(ladder[9].given_up,
+            "tolerance 1, steps to 2 ms, mesh thresholds x 5 beyond 2 cells of probes, 10 iterations");
+  EXPECT_EQ(ladder[10].given_up,
             "tolerance 1, steps to 4 ms, mesh thresholds x 5 beyond 2 cells of probes, 10 iterations");
 }
 
