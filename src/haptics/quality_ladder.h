@@ -20,7 +20,7 @@ struct Quality {
 };
 
 /// Makes the ladder: the first rung has the scene's own options and steps of one time_step, and each
-/// other is coarser than the one before. No option is finer than the scene's.
+/// other costs less than the one before. No option is finer than the scene's.
 /// @param longest_step limit of the steps of all rungs, in units of solver.time_step; at least 1
 std::vector<Quality> qualityLadder(const SolverOptions& solver, const AdaptOptions& adapt, int longest_step);
 
