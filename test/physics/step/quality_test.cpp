@@ -179,8 +179,8 @@ std::vector<Vec3> forcesAlongPath(Simulation simulation, int length) {
 }
 
 /// A probe pushes a strip into a fold. Criterion: the table in docs/guide/speed_and_accuracy.md, root mean
-/// square on three paths of vector code: 2 % up to 50 iterations, 3 % with 20, 7 % with 10, and 12 to 28 % in
-/// steps of 4 ms. Solves that a limit ends depend on the order of sums: half as much again is allowed for.
+/// square on three paths of vector code: 3 % down to 20 iterations, 7 % with 10, and 12 to 28 % in steps of 4
+/// ms. Solves that a limit ends depend on the order of sums: half as much again is allowed for.
 TEST(Rungs, CostTheForceOfAFoldWhatTheGuideSays) {
   Scene scene = loadScene(HAPTIC_CLOTH_SOURCE_DIR "/bench/scenes/fold_probe.yaml");
   Scene exact = scene;
@@ -191,7 +191,7 @@ TEST(Rungs, CostTheForceOfAFoldWhatTheGuideSays) {
   double mean = 0.0;
   for (const Vec3& force : expected) mean += force.squaredNorm();
   const std::vector<Quality> rungs = qualityLadder(scene.solver, scene.adapt, 4);
-  ASSERT_EQ(rungs.size(), 11U);
+  ASSERT_EQ(rungs.size(), 10U);
   for (std::size_t r = 0; r < rungs.size(); ++r) {
     Simulation simulation(scene);
     simulation.setOptions(rungs[r].solver, rungs[r].adapt, scene.air_damping);
@@ -200,10 +200,11 @@ TEST(Rungs, CostTheForceOfAFoldWhatTheGuideSays) {
     double squared = 0.0;
     for (std::size_t k = 0; k < found.size(); ++k) squared += (found[k] - expected[k]).squaredNorm();
     const int iterations = rungs[r].solver.minimizer.max_iterations;
-    const double limit = rungs[r].longest_step > 2 ? 0.42
-                         : iterations <= 10        ? 0.11
-                         : iterations <= 20        ? 0.05
-                                                   : 0.035,
+    const bool cut = iterations < kManyIterations;
+    const double limit = !cut                        ? 0.04
+                         : rungs[r].longest_step > 2 ? 0.42
+                         : iterations <= 10          ? 0.11
+                                                     : 0.05,
                  error = std::sqrt(squared / mean);
     record({"rungs of the ladder, a probe pushes a strip into a fold", "rms error of the force [%]", "amrc",
             static_cast<double>(r), 100.0 * error, 0.0, 100.0 * limit});
@@ -211,10 +212,10 @@ TEST(Rungs, CostTheForceOfAFoldWhatTheGuideSays) {
   }
 }
 
-/// A hand sweeps at 0.45 m/s through a light sheet that hangs from two corners. On all rungs with 50
-/// iterations or more it has to feel hardly more than the exact peak, 0.04 N: solves that a limit ends depend
-/// on the order of sums, so half as much again is allowed for. With steps of 4 ms and 50 iterations it was 1
-/// N. The guide names the cost of the other rungs.
+/// A hand sweeps at 0.45 m/s through a light sheet that hangs from two corners. On all rungs that do not cut
+/// iterations it has to feel hardly more than the exact peak, 0.04 N: half as much again is allowed for, as
+/// above. The next one, which cuts them to 20, may cost up to 0.2 N on the three paths, says the guide; with
+/// steps of 4 ms it was 2.3 N.
 TEST(Rungs, LeaveAHandThatSweepsThroughLightClothItsForce) {
   Scene scene;
   scene.cloth.fabric = loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/polyester_faille.yaml");
@@ -243,8 +244,9 @@ TEST(Rungs, LeaveAHandThatSweepsThroughLightClothItsForce) {
     const double found = peak(forcesAlongPath(std::move(simulation), rungs[r].longest_step));
     record({"rungs of the ladder, a probe sweeps through a sheet", "largest force [N]", "amrc",
             static_cast<double>(r), found, expected, expected});
-    if (rungs[r].solver.minimizer.max_iterations >= 50)
-      EXPECT_LT(found, tolerance(1.5) * expected) << rungs[r].given_up;
+    const int iterations = rungs[r].solver.minimizer.max_iterations;
+    if (iterations >= kManyIterations) EXPECT_LT(found, tolerance(1.5) * expected) << rungs[r].given_up;
+    if (iterations == 20) EXPECT_LT(found, tolerance(1.5) * 0.2) << rungs[r].given_up;
   }
 }
 

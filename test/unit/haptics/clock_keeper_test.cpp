@@ -280,7 +280,7 @@ TEST(QualityLadder, BeginsWithTheSceneAndGetsCoarser) {
   const SolverOptions solver;
   const AdaptOptions adapt;
   const std::vector<Quality> ladder = qualityLadder(solver, adapt, 4);
-  ASSERT_EQ(ladder.size(), 11u);
+  ASSERT_EQ(ladder.size(), 10u);
   EXPECT_EQ(ladder[0].longest_step, 1);
   EXPECT_EQ(ladder[0].given_up, "");
   EXPECT_EQ(ladder[0].solver.minimizer.tolerance, solver.minimizer.tolerance);
@@ -299,9 +299,9 @@ TEST(QualityLadder, BeginsWithTheSceneAndGetsCoarser) {
   }
   EXPECT_EQ(ladder[1].given_up, "tolerance 1, steps to 2 ms, 200 iterations");
   EXPECT_EQ(ladder[6].longest_step, 4);
-  EXPECT_EQ(ladder[9].given_up,
+  EXPECT_EQ(ladder[8].given_up,
             "tolerance 1, steps to 2 ms, mesh thresholds x 5 beyond 2 cells of probes, 10 iterations");
-  EXPECT_EQ(ladder[10].given_up,
+  EXPECT_EQ(ladder[9].given_up,
             "tolerance 1, steps to 4 ms, mesh thresholds x 5 beyond 2 cells of probes, 10 iterations");
 }
 
