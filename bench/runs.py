@@ -26,7 +26,7 @@ def thresholds(angle, strain):
 
 
 # Coarser meshes of AMRC: cells split above this angle [rad] and strain; the defaults are 0.7 and 0.005.
-COARSER = ((1.0, 0.0075), (1.4, 0.015), (1.6, 0.021), (1.8, 0.03))
+COARSER = ((1.0, 0.0075), (1.4, 0.015), (1.6, 0.021), (1.7, 0.025), (1.8, 0.03))
 # The settings of config/scenes/haptic_1khz.yaml, without its time budget.
 SWIFT = {"solver.tolerance": 1.0, "solver.max_iterations": 10, "adapt.interval": 9, **thresholds(1.6, 0.02)}
 PEER_SCENES = ROOT / "bench/peers/scenes"
