@@ -225,7 +225,7 @@ void PairFinder::beginChange(const ActiveMesh& mesh, const Field& nodes) {
 
 bool PairFinder::hasRoom(const ActiveMesh& mesh, const Field& nodes, const Cell& cell, double moved,
                          double least) {
-  if (moved < 1e-12 * std::min(grid_.dx, grid_.dy)) return true;  // rounding
+  if (moved < 1e-12 * grid_.shortestSpacing()) return true;  // rounding
   // Both parts of a pair may move.
   within_ = lines_within_ = least + 2.0 * moved;
   points_.clear();
@@ -321,7 +321,7 @@ double PairFinder::rangeOf(const std::array<Point, 4>& p, bool lines) const {
   const double rest = lines ? std::min({distance(p[0], p[2], p[3]), distance(p[1], p[2], p[3]),
                                         distance(p[2], p[0], p[1]), distance(p[3], p[0], p[1])})
                             : distance(p[0], p[1], p[2], p[3]);
-  const double touching = 1e-9 * std::min(grid_.dx, grid_.dy);
+  const double touching = 1e-9 * grid_.shortestSpacing();
   return rest > touching ? std::min(thickness_, kShareOfRest * rest) : 0.0;
 }
 
@@ -423,7 +423,7 @@ void PairFinder::listGroups(std::vector<PairPack>& packs) {
 void PairFinder::listLines(std::vector<PairPack>& packs) const {
   for (std::size_t k = 0; k < lines_.size(); ++k) {
     if (k % kPack == 0) packs.push_back(emptyPack(1, true));
-    put(packs.back(), k % kPack, lines_[k], thickness_ * std::min(grid_.dx, grid_.dy));
+    put(packs.back(), k % kPack, lines_[k], thickness_ * grid_.shortestSpacing());
   }
 }
 

@@ -83,7 +83,7 @@ class PairFinder {
   bool areSmooth(const ActiveMesh& mesh, const Field& nodes);
   bool becomesClear(const ActiveMesh& mesh, const Field& nodes, const Reach& reach);
   /// Distance from clear_at_ within which nothing meets [m].
-  double clearance() const { return 0.1 * std::min(grid_.dx, grid_.dy); }
+  double clearance() const { return 0.1 * grid_.shortestSpacing(); }
   void addPatches(const ActiveMesh& mesh, const Field& nodes, const Reach& reach, int a, int b);
   void layPoints(const ActiveMesh& mesh, const std::vector<char>& dented);
   void layMiddle(int line, double area);

@@ -246,11 +246,11 @@ void SampleFinder::addNodes(const ActiveMesh& mesh, const Field& nodes, const st
 int SampleFinder::partsOf(const Patch& patch) const {
   constexpr double kSameNormal = 1e-3, kShareOfRange = 0.1;
   // Largest differences over all pairs; with one corner as reference, mirrored cells would differ.
+  const std::vector<double>& gap = gaps_.nodes().gaps;
   double gaps = 0.0, turn = 0.0;
   for (int c = 1; c < 4; ++c) {
     for (int d = 0; d < c; ++d) {
-      gaps =
-          std::max(gaps, std::abs(gaps_.nodes().gaps[patch.nodes[c]] - gaps_.nodes().gaps[patch.nodes[d]]));
+      gaps = std::max(gaps, std::abs(gap[patch.nodes[c]] - gap[patch.nodes[d]]));
       turn = std::max(turn, gaps_.normalTurn(patch, c, d));
     }
   }

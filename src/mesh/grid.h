@@ -25,6 +25,7 @@ struct Grid {
   int row(int particle) const { return particle / columns; }
   double spacing(int direction) const { return direction == kWarp ? dx : dy; }  ///< finest [m]
   double longestSpacing() const { return std::max(dx, dy); }                    ///< finest [m]
+  double shortestSpacing() const { return std::min(dx, dy); }                   ///< finest [m]
 };
 
 /// Square of 2^level × 2^level finest cells with its lower left corner at particle (i, j).

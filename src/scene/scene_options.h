@@ -50,7 +50,7 @@ Options optionsOf(SolverOptions& solver);
 Options optionsOf(AdaptOptions& adapt);
 Options optionsOf(StopOptions& stop);
 
-/// What Simulation::setOptions() takes.
+/// Options that Simulation::setOptions() takes.
 struct StepOptions {
   SolverOptions solver;
   AdaptOptions adapt;

@@ -205,6 +205,12 @@ void checkThresholds(const Check& check, const AdaptOptions& adapt) {
         adapt.refine_above_strain);
 }
 
+/// @param options by value, as rows point to members that could be written
+void checkSteps(const Check& check, StepOptions options) {
+  check.options("", optionsOf(options));
+  checkThresholds(check, options.adapt);
+}
+
 }  // namespace
 
 double smallestProbeRadius(const ClothOptions& cloth) {
@@ -214,10 +220,7 @@ double smallestProbeRadius(const ClothOptions& cloth) {
 
 void checkStepOptions(const StepOptions& options, const std::string& origin) {
   const Locate locate = [&origin](const std::string&) { return origin; };
-  const Check check(locate);
-  StepOptions checked = options;  // rows point to members that could be written
-  check.options("", optionsOf(checked));
-  checkThresholds(check, checked.adapt);
+  checkSteps(Check(locate), options);
 }
 
 void checkScene(const Scene& checked, const Locate& locate) {
@@ -227,8 +230,7 @@ void checkScene(const Scene& checked, const Locate& locate) {
   Scene scene = checked;  // rows point to members that could be written
   check.options("cloth.", optionsOf(scene.cloth));
   check.options("", worldOptions(scene));
-  check.options("solver.", optionsOf(scene.solver));
-  check.options("adapt.", optionsOf(scene.adapt));
+  checkSteps(check, stepOptions(scene));
   check.options("stop.", optionsOf(scene.stop));
   checkGrid(check, scene.cloth, scene.adapt);
   checkFabric(check, scene.cloth.fabric);
@@ -248,7 +250,6 @@ void checkScene(const Scene& checked, const Locate& locate) {
   checkNames(check, "probes", scene.probes, true);
   check.that(!scene.probes.empty(), "probes", "{}", "must name at least one probe");
   for (ProbeOptions& probe : scene.probes) checkProbe(check, probeKey(scene, probe), probe, scene.cloth);
-  checkThresholds(check, scene.adapt);
 }
 
 void validateScene(const Scene& scene, const std::string& origin) {

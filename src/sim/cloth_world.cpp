@@ -98,7 +98,7 @@ void ClothWorld::adapt(StepReport& report) {
 /// Plans mesh changes from the end of the last step. @return whether there are any
 bool ClothWorld::planMesh() {
   if (!adaptation_.startDecision(ticks_) || !adaptation_.changesMesh()) return false;
-  const double spacing = std::max(cloth_.grid().dx, cloth_.grid().dy), reach = kFineReach * spacing;
+  const double spacing = cloth_.grid().longestSpacing(), reach = kFineReach * spacing;
   near_probes_.clear();
   for (int k = 0; k < probes_.count(); ++k) {
     const ProbeStep& probe = probes_.steps()[k];

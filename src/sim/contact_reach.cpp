@@ -34,7 +34,7 @@ void ContactReach::estimate() {
   const double h = cloth_.integrator().stepLength();
   const Grid& grid = cloth_.grid();
   const int count = cloth_.mesh().nodes();
-  const double spacing = std::min(grid.dx, grid.dy), gravity = scene_.gravity.norm();
+  const double spacing = grid.shortestSpacing(), gravity = scene_.gravity.norm();
   nodes_.resize(count);
   deviation_.resize(count);
   motion_.resize(count);

@@ -40,7 +40,7 @@ std::vector<double> spacings(const ActiveMesh& mesh) {
     for (int j = patch.cell.j; j <= patch.cell.j + s; ++j) {
       for (int i = patch.cell.i; i <= patch.cell.i + s; ++i) {
         double& here = spacing[mesh.grid.particle(i, j)];
-        here = std::max(here, s * std::max(mesh.grid.dx, mesh.grid.dy));
+        here = std::max(here, s * mesh.grid.longestSpacing());
       }
     }
   }
@@ -281,7 +281,7 @@ ProbeRegions moveProbe(ClothWorld& world) {
   const Vec3 from = pathPosition(world.scene().probes[0].path, t),
              to = pathPosition(world.scene().probes[0].path, t + h);
   world.setDevice(0, {to, (to - from) / h});
-  const double spacing = std::max(world.cloth().grid().dx, world.cloth().grid().dy);
+  const double spacing = world.cloth().grid().longestSpacing();
   const double ahead = std::min((to - world.probes()[0].proxy).norm(), 2.0 * spacing);
   const double finest = world.scene().probes[0].radius + 2.0 * spacing + ahead;
   return {{world.probes()[0].proxy, finest, finest}};
