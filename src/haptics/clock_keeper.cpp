@@ -62,8 +62,8 @@ void ClockKeeper::restart() {
 void ClockKeeper::chooseRung(double lag, double now) {
   const bool was_behind = behind_, had_room = roomy_;
   behind_ = lag > std::min(longest_[rung_] * h_, 0.5 * kLongestLag);
-  // The better rung grants more iterations and is else the same.
-  const bool limits = rung_ >= gentle_ && longest_[rung_] == longest_[rung_ - 1];
+  // The better rung grants more iterations, in steps that may be as long.
+  const bool limits = rung_ >= gentle_ && longest_[rung_] <= longest_[rung_ - 1];
   roomy_ = rung_ > 0 && !behind_ &&
            ((limits && !cut_) || load_ * std::pow(longest_[rung_ - 1], kGrowth - 1.0) < kRoom);
   if (behind_ && (!was_behind || now - behind_since_ >= kPatience)) {

@@ -13,9 +13,9 @@ namespace haptic_cloth {
 /// Rung (qualityLadder()): down by one if the longest steps do not catch up within 30 ms. By two, to a rung
 /// that costs the force little, if simulated time went less than half as fast as wall time in more than one
 /// step, unless the rung in use is only being tried. Up by one if steps as long as the better rung's would
-/// take less than half of the time at the present rung, for 0.5 s, or if for as long no step used up the
-/// iterations that the rung grants, so that more cost nothing. If the better rung proves too slow, the next
-/// attempt at it waits twice as long, up to 30 s.
+/// take less than half of the time at the present rung, for 0.5 s. Up also if for as long no step used up the
+/// iterations that the rung grants and the better rung's steps may be as long: more iterations cost nothing
+/// then. If the better rung proves too slow, the next attempt waits twice as long, up to 30 s.
 ///
 /// Lag beyond kLongestLag is given up: simulated time slips.
 class ClockKeeper {

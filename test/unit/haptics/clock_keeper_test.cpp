@@ -182,6 +182,12 @@ TEST(ClockKeeper, ALimitOfIterationsThatIsNotUsedUpIsLifted) {
   EXPECT_EQ(loop.rung(), 4);
   loop.run(2.0);
   EXPECT_EQ(loop.rung(), 2);
+  // So is one in shorter steps: the better rung need not use its longer ones.
+  Loop shorter({1, 2, 4, 2, 2}, cost, 3, [&](int, double now) { return blow(now); });
+  shorter.run(1.0);
+  EXPECT_EQ(shorter.rung(), 4);
+  shorter.run(2.0);
+  EXPECT_EQ(shorter.rung(), 2);
   // A rung with longer steps costs less, whatever the iterations: two of half the length would take longer.
   Loop longer({1, 2, 2, 2, 4}, cost, 3, [&](int, double now) { return blow(now); });
   longer.run(3.0);
