@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "ros/display/diagnostics.h"
+#include "ros/display/prepared_message.h"
 #include "ros/node/conversions.h"
 #include "ros/node/steady_clock.h"
 
@@ -86,7 +87,7 @@ void DisplayThread::takeOptions() {
 void DisplayThread::publishMarkers(const DisplayFrame& frame) {
   forces_.clear();
   for (SharedProbe& probe : shared_.probes) forces_.push_back(probe.felt.read().force);
-  publishers_.markers.publish(builder_.build(frame, forces_, frame.stamp));
+  publishers_.markers.publish(PreparedMessage(builder_.build(frame, forces_, frame.stamp)));
   ++marker_frames_;
 }
 
@@ -94,7 +95,7 @@ void DisplayThread::publishState(const DisplayFrame& frame) {
   toClothState(frame, columns_, rows_, scratch_, state_);
   state_.header.stamp = frame.stamp;
   state_.header.frame_id = frame_id_;
-  publishers_.state.publish(state_);
+  publishers_.state.publish(PreparedMessage(state_));
   ++state_frames_;
 }
 
