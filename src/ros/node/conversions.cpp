@@ -2,8 +2,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <regex>
 
 #include "haptic_cloth/error.h"
 #include "state/number_text.h"
@@ -12,11 +10,6 @@ namespace haptic_cloth {
 namespace {
 
 using XmlRpc::XmlRpcValue;
-
-bool readsAsNumber(const std::string& text) {
-  const std::regex number(R"([-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?)");
-  return std::regex_match(text, number);
-}
 
 /// Quotes text as a double-quoted YAML string, which has the escapes of JSON.
 std::string quoted(const std::string& text) {
@@ -163,9 +156,7 @@ std::optional<double> toNumber(const XmlRpcValue& value) {
   if (value.getType() == XmlRpcValue::TypeInt) return static_cast<int>(copy);
   if (value.getType() == XmlRpcValue::TypeDouble) return static_cast<double>(copy);
   if (value.getType() != XmlRpcValue::TypeString) return std::nullopt;
-  const std::string text = static_cast<std::string>(copy);
-  if (!readsAsNumber(text)) return std::nullopt;
-  return std::strtod(text.c_str(), nullptr);
+  return readNumber(static_cast<std::string>(copy));
 }
 
 std::string toYaml(const XmlRpcValue& value, const std::string& origin, const std::string& key) {
@@ -180,7 +171,7 @@ std::string toYaml(const XmlRpcValue& value, const std::string& origin, const st
       return numberText(static_cast<double>(copy));
     case XmlRpcValue::TypeString: {
       const std::string text = static_cast<std::string>(copy);
-      return readsAsNumber(text) ? text : quoted(text);
+      return readNumber(text) ? text : quoted(text);
     }
     case XmlRpcValue::TypeArray: {
       std::string out = "[";

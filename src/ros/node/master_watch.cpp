@@ -80,7 +80,7 @@ void MasterWatch::look() {
   ++renewals_;
   ROS_WARN("registered again with the ROS master");
   XmlRpc::XmlRpcValue known;
-  if (call("hasParam", {ros::this_node::getName()}, known) && !static_cast<bool>(known))
+  if (call("hasParam", {parameters_}, known) && !static_cast<bool>(known))
     ROS_WARN(
         "this master has no parameters of the node. It goes on with those it started with; programs that "
         "read them (path_hand, mouse_hand, monitor) need them loaded again");

@@ -17,10 +17,12 @@ namespace haptic_cloth {
 /// connections stay.
 class MasterWatch {
  public:
+  /// @param parameters namespace of the parameters of this node
   /// @param services full names of the services of this node
   /// @param outputs full names of the topics that its devices follow
-  MasterWatch(const std::vector<std::string>& services, const std::vector<std::string>& outputs)
-      : services_(services), outputs_(outputs) {}
+  MasterWatch(const std::string& parameters, const std::vector<std::string>& services,
+              const std::vector<std::string>& outputs)
+      : parameters_(parameters), services_(services), outputs_(outputs) {}
 
   /// Runs until `stop`.
   void run(const std::atomic<bool>& stop);
@@ -41,6 +43,7 @@ class MasterWatch {
   /// @return whether the master accepted everything
   bool registerAgain() const;
 
+  std::string parameters_;
   std::vector<std::string> services_, outputs_;
   bool incomplete_ = false;  ///< whether the last registration must be repeated
   int unknown_ = 0;          ///< checks in a row at which the master did not know this node

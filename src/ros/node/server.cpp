@@ -36,8 +36,7 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kResetTimeout = 5.0;  ///< longest wait for the solver [s]
-constexpr double kFlush = 0.05;        ///< time for the last wrench to leave the process [s]
+constexpr double kFlush = 0.05;  ///< time for the last wrench to leave the process [s]
 
 DisplayPublishers advertise(ros::NodeHandle& node) {
   return {node.advertise<visualization_msgs::MarkerArray>(topics::kMarkers, topics::kMarkersQueue),
@@ -88,15 +87,17 @@ class HapticClothServer::Implementation {
         probes_(offerProbes()),
         obstacles_(offerObstacles()),
         haptics_(options_, publishers(), shared_),
-        master_(services(), outputs()),
+        master_(private_node_.getNamespace(), services(), outputs()),
         display_(options_, advertise(node_), {name(), probes_, obstacles_, haptics_, master_}, shared_),
         pose_spinner_(1, &pose_queue_) {
     for (const std::string& warning : startWarnings(options_)) ROS_WARN_STREAM(warning);
     offerServices();
-    startThreads();
-    prioritiseMessages(pose_queue_);
-    pose_spinner_.start();
-    for (ServiceThread* thread : serviceThreads()) thread->spinner.start();
+    try {
+      startThreads();
+    } catch (...) {
+      shared_.stop = true;  // the futures wait for their threads
+      throw;
+    }
   }
 
   ~Implementation() { stop(); }
@@ -118,18 +119,16 @@ class HapticClothServer::Implementation {
   }
 
  private:
-  /// @throws std::system_error if the system has no thread left; those that run are told to stop
+  /// @throws std::system_error, boost::thread_resource_error if the system has no thread left
   void startThreads() {
     const auto start = [this](auto work) { threads_.push_back(std::async(std::launch::async, work)); };
-    try {
-      start([this] { solver_.run(); });
-      start([this] { haptics_.run(); });
-      start([this] { display_.run(); });
-      start([this] { master_.run(shared_.stop); });
-    } catch (...) {
-      shared_.stop = true;  // the futures wait for their threads
-      throw;
-    }
+    start([this] { solver_.run(); });
+    start([this] { haptics_.run(); });
+    start([this] { display_.run(); });
+    start([this] { master_.run(shared_.stop); });
+    prioritiseMessages(pose_queue_);
+    pose_spinner_.start();
+    for (ServiceThread* thread : serviceThreads()) thread->spinner.start();
   }
 
   std::deque<ProbeTopics> offerProbes() {
@@ -195,12 +194,7 @@ class HapticClothServer::Implementation {
   }
 
   bool reset(std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
-    const std::uint64_t wanted = ++shared_.resets_wanted;
-    const double give_up = steadyNow() + kResetTimeout;
-    while (shared_.resets_done < wanted && !shared_.stop && steadyNow() < give_up) {
-      sleepUntil(steadyNow() + 1e-3);
-    }
-    return shared_.resets_done >= wanted;
+    return shared_.tasks.run([](SolverLoop& loop) { loop.reset(); }, shared_.stop);
   }
 
   bool pause(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {

@@ -84,8 +84,8 @@ struct DisplayFrame {
 /// The solver over one window of about a second, and the cloth at its end. A pause, a reset and a
 /// loaded state end a window early.
 struct SolverStats {
-  double taken = -1.0;          ///< steady clock at the end of the last whole window [s]; < 0: none yet
-  double wall = 0.0;            ///< length of the window [s]; 0: it ended early
+  double taken = -1.0;          ///< steady clock at the start or end of the last window [s]; < 0: none yet
+  double wall = 0.0;            ///< length of the window [s]; 0: it ended early, or has just begun
   double time = 0.0;            ///< simulated since reset [s]
   int steps = 0;                ///< in the window
   double real_time_factor = 0;  ///< simulated over wall time [-]
@@ -191,7 +191,6 @@ struct SharedState {
   std::atomic<bool> paused{false};
   std::atomic<bool> recording;  ///< a recording was asked for and has not ended
   std::atomic<bool> frame_wanted{true};
-  std::atomic<std::uint64_t> resets_wanted{0}, resets_done{0};
 };
 
 }  // namespace haptic_cloth

@@ -40,7 +40,6 @@ SolverLoop::SolverLoop(const NodeOptions& options, SharedState& shared, RecordFi
 
 void SolverLoop::run() {
   while (!shared_.stop) {
-    resetWhenAsked();
     shared_.tasks.work(*this);
     shared_.recording = recorder_ && recorder_->isOpen();
     copyFrameWhenWanted();
@@ -67,13 +66,9 @@ void SolverLoop::run() {
   simulation_.record(nullptr);
 }
 
-void SolverLoop::resetWhenAsked() {
-  const std::uint64_t wanted = shared_.resets_wanted;
-  if (wanted == resets_seen_) return;
-  resets_seen_ = wanted;
+void SolverLoop::reset() {
   simulation_.reset();
   startAgain();
-  shared_.resets_done = wanted;
 }
 
 std::string SolverLoop::saveState() {
@@ -181,6 +176,8 @@ void SolverLoop::record(const StepReport& report) {
     window_start_slipped_ = pacer_.quality().slipped;
     window_.steps = 0;
     window_iterations_ = 0.0;
+    window_.taken = now;
+    writeStats();
     return;
   }
   ++window_.steps;

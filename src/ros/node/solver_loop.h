@@ -25,6 +25,8 @@ class SolverLoop {
 
   // Used by SolverTasks between two steps.
 
+  /// Puts the cloth back to the start of the scene.
+  void reset();
   const Simulation& simulation() const { return simulation_; }
   /// State with the requested options, even while gains are still on their ramps. So a node that
   /// starts with these parameters can load it.
@@ -34,7 +36,6 @@ class SolverLoop {
   void loadState(const std::string& state, const std::string& origin);
 
  private:
-  void resetWhenAsked();
   void startAgain();
   void takeOptions();
   void skipRamps();
@@ -54,7 +55,6 @@ class SolverLoop {
   std::vector<ProbeSettings> probes_;  ///< as they were asked for
   StepPacer pacer_;
   std::optional<RecordWriter> recorder_;  ///< set if a recording was asked for
-  std::uint64_t resets_seen_ = 0;
 
   SolverStats window_;
   double window_start_ = -1.0, window_start_time_ = 0.0, window_start_slipped_ = 0.0,

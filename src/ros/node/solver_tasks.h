@@ -17,9 +17,9 @@ class SolverTasks {
   using Work = std::function<void(SolverLoop&)>;
 
   /// Waits until the work is done and rethrows its exception. Any thread may call it.
-  /// @param stop set if the solver ends  @param patience longest wait [s]
+  /// @param stop set if the solver ends  @param patience longest wait for the current step to end [s]
   /// @return false if the work was not started in time; then it never will be
-  bool run(const Work& work, const std::atomic<bool>& stop, double patience);
+  bool run(const Work& work, const std::atomic<bool>& stop, double patience = 5.0);
 
   /// Called by the solver thread between two steps: runs the waiting tasks. Costs one atomic read
   /// if there are none.

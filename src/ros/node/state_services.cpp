@@ -17,8 +17,6 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kPatience = 5.0;  ///< longest wait for the current step to end [s]
-
 /// Fills the response of a service with the result of `work` or with the exception it throws.
 template <class Response, class Work>
 bool answer(Response& response, const Work& work) {
@@ -83,8 +81,7 @@ void StateServices::runFiles(const std::function<void()>& work) const {
 }
 
 void StateServices::run(const SolverTasks::Work& work) const {
-  if (!shared_.tasks.run(work, shared_.stop, kPatience))
-    throw std::runtime_error("the solver does not answer");
+  if (!shared_.tasks.run(work, shared_.stop)) throw std::runtime_error("the solver does not answer");
 }
 
 }  // namespace haptic_cloth

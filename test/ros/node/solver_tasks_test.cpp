@@ -130,7 +130,7 @@ TEST_F(SolverTasksTest, StatisticsInAPauseAreThoseOfTheCloth) {
   EXPECT_GT(time, 0.0);
   EXPECT_EQ(shows(time).time, time);
   task([&](SolverLoop& loop) { saved = loop.saveState(); });
-  ++shared_.resets_wanted;
+  task([](SolverLoop& loop) { loop.reset(); });
   const SolverStats after_reset = shows(0.0);
   EXPECT_EQ(after_reset.time, 0.0);
   EXPECT_EQ(after_reset.kinetic, 0.0);
@@ -139,6 +139,28 @@ TEST_F(SolverTasksTest, StatisticsInAPauseAreThoseOfTheCloth) {
   task([&](SolverLoop& loop) { loop.loadState(saved, "saved"); });
   EXPECT_EQ(shows(time).time, time);
   EXPECT_EQ(shared_.solver_stats.read().force_errors.size(), 1u);
+  shared_.stop = true;
+  solver.join();
+}
+
+/// The first window of the statistics lasts a second. Criterion: kHanging of diagnostics.cpp, after which
+/// steps count as missing.
+TEST_F(SolverTasksTest, StatisticsKnowTheFirstStepAfterAPause) {
+  constexpr double kPaused = 2.5;  // [s]
+  std::thread solver([this] { loop_.run(); });
+  const auto taken = [this](double after) {
+    for (int k = 0; k < 10000 && !(shared_.solver_stats.read().taken > after); ++k)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return shared_.solver_stats.read().taken;
+  };
+  const double begun = taken(0.0);
+  EXPECT_GT(begun, 0.0);
+  shared_.paused = true;
+  sleepUntil(steadyNow() + kPaused);
+  const double resumed = steadyNow();
+  shared_.paused = false;
+  EXPECT_GT(taken(resumed), resumed);
+  EXPECT_EQ(shared_.solver_stats.read().wall, 0.0) << "before the window ends";
   shared_.stop = true;
   solver.join();
 }
