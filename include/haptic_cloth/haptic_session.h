@@ -220,6 +220,7 @@ class AdmittanceSession : public ProbeSession {
   bool isAtRest() const;        ///< whether the tool stands still
   Wrench reaction() const;      ///< of the cloth on the tool at the last tick [N], [N·m]
   HapticStatus status() const;  ///< why the tool moves, or stands still
+  double forceShare() const;    ///< see HapticLoop::forceShare() [-]
 
  private:
   std::unique_ptr<AdmittanceLoop> loop_;

@@ -52,10 +52,11 @@ void AdmittanceLoop::setOptions(const HapticOptions& options, double unit) {
   cloth_.setOptions(clothOptions(options), unit);
 }
 
-void AdmittanceLoop::place(const Vec3& position, double received) {
+void AdmittanceLoop::place(const Pose& device, double received) {
   if (!(received > reported_.received)) return;
   const bool returns = received - reported_.received > options_.probe_timeout;
-  reported_ = {position, received};
+  reported_ = {device.position, received};
+  turn(device.orientation);
   if (!started_ || returns) goToDevice();
 }
 

@@ -19,13 +19,14 @@ class AdmittanceLoop {
   /// Does the same as HapticLoop::setOptions(). The tool keeps its place and its velocity.
   void setOptions(const HapticOptions& options, double unit);
 
-  /// Sets the position of the device [m], at which the tool starts. A device that is elsewhere would be sent
-  /// away: so the tool goes there and stands still when the first position comes after the start, and when
-  /// positions or forces come back after a silence of `probe_timeout`.
+  /// Sets the pose of the device [m], at which the tool starts. The tool turns as the device does: a force
+  /// does not turn it. A device that is elsewhere would be sent away: so the tool goes there and stands still
+  /// when the first position comes after the start, and when positions or forces come back after a silence of
+  /// `probe_timeout`.
   /// @param received when it arrived [s]; ignored if that is not after the one before
-  void place(const Vec3& position, double received);
+  void place(const Pose& device, double received);
 
-  /// Turns the tool as the device is turned: a force does not.
+  /// Turns the tool.
   void turn(const Quat& orientation) { device_.orientation = orientation; }
 
   /// Makes one tick at `now` (steady clock [s]). The tool starts with the first force. It brakes and
@@ -43,6 +44,7 @@ class AdmittanceLoop {
   const Vec3& reaction() const { return reaction_; }         ///< force of the cloth on the tool [N]
   const Vec3& torque() const { return cloth_.torque(); }     ///< its torque about the tool's origin [N·m]
   HapticStatus status() const { return status_; }
+  double forceShare() const { return cloth_.forceShare(); }  ///< see HapticLoop
   bool atRest() const { return tool_.velocity().isZero(0.0); }
 
  private:

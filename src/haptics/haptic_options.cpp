@@ -13,10 +13,10 @@ constexpr Range kRates{1.0, kMostTickRate};
 Options hapticOptions(HapticOptions& haptics) {
   return {
       {"rate", field(haptics.rate), kRates, "Hz",
-       "ticks of the haptic thread, at least two in each of `pose_timeout` and `probe_timeout`",
-       Live{100.0, 4000.0}},
+       "rate of the ticks of the haptic thread; `pose_timeout` lasts at least two", Live{100.0, 4000.0}},
       {"max_force", field(haptics.max_force), kPositive, "N",
-       "largest force on the hand; `admittance`: of the hand", Live{0.1, 12.0}},
+       "largest force on the hand; for `admittance` the largest force of the hand that counts",
+       Live{0.1, 12.0}},
       {"max_force_rate", field(haptics.max_force_rate), kPositive, "N/s",
        "largest change of the force on the hand", Live{1.0, 1000.0}},
       {"max_torque", field(haptics.max_torque), kNotNegative, "N·m", "largest torque on the hand; 0: none",
@@ -71,14 +71,17 @@ void checkWorkspace(const AdmittanceOptions& tool, const std::string& origin) {
   }
 }
 
-/// Silence has to be noticed in time, and the solver has to get poses before they are too old.
-void checkRate(const HapticOptions& options, const std::string& origin) {
+/// Silence has to be noticed in time, and the solver has to get poses before they are too old. A probe that
+/// leaves between two poses would leave and enter the scene again and again.
+void checkTimes(const HapticOptions& options, const std::string& origin) {
+  if (options.probe_timeout < options.pose_timeout)
+    throw InputError(origin, "probe_timeout", shortestText(options.probe_timeout),
+                     "must be at least haptics/pose_timeout = " + shortestText(options.pose_timeout));
   constexpr double kTicks = 2.0;
-  const double least = kTicks / std::min(options.pose_timeout, options.probe_timeout);
+  const double least = kTicks / options.pose_timeout;
   if (options.rate < least)
     throw InputError(origin, "haptics/rate", shortestText(options.rate),
-                     "must be at least " + shortestText(least) +
-                         ": two ticks in haptics/pose_timeout and in probe_timeout");
+                     "must be at least " + shortestText(least) + ": two ticks in haptics/pose_timeout");
 }
 
 }  // namespace
@@ -104,7 +107,7 @@ void validateHapticOptions(const HapticOptions& options, const std::string& orig
   for (const OptionGroup& group : groupsOf(haptics)) checkOptions(group.options, group.path, locate);
   checkOptions(poseOptions(haptics), "", locate);
   checkOptions(couplingOptions(haptics.coupling_stiffness, haptics.coupling_damping), "probe.", locate);
-  checkRate(haptics, origin);
+  checkTimes(haptics, origin);
   checkWorkspace(haptics.admittance, origin);
 }
 

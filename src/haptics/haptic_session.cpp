@@ -98,8 +98,7 @@ void AdmittanceSession::setForce(const Vec3& force, double received) {
 
 void AdmittanceSession::setPose(const Pose& pose, double received) {
   if (!isPose(pose) || !std::isfinite(received)) return;
-  loop_->place(pose.position, received);
-  loop_->turn(pose.orientation.normalized());
+  loop_->place({pose.position, pose.orientation.normalized()}, received);
 }
 
 void AdmittanceSession::setOptions(const HapticOptions& options, double unit) {
@@ -119,5 +118,7 @@ bool AdmittanceSession::isAtRest() const { return loop_->atRest(); }
 Wrench AdmittanceSession::reaction() const { return {loop_->reaction(), loop_->torque()}; }
 
 HapticStatus AdmittanceSession::status() const { return loop_->status(); }
+
+double AdmittanceSession::forceShare() const { return loop_->forceShare(); }
 
 }  // namespace haptic_cloth

@@ -97,7 +97,7 @@ DeviceSample ProbeSession::catchingUp(const DeviceSample& newest) const {
   constexpr double kFastest = 2.0;  // as a pin that was stopped [-]
   const double lag = newest.received - step_device_.received;
   const double made = std::max(kFastest * step_interval_->steadySeconds(), lag - ClockKeeper::kLongestLag);
-  if (!catchesUp() || made >= lag) return newest;
+  if (!present_ || !catchesUp() || made >= lag) return newest;
   const double share = made / lag;
   DeviceSample device = step_device_;
   device.received += made;

@@ -6,9 +6,11 @@
 
 namespace haptic_cloth {
 
+constexpr double kSilentDevice = 0.02;  ///< after this silence a device does not count [s]
+
 /// Moves the time of the next tick a little, until ticks come kAnswer after the messages of the
 /// device. Otherwise a message would wait for its answer by up to a period. Half a period is made up
-/// within some 30 ticks.
+/// within 60 ticks.
 /// @param due planned time of the tick [s]
 /// @param heard time of the newest message, on the same clock [s]; < 0: none yet
 /// @param period [s]
@@ -16,8 +18,7 @@ inline double inPhase(double due, double heard, double period) {
   constexpr double kAnswer = 2e-4;     // usual lateness of messages [s]
   constexpr double kCatchUp = 0.1;     // share of the error that one tick corrects [-]
   constexpr double kMostShift = 0.02;  // largest shift of one tick, in periods [-]
-  constexpr double kSilent = 0.02;     // after this silence the device is ignored [s]
-  if (heard < 0.0 || due - heard > kSilent) return due;
+  if (heard < 0.0 || due - heard > kSilentDevice) return due;
   const double late = std::remainder(due - heard - kAnswer, period);
   return due - std::clamp(kCatchUp * late, -kMostShift * period, kMostShift * period);
 }

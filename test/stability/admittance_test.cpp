@@ -103,7 +103,7 @@ class Record {
 AdmittanceResult runAdmittance(const AdmittanceRun& run, ProbeWorld& world) {
   const int steps_per_tick = static_cast<int>(std::lround(1.0 / (run.options.rate * kStep)));
   AdmittanceLoop loop(run.options);
-  loop.place(run.hand.start, 0.0);
+  loop.place({run.hand.start, Quat::Identity()}, 0.0);
   SolverThread solver(run.solver, world);
   DelayLine to_robot(0.5 * run.delay), from_sensor(0.5 * run.delay);
   std::mt19937 random(1);

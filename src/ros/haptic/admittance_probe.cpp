@@ -33,7 +33,8 @@ void AdmittanceProbe::tick(double now, bool paused) {
   const Wrench reaction = session_.reaction();
   sendReaction(hand, reaction);
   if (session_.hasStarted()) sendCommand(device, stamp);
-  felt_.note(lost ? HapticStatus::NoPose : session_.status(), wrenchOnHand(gains_.device(), reaction));
+  felt_.note(lost ? HapticStatus::NoPose : session_.status(), wrenchOnHand(gains_.device(), reaction),
+             session_.forceShare());
   shared_.felt.write(felt_);
 }
 

@@ -46,7 +46,7 @@ void HapticThread::run() {
     const double now = steadyNow();
     tick(now, shared_.paused);
     record(now, now - due);
-    due = inPhase(due + period_, heard(), period_);
+    due = inPhase(due + period_, heard(now), period_);
     if (now - due > kMaxBacklog) {
       window_.given_up += static_cast<std::uint64_t>((now - due) / period_);
       due = now + period_;
@@ -55,9 +55,10 @@ void HapticThread::run() {
   endAtRest();
 }
 
-double HapticThread::heard() const {
+/// Time of the newest message of the first device that is not silent [s]; < 0: all are.
+double HapticThread::heard(double now) const {
   for (const auto& probe : probes_) {
-    if (probe->heard() >= 0.0) return probe->heard();
+    if (now - probe->heard() < kSilentDevice) return probe->heard();
   }
   return -1.0;
 }

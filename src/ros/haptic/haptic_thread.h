@@ -34,7 +34,7 @@ class HapticThread {
  private:
   void takeOptions();
   void tick(double now, bool paused);
-  double heard() const;  ///< see ProbeTick; of the first device that is heard
+  double heard(double now) const;
   bool isQuiet() const;
   void record(double now, double lateness);
   void endAtRest();

@@ -126,7 +126,7 @@ TEST(AdmittanceTool, BrakesToExactlyZero) {
 TEST(AdmittanceLoop, StandsUntilThereIsAForce) {
   AdmittanceLoop loop(softlessOptions());
   const Vec3 device(0.05, 0.0, 0.1);
-  loop.place(device, 1.0);
+  loop.place({device, Quat::Identity()}, 1.0);
   loop.tick(ForceSample(), nothingTouched(1.0), false, 1.0);
   EXPECT_FALSE(loop.started());
   EXPECT_EQ(loop.status(), HapticStatus::NoForce);
@@ -134,7 +134,7 @@ TEST(AdmittanceLoop, StandsUntilThereIsAForce) {
   loop.tick(pushed(Vec3(1, 0, 0), 1.001), nothingTouched(1.001), false, 1.001);
   EXPECT_TRUE(loop.started());
   EXPECT_EQ(loop.device().position, device);
-  loop.place(Vec3::Zero(), 1.002);
+  loop.place({Vec3::Zero(), Quat::Identity()}, 1.002);
   loop.tick(pushed(Vec3(1, 0, 0), 1.002), nothingTouched(1.002), false, 1.002);
   EXPECT_NEAR((loop.device().position - device).norm(), 0.0, 1e-5) << "it has started";
 }
@@ -145,11 +145,20 @@ TEST(AdmittanceLoop, TheFirstPlaceCountsEvenAfterTheStart) {
   for (double now : {1.0, 1.001}) loop.tick(pushed(Vec3(1, 0, 0), now), nothingTouched(now), false, now);
   ASSERT_TRUE(loop.started());
   const Vec3 device(0.05, 0.0, 0.1);
-  loop.place(device, 1.001);
+  loop.place({device, Quat::Identity()}, 1.001);
   EXPECT_EQ(loop.position(), device);
   EXPECT_TRUE(loop.atRest());
-  loop.place(Vec3::Zero(), 1.002);
+  loop.place({Vec3::Zero(), Quat::Identity()}, 1.002);
   EXPECT_EQ(loop.position(), device) << "the second one does not count";
+}
+
+TEST(AdmittanceLoop, IgnoresAPoseThatIsOlderThanTheLast) {
+  AdmittanceLoop loop(softlessOptions());
+  const Quat turned(Eigen::AngleAxisd(0.5, Vec3::UnitX()));
+  loop.place({Vec3(0.05, 0.0, 0.1), turned}, 1.001);
+  loop.place(Pose(), 1.0);
+  EXPECT_EQ(loop.position(), Vec3(0.05, 0.0, 0.1));
+  EXPECT_EQ(loop.device().orientation.coeffs(), turned.coeffs());
 }
 
 /// Loop whose tool moves at about 0.2 m/s.
