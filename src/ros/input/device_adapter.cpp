@@ -169,6 +169,7 @@ void ForceAdapter::advertise(const std::string& datatype) {
   message_.morph(type->md5sum, datatype, type->definition, "");
   force_ = message_.advertise(node_, topics::kDeviceForce, topics::kReactionQueue);
   type_ = type;
+  zero_ = true;  // nothing was sent, so the force rises from zero
   ROS_INFO_STREAM("forces as " << datatype);
 }
 

@@ -45,7 +45,6 @@ void DeviceInput::accept(const geometry_msgs::PoseStamped& pose, const std::stri
     counters_.drop(*counter, received);
     return;
   }
-  takeOrientation(pose.pose.orientation, received);
   const Vec3 position = toVec3(pose.pose.position);
   taken.frame_id = pose.header.frame_id.empty() ? frames_.clothFrame() : pose.header.frame_id;
   const std::optional<FrameLookup::Found> frame =
@@ -55,12 +54,13 @@ void DeviceInput::accept(const geometry_msgs::PoseStamped& pose, const std::stri
     warn(notice_.unknownFrame(taken.frame_id, received));
     return;
   }
-  const Pose there = composed(*frame, {placed(device_, position), placed(device_, orientation_)});
-  if (!(there.position.norm() < kFarthestPose)) {
+  const Vec3 there = frame->position + frame->orientation * placed(device_, position);
+  if (!(there.norm() < kFarthestPose)) {
     counters_.drop(counters_.too_far, received);
     warn(notice_.unusable("too far away", received));
     return;
   }
+  takeOrientation(pose.pose.orientation, received);
   checkUnits(position, received);
   counters_.transform_age = frame->stamp.isZero() ? 0.0 : secondsBetween(frame->stamp, ros::Time::now());
   gate_.take(pose.header, sender, received);
@@ -69,7 +69,7 @@ void DeviceInput::accept(const geometry_msgs::PoseStamped& pose, const std::stri
   taken.frame_rotation = frame->orientation;
   taken.stamp = pose.header.stamp;
   taken.received = received;
-  taken.pose = there;
+  taken.pose = {there, frame->orientation * placed(device_, orientation_)};
   shared_.pose.write(taken);
 }
 

@@ -18,6 +18,7 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <thread>
 
 #include "ros/node/conversions.h"
 #include "ros/node/steady_clock.h"
@@ -190,7 +191,12 @@ class AdapterTest : public testing::Test {
  protected:
   AdapterTest() : spinner_(2) { spinner_.start(); }
 
+  /// Starts an adapter, and connects to it as node and driver.
   void start(const std::vector<std::string>& parameters) {
+    startWithoutDriver(parameters);
+    connectDriver();
+  }
+  void startWithoutDriver(const std::vector<std::string>& parameters) {
     std::vector<std::string> command{programDirectory() + "/device_adapter",
                                      "__name:=alone",
                                      "probe/pose:=alone/pose",
@@ -200,14 +206,15 @@ class AdapterTest : public testing::Test {
     command.insert(command.end(), parameters.begin(), parameters.end());
     process_ = std::make_unique<Process>(command);
     reaction_ = node_.advertise<geometry_msgs::WrenchStamped>("alone/reaction", 1);
+    ASSERT_TRUE(waitFor([this] { return reaction_.getNumSubscribers() > 0; })) << process_->output();
+  }
+  void connectDriver() {
     force_ = node_.subscribe<geometry_msgs::Wrench>("alone/device_force", 1000,
                                                     [this](const geometry_msgs::Wrench::ConstPtr& message) {
                                                       newest_ = message->force.z;
                                                       finite_ = finite_ && std::isfinite(message->force.z);
                                                     });
-    ASSERT_TRUE(waitFor([this] {
-      return reaction_.getNumSubscribers() > 0 && force_.getNumPublishers() > 0;
-    })) << process_->output();
+    ASSERT_TRUE(waitFor([this] { return force_.getNumPublishers() > 0; })) << process_->output();
   }
   void TearDown() override {
     process_.reset();
@@ -257,6 +264,21 @@ TEST_F(AdapterTest, AfterASilenceTheForceRisesSoftly) {
     EXPECT_LE(largest, kForce * (steadyNow() - begin) / kRise);
     ASSERT_TRUE(waitFor([this] { return newest_ == 0.0; }));
   }
+}
+
+/// The node may send long before the driver takes forces. Criterion: the straight line from the moment when
+/// the driver subscribes.
+TEST_F(AdapterTest, ADriverThatComesLateFeelsTheForceRise) {
+  constexpr double kForce = 1.5, kRise = 1000.0, kLate = 2.0;  // [N], [s], [s]
+  startWithoutDriver({"_force/soft_start:=1000.0"});
+  const double begin = steadyNow();
+  ASSERT_TRUE(sendUntil(kForce, [&] { return steadyNow() - begin > kLate; }));
+  const double subscribed = steadyNow();
+  // The type is learnt by and by, while the node sends on.
+  std::thread driver([this] { connectDriver(); });
+  EXPECT_TRUE(sendUntil(kForce, [this] { return newest_ > 0.0; }));
+  EXPECT_LE(newest_, kForce * (steadyNow() - subscribed) / kRise);
+  driver.join();
 }
 
 TEST_F(AdapterTest, AForceThatIsNotFiniteIsZero) {
