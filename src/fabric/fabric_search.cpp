@@ -62,8 +62,9 @@ std::vector<std::string> fabricNames(const std::string& base_directory) {
   std::set<std::string> names;
   std::error_code ignored;
   for (const std::string& directory : searchDirectories(base_directory)) {
-    for (const auto& entry : std::filesystem::directory_iterator(directory, ignored)) {
-      if (entry.path().extension() == kExtension) names.insert(entry.path().stem().string());
+    for (std::filesystem::directory_iterator entry(directory, ignored), end; entry != end;
+         entry.increment(ignored)) {
+      if (entry->path().extension() == kExtension) names.insert(entry->path().stem().string());
     }
   }
   return {names.begin(), names.end()};

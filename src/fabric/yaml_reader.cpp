@@ -9,6 +9,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "state/number_text.h"
+
 namespace haptic_cloth {
 namespace {
 
@@ -19,17 +21,6 @@ bool isQuoted(const YAML::Node& node) { return node.Tag() == kQuoted; }
 
 bool hasDigit(const std::string& text) {
   return std::any_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
-}
-
-/// Parses a decimal number in YAML's spelling, independent of the locale, which a host program may
-/// have set.
-std::optional<double> parseNumber(const std::string& text) {
-  if (!hasDigit(text) || text.find_first_not_of("0123456789+-.eE") != std::string::npos) return {};
-  std::istringstream stream(text);
-  stream.imbue(std::locale::classic());
-  double value = 0.0;
-  if (!(stream >> value) || !stream.eof() || !std::isfinite(value)) return {};
-  return value;
 }
 
 std::optional<int> parseInteger(const std::string& text) {
@@ -100,7 +91,7 @@ YamlValue YamlValue::child(const YAML::Node& node, const std::string& name) cons
 }
 
 double YamlValue::number() const {
-  const auto value = node_.IsScalar() && !isQuoted(node_) ? parseNumber(node_.Scalar()) : std::nullopt;
+  const auto value = node_.IsScalar() && !isQuoted(node_) ? readNumber(node_.Scalar()) : std::nullopt;
   if (!value) fail("must be a finite number");
   return *value;
 }
@@ -108,7 +99,7 @@ double YamlValue::number() const {
 int YamlValue::integer() const {
   const auto value = node_.IsScalar() && !isQuoted(node_) ? parseInteger(node_.Scalar()) : std::nullopt;
   if (value) return *value;
-  const bool has_digits_only = node_.IsScalar() && !isQuoted(node_) && parseNumber(node_.Scalar()) &&
+  const bool has_digits_only = node_.IsScalar() && !isQuoted(node_) && readNumber(node_.Scalar()) &&
                                node_.Scalar().find_first_of(".eE") == std::string::npos;
   constexpr int kLeast = std::numeric_limits<int>::min(), kMost = std::numeric_limits<int>::max();
   fail(has_digits_only ? "must be within " + std::to_string(kLeast) + " to " + std::to_string(kMost)

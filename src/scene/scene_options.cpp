@@ -152,10 +152,12 @@ Options optionsOf(AdaptOptions& adapt) {
           {"far_strain_factor", field(adapt.far_strain_factor), kFactor, "",
            "factor of both strain differences far from probes", Live{1.0, 100.0}, kInState},
           {"near_reach", field(adapt.near_reach), kNotNegative, "finest cells",
-           "cells within this distance of a probe's finest ones are near it", Live{0.0, 20.0}, kInState},
+           "cells within this distance of the finest ones of a probe that touches are near it",
+           Live{0.0, 20.0}, kInState},
           {"near_load", field(adapt.near_load), kNotNegative, "",
-           "so are cells that carry a larger share of the largest load, wherever they are", Live{0.0, 1.0},
-           kInState},
+           "so are cells whose tension carries a larger share of the largest probe force, or of the weight "
+           "if that is more",
+           Live{0.0, 1.0}, kInState},
           {"minimum_age", field(adapt.minimum_age), atLeast(0), "", "time steps before a new cell may merge",
            Live{0, 1000}, kInState}};
 }
@@ -163,7 +165,8 @@ Options optionsOf(AdaptOptions& adapt) {
 Options optionsOf(StopOptions& stop) {
   return {{"time", field(stop.time), kPositive, "s", "simulated time at which `simulate` ends"},
           {"rest_speed", field(stop.rest_speed), kNotNegative, "m/s",
-           "after all paths and grasps, ends early after 0.1 s below this speed; 0: never"}};
+           "`simulate` ends early once all paths and grasps are over and the cloth was slower for 0.1 s; 0: "
+           "never"}};
 }
 
 Options ownOptions(Obstacle& obstacle) {

@@ -260,7 +260,6 @@ void ClothWorld::setOptions(const SolverOptions& solver, const AdaptOptions& ada
   const bool sleeps = solver.cost == Cost::Condensed;
   if (solver.sleep_speed != scene_.solver.sleep_speed && sleeps) sleep_.setSpeed(solver.sleep_speed);
   scene_.solver = solver;
-  scene_.adapt = adapt;
   scene_.air_damping = air_damping;
   cloth_.setAirDamping(air_damping);
   solver_.setOptions(solver.minimizer);
@@ -268,13 +267,13 @@ void ClothWorld::setOptions(const SolverOptions& solver, const AdaptOptions& ada
 }
 
 void ClothWorld::setAdaptOptions(const AdaptOptions& options) {
+  scene_.adapt = options;
   adaptation_.setOptions(options);
   idle_.forget();
 }
 
 void ClothWorld::setCoupling(int k, double stiffness, double damping) {
   ProbeOptions& probe = scene_.probes[k];
-  if (probe.coupling_stiffness == stiffness && probe.coupling_damping == damping) return;
   probe.coupling_stiffness = stiffness;
   probe.coupling_damping = damping;
   solver_.setCoupling(k, stiffness, damping);

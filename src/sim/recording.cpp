@@ -186,10 +186,9 @@ bool Replay::apply(Simulation& simulation, const std::string& line, int& length)
     std::string number;
     for (int c = 0; c < count; ++c) {
       if (!(text >> number)) fail("is too short");
-      char* rest = nullptr;
-      first[c] = std::strtod(number.c_str(), &rest);
-      const bool whole = rest != number.c_str() && *rest == '\0';
-      if (!whole || !std::isfinite(first[c])) fail("has '" + number + "' for a number");
+      const std::optional<double> value = readNumber(number);
+      if (!value) fail("has '" + number + "' for a number");
+      first[c] = *value;
     }
   };
   const auto index = [&](const std::string& kind, std::size_t count) {

@@ -18,14 +18,6 @@ std::string text(double value, int digits) {
   return stream.str();
 }
 
-double number(const std::string& text) {
-  std::istringstream stream(text);
-  stream.imbue(std::locale::classic());
-  double value = 0.0;
-  stream >> value;
-  return value;
-}
-
 }  // namespace
 
 std::string shortestText(double value) {
@@ -33,9 +25,20 @@ std::string shortestText(double value) {
   constexpr int kUsual = 6, kEnough = std::numeric_limits<double>::max_digits10;
   for (int digits = kUsual; digits < kEnough && std::isfinite(value); ++digits) {
     const std::string shorter = text(value, digits);
-    if (number(shorter) == value) return shorter;
+    if (readNumber(shorter) == value) return shorter;
   }
   return text(value, kEnough);
+}
+
+std::optional<double> readNumber(const std::string& text) {
+  constexpr char kDigits[] = "0123456789", kAllowed[] = "0123456789+-.eE";
+  if (text.find_first_of(kDigits) == std::string::npos) return {};
+  if (text.find_first_not_of(kAllowed) != std::string::npos) return {};
+  std::istringstream stream(text);
+  stream.imbue(std::locale::classic());
+  double value = 0.0;
+  if (!(stream >> value) || !stream.eof() || !std::isfinite(value)) return {};
+  return value;
 }
 
 std::string hexadecimalText(std::uint64_t value) {

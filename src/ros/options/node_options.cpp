@@ -72,6 +72,12 @@ void validateNodeOptions(const NodeOptions& options, const std::string& origin) 
   forbid("solver/time_budget", node.time_budget);
   node.scene.solver.minimizer.time_budget = node.time_budget;
   validateScene(node.scene, origin);
+  const double longest =
+      std::max(node.pace.keep_clock ? node.pace.max_time_step : 0.0, node.scene.solver.time_step);
+  if (node.haptics.snapshot_timeout <= longest)
+    throw InputError(origin, "haptics/snapshot_timeout", shortestText(node.haptics.snapshot_timeout),
+                     "must be longer than the longest step, " + shortestText(longest) +
+                         ": max_time_step or solver.time_step");
   for (std::size_t k = 0; k < node.probes.size(); ++k) {
     checkOptions(optionsOf(node.probes[k].device), "devices/" + node.scene.probes[k].name + '/', locate);
     validateHapticOptions(node.probes[k].haptics, origin);

@@ -165,9 +165,11 @@ TEST(NodeOptions, NumbersThatAreTooLargeOrTooSmallAreNamed) {
   has(with("max_torque", 1e300), "haptics/max_torque = 1e+300: must be at most 1e12");
   has(with("ramp_time", 5e-324), "must be within 1e-12 to 1e12");
   EXPECT_EQ(with("max_force", 1e6, 1e-6), "");
-  has(with("rate", 5.0),
-      "haptics/rate = 5: must be at least 40: two ticks in haptics/pose_timeout and in probe_timeout");
+  has(with("rate", 5.0), "haptics/rate = 5: must be at least 40: two ticks in haptics/pose_timeout");
   EXPECT_EQ(with("rate", 40.0), "");
+  has(with("pose_timeout", 1.5), "probe_timeout = 1: must be at least haptics/pose_timeout = 1.5");
+  has(with("snapshot_timeout", 0.004),
+      "haptics/snapshot_timeout = 0.004: must be longer than the longest step");
   has(with("max_force", 1e7, 1e-6), ", on the probe probe: haptics/max_force = 1e+13: must be within");
 }
 
