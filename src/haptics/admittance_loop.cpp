@@ -68,16 +68,20 @@ void AdmittanceLoop::goToDevice() {
   touch_.reset();
   lost_.reset();
   soft_ = 0.0;
+  left_ = device_.received;
   ++device_.returns;
 }
 
-void AdmittanceLoop::tick(const ForceSample& hand, const ProbeSnapshot& snapshot, bool paused, double now) {
+void AdmittanceLoop::tick(const ForceSample& hand, const ProbeSnapshot& newest, bool paused, double now) {
+  // Nothing is known of the cloth at a new place until the solver has been there.
+  const ProbeSnapshot snapshot = newest.device_received > left_ ? newest : ProbeSnapshot();
   const double elapsed = timeSince(last_tick_, now, 1.0 / options_.rate);
   const HapticStatus hand_status = judge(options_.admittance, hand, now);
   const bool fresh = hand_status == HapticStatus::Free;
   started_ = started_ || fresh;
   forgetAhead(reported_.received, now, options_.probe_timeout);
   const bool returns = fresh && now - device_.received > options_.probe_timeout;
+  if (returns && !lost_) lost_ = touch_;  // a process that stood still has no tick in the silence
   if (returns && isFresh(reported_.received, now, options_.probe_timeout)) goToDevice();
   device_.position = tool_.position();
   device_.velocity = tool_.velocity();

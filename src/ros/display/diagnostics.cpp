@@ -199,8 +199,6 @@ DiagnosticStatus probeStatus(const std::string& name, const DeviceCounters& coun
   };
   if (input.received == 0 && !dropsNow(poses)) {
     judge(status, DiagnosticStatus::OK, "no " + message + " yet");
-  } else if (felt.status == HapticStatus::NoSnapshot) {
-    judge(status, DiagnosticStatus::OK, "no step yet; no force");
   } else if (felt.status == HapticStatus::SnapshotStale) {
     judge(status, DiagnosticStatus::WARN, "the solver stalls; no force");
   } else if (felt.status == HapticStatus::Inside) {

@@ -45,7 +45,8 @@ void HapticThread::run() {
     takeOptions();
     const double now = steadyNow();
     tick(now, shared_.paused);
-    record(now, now - due);
+    const double sent = steadyNow();
+    record(sent, sent - due);
     due = inPhase(due + period_, heard(now), period_);
     if (now - due > kMaxBacklog) {
       window_.given_up += static_cast<std::uint64_t>((now - due) / period_);

@@ -136,7 +136,8 @@ void ForceAdapter::accept(const geometry_msgs::WrenchStamped& wrench) {
     return sendZero(header);
   }
   received_ = steadyNow();
-  if (zero_) rises_from_ = received_;
+  const bool reaches = type_ && force_.getNumSubscribers() > 0;
+  if (zero_ || !reaches) rises_from_ = received_;
   zero_ = false;
   const double risen = received_ - rises_from_;
   send(risen < options_.soft_start ? Vec3(risen / options_.soft_start * force) : force, header);
@@ -169,7 +170,6 @@ void ForceAdapter::advertise(const std::string& datatype) {
   message_.morph(type->md5sum, datatype, type->definition, "");
   force_ = message_.advertise(node_, topics::kDeviceForce, topics::kReactionQueue);
   type_ = type;
-  zero_ = true;  // nothing was sent, so the force rises from zero
   ROS_INFO_STREAM("forces as " << datatype);
 }
 

@@ -32,16 +32,41 @@ bool call(const std::string& method, const std::vector<std::string>& arguments,
   return ros::master::execute(method, request, response, payload, false);
 }
 
-/// Passes the publishers of a topic to roscpp, as the master does when they change.
-void connectTo(const std::string& topic, const XmlRpc::XmlRpcValue& publishers) {
-  if (publishers.getType() != XmlRpc::XmlRpcValue::TypeArray || publishers.size() == 0) return;
-  const auto& manager = ros::XMLRPCManager::instance();
-  XmlRpc::XmlRpcClient self(ros::network::getHost().c_str(), manager->getServerPort(), "/");
-  XmlRpc::XmlRpcValue request, response;
+/// Calls roscpp in this process, as the master does.
+XmlRpc::XmlRpcValue callSelf(const char* method, XmlRpc::XmlRpcValue request) {
   request[0] = "/master";
+  XmlRpc::XmlRpcClient self(ros::network::getHost().c_str(), ros::XMLRPCManager::instance()->getServerPort(),
+                            "/");
+  XmlRpc::XmlRpcValue response;
+  return self.execute(method, request, response) ? response : XmlRpc::XmlRpcValue();
+}
+
+/// Addresses of the publishers of each topic to which this process is connected.
+std::multimap<std::string, std::string> connectedPublishers() {
+  std::multimap<std::string, std::string> connected;
+  XmlRpc::XmlRpcValue answer = callSelf("getBusInfo", {});
+  if (answer.getType() != XmlRpc::XmlRpcValue::TypeArray) return connected;
+  XmlRpc::XmlRpcValue& connections = answer[2];
+  for (int k = 0; k < connections.size(); ++k) {
+    XmlRpc::XmlRpcValue& each = connections[k];  // number, peer, direction, transport, topic
+    if (static_cast<std::string>(each[2]) == "i")
+      connected.emplace(static_cast<std::string>(each[4]), static_cast<std::string>(each[1]));
+  }
+  return connected;
+}
+
+/// Passes the publishers of a topic to roscpp, as the master does when they change. roscpp leaves those that
+/// are not among them, so the list has those of which a new master does not know, too.
+/// @param known to the master
+void connectTo(const std::string& topic, XmlRpc::XmlRpcValue known,
+               const std::multimap<std::string, std::string>& connected) {
+  if (known.getType() != XmlRpc::XmlRpcValue::TypeArray || known.size() == 0) return;
+  const auto [begin, end] = connected.equal_range(topic);
+  for (auto publisher = begin; publisher != end; ++publisher) known[known.size()] = publisher->second;
+  XmlRpc::XmlRpcValue request;
   request[1] = topic;
-  request[2] = publishers;
-  self.execute("publisherUpdate", request, response);
+  request[2] = known;
+  callSelf("publisherUpdate", request);
 }
 
 }  // namespace
@@ -135,9 +160,10 @@ bool MasterWatch::registerAgain() const {
     if (publication) complete &= call("registerPublisher", {topic, publication->getDataType(), uri}, payload);
   }
   ros::this_node::getSubscribedTopics(subscribed);
+  const std::multimap<std::string, std::string> connected = connectedPublishers();
   for (const std::string& topic : subscribed) {
     const bool taken = call("registerSubscriber", {topic, "*", uri}, payload);
-    if (taken) connectTo(topic, payload);
+    if (taken) connectTo(topic, payload, connected);
     complete &= taken;
   }
   const std::string service_uri = "rosrpc://" + ros::network::getHost() + ":" +

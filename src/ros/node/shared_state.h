@@ -106,7 +106,7 @@ struct HapticStats {
   double rate = 0.0;    ///< that was wanted [Hz]
   int ticks = 0;
   std::uint64_t given_up = 0;  ///< ticks since start that were too late to be made up for
-  LatenessHistogram lateness;
+  LatenessHistogram lateness;  ///< of what ticks send: from when they are due until it is published
 };
 
 /// Force and torque that a hand feels.

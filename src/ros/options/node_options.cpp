@@ -74,10 +74,11 @@ void validateNodeOptions(const NodeOptions& options, const std::string& origin) 
   validateScene(node.scene, origin);
   const double longest =
       std::max(node.pace.keep_clock ? node.pace.max_time_step : 0.0, node.scene.solver.time_step);
-  if (node.haptics.snapshot_timeout <= longest)
+  constexpr double kSteps = 2.0;  // that the newest snapshot may be old, with the step that follows
+  if (node.haptics.snapshot_timeout < kSteps * longest)
     throw InputError(origin, "haptics/snapshot_timeout", shortestText(node.haptics.snapshot_timeout),
-                     "must be longer than the longest step, " + shortestText(longest) +
-                         ": max_time_step or solver.time_step");
+                     "must be at least two longest steps, " + shortestText(kSteps * longest) +
+                         ": of max_time_step or solver.time_step");
   for (std::size_t k = 0; k < node.probes.size(); ++k) {
     checkOptions(optionsOf(node.probes[k].device), "devices/" + node.scene.probes[k].name + '/', locate);
     validateHapticOptions(node.probes[k].haptics, origin);

@@ -168,8 +168,8 @@ TEST(NodeOptions, NumbersThatAreTooLargeOrTooSmallAreNamed) {
   has(with("rate", 5.0), "haptics/rate = 5: must be at least 40: two ticks in haptics/pose_timeout");
   EXPECT_EQ(with("rate", 40.0), "");
   has(with("pose_timeout", 1.5), "probe_timeout = 1: must be at least haptics/pose_timeout = 1.5");
-  has(with("snapshot_timeout", 0.004),
-      "haptics/snapshot_timeout = 0.004: must be longer than the longest step");
+  has(with("snapshot_timeout", 0.007),
+      "haptics/snapshot_timeout = 0.007: must be at least two longest steps, 0.008");
   has(with("max_force", 1e7, 1e-6), ", on the probe probe: haptics/max_force = 1e+13: must be within");
 }
 

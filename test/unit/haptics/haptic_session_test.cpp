@@ -632,6 +632,16 @@ TEST_F(PressedTool, GoesNoDeeperWhereTheHandWasSilentUntilTheProbeLeft) {
   EXPECT_GT(tool(), pressed_ - 1e-4);
 }
 
+/// SIGSTOP: neither thread runs. Then steps may come before the first tick, and find no force for long.
+TEST_F(PressedTool, GoesNoDeeperWhereTheProcessStoodStill) {
+  for (const int steps : {0, 1, 10}) {
+    time_ += 2.5 * session_.options().probe_timeout;
+    for (int k = 0; k < steps; ++k) step();
+    push(3000, kPress);
+    EXPECT_GT(tool(), pressed_ - 1e-4) << steps << " steps before the first tick";
+  }
+}
+
 TEST_F(PressedTool, IsPressedHarderAfterAShortSilence) {
   push(1000, 0.5 * kPress);
   const double lightly = tool();
@@ -715,6 +725,19 @@ TEST_F(ReturningTool, IsWhereTheDeviceIsWhenForcesComeBack) {
   letGoAt(kFar, silence());
   EXPECT_LT((target_.position - old_).norm(), 0.05) << "nothing moves a device whose force is not known";
   expectStartsAt(kFar);
+}
+
+/// A device may come back near the place where its tool pressed the cloth, and be free there.
+TEST_F(ReturningTool, IsNotHeldByTheClothWhereItWas) {
+  push(3000);
+  ASSERT_EQ(session_.status(), HapticStatus::Contact);
+  push(static_cast<int>(silence() / kTick));  // poses are missing
+  const Vec3 free(0.095, 0.0, -0.02);         // beside the sheet
+  session_.setPose({free, Quat::Identity()}, time_);
+  push(1, 0.0);
+  ASSERT_LT((target_.position - free).norm(), 1e-6);
+  push(1000);
+  EXPECT_LT(target_.position.z(), free.z() - 0.02);
 }
 
 TEST_F(ReturningTool, StaysAfterAShortSilenceAndWhereTheDeviceFollowed) {
