@@ -9,6 +9,7 @@
 #include "fabric/fabric_limits.h"
 #include "fabric/yaml_reader.h"
 #include "haptic_cloth/fabric.h"
+#include "state/number_text.h"
 
 namespace haptic_cloth {
 namespace {
@@ -36,8 +37,10 @@ double positive(const YamlValue& value) {
 }
 
 // Limits of KES quantities, like those of fabric_limits.h.
-constexpr double kLeastStretch = 0.1;   ///< EMT [%]; fabrics have 0.5 to 50, as a fraction 0.005 to 0.5
-constexpr double kLeastResilience = 1;  ///< RT [%]; fabrics have 30 to 95, as a fraction up to 1
+constexpr double kLeastStretch = 0.1;         ///< EMT [%]; fabrics have 0.5 to 50, as a fraction 0.005 to 0.5
+constexpr double kLeastLinearTension = 0.05;  ///< LT [-]; fabrics have 0.4 to 1
+constexpr double kLeastShareBack = 4.0;       ///< RT LT [%]: with it, exponents of 50 at most
+constexpr double kLeastResilience = 1;        ///< RT [%]; fabrics have 30 to 95, as a fraction up to 1
 
 double positiveUpTo(const YamlValue& value, double most, const char* rule) {
   const double number = positive(value);
@@ -164,12 +167,16 @@ HalfLoop readTensileLaw(const YamlMap& map) {
       const double emt = positive(map.require("EMT"));
       if (emt < kLeastStretch) map.require("EMT").fail("must be at least 0.1: it is in %");
       const double linearity = positive(map.require("LT"));
-      if (linearity > 1.0) map.require("LT").fail("must be > 0 and <= 1");
+      if (linearity < kLeastLinearTension || linearity > 1.0)
+        map.require("LT").fail("must be within 0.05 to 1");
       double resilience = 100.0;
       if (const auto value = map.find("RT")) {
         resilience = value->number();
         if (!(resilience > kLeastResilience && resilience <= 100.0))
           value->fail("must be > 1 and <= 100: it is in %");
+        if (resilience * linearity < kLeastShareBack)
+          value->fail("must be at least " + shortestText(kLeastShareBack / linearity) +
+                      " (4/LT): the samples of the law resolve no steeper unloading");
       }
       return kesTensile(emt / 100.0, linearity, resilience / 100.0);
     }
@@ -229,7 +236,7 @@ Compression readCompression(const YamlValue& group, double fabric_thickness) {
   const YamlValue given = map.require("T0");
   const double thickness = positiveUpTo(given, kThickest / kMillimetre, "must be at most 50: it is in mm"),
                pressed = positive(map.require("Tm")), ratio = kMillimetre * thickness / fabric_thickness;
-  if (!(ratio < kAlike && ratio > 1.0 / kAlike))
+  if (!(ratio <= kAlike && ratio >= 1.0 / kAlike))
     given.fail("must be within a factor of 10 of thickness = " + plain(fabric_thickness / kMillimetre) +
                " mm: it is in mm");
   if (!(pressed <= kMostPressed * thickness)) map.require("Tm").fail("must be at most 0.99 T0");

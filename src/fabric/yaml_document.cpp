@@ -100,9 +100,9 @@ Assignment parseAssignment(const std::string& text, const std::string& by) {
 }
 
 /// Copies `node` and replaces the part that assignment.parts[depth...] names. Nodes off that path
-/// are shared. Appends the path to `key`.
-YAML::Node replaced(const YAML::Node& node, const Assignment& assignment, std::size_t depth,
-                    std::string& key) {
+/// are shared. Appends the path to `key`, and sets `made` to the first part of it that was not there.
+YAML::Node replaced(const YAML::Node& node, const Assignment& assignment, std::size_t depth, std::string& key,
+                    std::string& made) {
   if (depth == assignment.parts.size()) return assignment.value;
   const std::string& part = assignment.parts[depth];
 
@@ -115,7 +115,7 @@ YAML::Node replaced(const YAML::Node& node, const Assignment& assignment, std::s
     key += '[' + std::to_string(*index) + ']';
     YAML::Node copy(YAML::NodeType::Sequence);
     for (std::size_t i = 0; i < node.size(); ++i) {
-      copy.push_back(i == *index ? replaced(node[i], assignment, depth + 1, key) : YAML::Node(node[i]));
+      copy.push_back(i == *index ? replaced(node[i], assignment, depth + 1, key, made) : YAML::Node(node[i]));
     }
     return copy;
   }
@@ -128,9 +128,13 @@ YAML::Node replaced(const YAML::Node& node, const Assignment& assignment, std::s
   for (const auto& entry : node) {
     const bool here = !found && entry.first.IsScalar() && entry.first.Scalar() == part;
     found = found || here;
-    copy.force_insert(entry.first, here ? replaced(entry.second, assignment, depth + 1, key) : entry.second);
+    copy.force_insert(entry.first,
+                      here ? replaced(entry.second, assignment, depth + 1, key, made) : entry.second);
   }
-  if (!found) copy.force_insert(part, replaced(YAML::Node(), assignment, depth + 1, key));
+  if (!found) {
+    if (made.empty()) made = key;
+    copy.force_insert(part, replaced(YAML::Node(), assignment, depth + 1, key, made));
+  }
   return copy;
 }
 
@@ -165,9 +169,9 @@ YamlDocument YamlDocument::fromText(const std::string& text, const std::string& 
 }
 
 void YamlDocument::override(const std::string& assignment, const std::string& by) {
-  std::string key;
-  root_.reset(replaced(root_, parseAssignment(assignment, by), 0, key));
-  source_.overridden.push_back(key);
+  std::string key, made;
+  root_.reset(replaced(root_, parseAssignment(assignment, by), 0, key, made));
+  source_.overridden.push_back(made.empty() ? key : made);
   source_.overridden_by = by;
 }
 

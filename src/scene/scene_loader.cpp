@@ -143,22 +143,24 @@ void readObstacle(const YamlValue& value, Obstacle& obstacle) {
     obstacle.pose.position = pathPosition(obstacle.path, 0.0);
 }
 
+/// @param probe in: what is common to all probes
 void readProbe(const YamlValue& value, ProbeOptions& probe) {
   const Options options = optionsOf(probe);
   const YamlMap map(value, keysOf(options));
-  Shape shape = Shape::Sphere;
+  Shape shape = probe.length > 0.0 ? Shape::Capsule : Shape::Sphere;
   if (const auto named = map.find("shape")) {
     shape = named->choice<Shape>({{"sphere", Shape::Sphere}, {"capsule", Shape::Capsule}});
   }
-  if (shape == Shape::Capsule) {
-    map.require("length", "is required for this shape");
-  } else if (const auto length = map.find("length")) {
-    length->fail("is for shape: capsule");
+  if (shape == Shape::Capsule && probe.length == 0.0) map.require("length", "is required for this shape");
+  if (shape == Shape::Sphere) {
+    if (const auto length = map.find("length")) length->fail("is for shape: capsule");
+    probe.length = 0.0;
   }
   readOptions(map, options);
   if (const auto path = map.find("path")) probe.path = readPath(*path);
   const auto grasp = map.find("grasp");
   if (!grasp) return;
+  probe.grasp.clear();
   for (const YamlValue& times : grasp->list()) probe.grasp.push_back(times.numbers<2>());
 }
 

@@ -165,10 +165,21 @@ void checkLaw(const Check& check, const std::string& key, const Loop& law) {
   checkRises(check, key, law.lower());
 }
 
+/// Refuses cloth that does not keep its length.
+void checkTension(const Check& check, const std::string& key, const Loop& law) {
+  constexpr double kLong = 100.0;  // beyond what is measured [-]
+  const double most = law.upper()(kLong).force, rounding = 1e-9 * most;
+  check.that(most > 0.0, key, most, "must resist extension: its last force must be > 0");
+  for (const Curve* branch : {&law.upper(), &law.lower()}) {
+    const double at_zero = (*branch)(0.0).force;
+    check.that(std::abs(at_zero) <= rounding, key, at_zero, "must be 0 N/m at zero strain");
+  }
+}
+
 void checkCompression(const Check& check, const Compression& compression, double fabric_thickness) {
   const std::string key = "cloth.fabric.compression.";
   const auto [thickness, pressed, linearity] = compression;
-  check.that(thickness > fabric_thickness / kAlike && thickness < kAlike * fabric_thickness,
+  check.that(thickness >= fabric_thickness / kAlike && thickness <= kAlike * fabric_thickness,
              key + "thickness", thickness, "must be within a factor of 10 of the fabric's thickness");
   check.that(pressed > 0.0 && pressed <= kMostPressed * thickness, key + "pressed_thickness", pressed,
              "must be > 0 and at most 0.99 thickness");
@@ -187,6 +198,7 @@ void checkFabric(const Check& check, const Fabric& fabric) {
              fabric.twist_rigidity, "must be >= 0 and at most 1e12");
   for (std::size_t d = 0; d < 2; ++d) {
     checkLaw(check, indexed(key + "tensile", d), fabric.tensile[d]);
+    checkTension(check, indexed(key + "tensile", d), fabric.tensile[d]);
     checkLaw(check, indexed(key + "bending", d), fabric.bending[d]);
   }
   checkLaw(check, key + "shear", fabric.shear);

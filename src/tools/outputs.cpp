@@ -107,14 +107,18 @@ void writeMesh(std::ostream& stream, const Simulation& simulation) {
 
 }  // namespace
 
-void prepareDirectory(const fs::path& directory, const Scene& scene) {
+void prepareDirectory(const fs::path& directory, const Scene& scene, const fs::path& state_file) {
   std::error_code error;
   fs::create_directories(directory, error);
   if (!error && !fs::is_directory(directory)) error = std::make_error_code(std::errc::not_a_directory);
   if (error) throw InputError("--out", "", directory.string(), "must be a directory: " + error.message());
   std::vector<std::string> names{kSteps, kParticles, kMesh, kSummary};
   for (const ProbeOptions& probe : scene.probes) names.push_back(probeFile(probe));
-  for (const std::string& name : names) checkNewFile(directory / name);
+  for (const std::string& name : names) {
+    if (!state_file.empty() && linkedFile(directory / name) == linkedFile(state_file))
+      throw InputError("--save-state", "", state_file.string(), "must not be a result of --out");
+    checkNewFile(directory / name);
+  }
   const NewFile trial(directory / kSummary);  // better now than after an hour of simulation
 }
 

@@ -10,8 +10,10 @@
 namespace haptic_cloth {
 
 /// Creates the directory if need be and makes sure that the files of a scene can be written there.
+/// @param state_file to be written, too, so none of these; empty: none
 /// @throws InputError naming the directory or the file
-void prepareDirectory(const std::filesystem::path& directory, const Scene& scene);
+void prepareDirectory(const std::filesystem::path& directory, const Scene& scene,
+                      const std::filesystem::path& state_file);
 
 /// Writes summary.json, steps.csv, probe.csv, particles.csv and mesh.ply, all of which get their
 /// names with files.publish(), summary.json last.

@@ -156,7 +156,8 @@ int simulate(const Arguments& arguments) {
     replay.emplace(recording, arguments.replay, simulation);
   }
   if (!arguments.save_state.empty()) haptic_cloth::checkStateFile(arguments.save_state);
-  if (!arguments.out.empty()) haptic_cloth::prepareDirectory(arguments.out, simulation.scene());
+  if (!arguments.out.empty())
+    haptic_cloth::prepareDirectory(arguments.out, simulation.scene(), arguments.save_state);
 
   const auto rows = arguments.out.empty() ? haptic_cloth::Rows::None
                     : arguments.real_time ? haptic_cloth::Rows::Probes

@@ -363,7 +363,12 @@ TEST_F(FabricFile, WrongTensileLawsAreNamed) {
        "cloth.yaml:4: tensile.RT = 0.54: must be > 1 and <= 100: it is in %"},
       {std::string(kHead) + "tensile: {EMT: 5}\n", "cloth.yaml:4: tensile.LT: is required"},
       {std::string(kHead) + "tensile: {EMT: 5, LT: 1.2}\n",
-       "cloth.yaml:4: tensile.LT = 1.2: must be > 0 and <= 1"},
+       "cloth.yaml:4: tensile.LT = 1.2: must be within 0.05 to 1"},
+      {std::string(kHead) + "tensile: {EMT: 5, LT: 0.04}\n",
+       "cloth.yaml:4: tensile.LT = 0.04: must be within 0.05 to 1"},
+      {std::string(kHead) + "tensile: {EMT: 5, LT: 0.5, RT: 7.9}\n",
+       "cloth.yaml:4: tensile.RT = 7.9: must be at least 8 (4/LT): the samples of the law resolve no steeper "
+       "unloading"},
       {std::string(kHead) + "tensile: {EMT: 5, LT: 0.6, RT: 0}\n",
        "cloth.yaml:4: tensile.RT = 0: must be > 1 and <= 100: it is in %"},
       {std::string(kHead) + "tensile: {EMT: 5, LT: 0.6, RT: 101}\n",

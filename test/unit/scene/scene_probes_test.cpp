@@ -78,6 +78,24 @@ TEST(SceneProbes, ProbeIsWhatSeveralHaveInCommon) {
   EXPECT_EQ(scene.probes[1].radius, 0.02);
 }
 
+/// What a probe gives itself replaces what it has in common with the others.
+TEST(SceneProbes, EachKeyOfTheCommonPartCanBeReplaced) {
+  const Scene scene = parse(
+      "probe: {shape: capsule, length: 0.03, path: [[0, 0, 0, 1], [1, 0, 0, 1]], grasp: [[0, 1]]}\n"
+      "probes: {a: {}, b: {shape: sphere}, c: {length: 0.02}, d: {shape: capsule}, e: {grasp: [[2, 3]]},\n"
+      "  f: {grasp: []}}");
+  const auto lengths = [&](std::size_t k) { return scene.probes[k].length; };
+  EXPECT_EQ(lengths(0), 0.03);
+  EXPECT_EQ(lengths(1), 0.0);
+  EXPECT_EQ(lengths(2), 0.02);
+  EXPECT_EQ(lengths(3), 0.03);
+  ASSERT_EQ(scene.probes[4].grasp.size(), 1u);
+  EXPECT_EQ(scene.probes[4].grasp[0][0], 2.0);
+  EXPECT_TRUE(scene.probes[5].grasp.empty());
+  EXPECT_EQ(message("probe: {shape: capsule, length: 0.03}\nprobes: {a: {shape: sphere, length: 0.02}}"),
+            "scene: probes.a.length = 0.02: is for shape: capsule");
+}
+
 TEST(SceneProbes, WhatCannotBeIsNamed) {
   EXPECT_EQ(message("probes: {}"), "scene: probes = {}: must name at least one probe");
   EXPECT_EQ(message("probes: {1st: {}}"),

@@ -408,7 +408,11 @@ TEST(SceneOverrides, WrongOnesAreNamed) {
       {"obstacles.x=3", "--set: obstacles.x=3: x must be an index below 1, the length of obstacles"},
       {"probe.path.0=[0, 0, 0, 1]",
        "--set: probe.path.0=[0, 0, 0, 1]: probe.path must be a list that has an element 0"},
-      {"obstacles.0.radius=0", "--set: obstacles[0].radius = 0: must be > 0"}};
+      {"obstacles.0.radius=0", "--set: obstacles[0].radius = 0: must be > 0"},
+      {"adapt.level.s=1",
+       "--set: adapt.level: unknown key; known here: strategy, start, levels, interval, refine_above, "
+       "coarsen_below, refine_above_strain, coarsen_below_strain, far_angle_factor, far_strain_factor, "
+       "near_reach, near_load, minimum_age"}};
   const std::string yaml = std::string(kCloth) + "obstacles: [{shape: sphere, radius: 1}]\n";
   for (const auto& [assignment, expected] : cases) EXPECT_EQ(message(yaml, {assignment}), expected);
   EXPECT_EQ(message(yaml, {"stop.time=[1"}).find("--set: stop.time=[1: malformed YAML: "), 0U);
@@ -448,6 +452,7 @@ TEST(ValidateScene, ChecksFabricsBuiltInCode) {
   Fabric& fabric = scene.cloth.fabric;
   fabric.areal_density = 0.1;
   fabric.thickness = 5e-4;
+  fabric.tensile.fill(Curve::linear(1000.0));
   const Fabric good = fabric;
   const auto fails = [&](const auto& change) {
     fabric = good;
@@ -468,6 +473,12 @@ TEST(ValidateScene, ChecksFabricsBuiltInCode) {
             "code: cloth.fabric.twist_rigidity = nan: must be >= 0 and at most 1e12");
   EXPECT_EQ(fails([&] { fabric.tensile[1] = Curve::linear(-100.0); }),
             "code: cloth.fabric.tensile[1] = -100: the stiffness must not be negative, as it is from 0 on");
+  EXPECT_EQ(fails([&] { fabric.tensile[1] = Loop(); }),
+            "code: cloth.fabric.tensile[1] = 0: must resist extension: its last force must be > 0");
+  EXPECT_EQ(fails([&] {
+              fabric.tensile[0] = Curve(0.0, 0.1, {5.0, 6.0, 7.0});
+            }),
+            "code: cloth.fabric.tensile[0] = 5: must be 0 N/m at zero strain");
   EXPECT_EQ(fails([&] {
               fabric.bending[0] = Curve(-1.0, 1.0, {-1.0, 0.0, -0.5});
             }),
@@ -501,6 +512,7 @@ TEST(ValidateScene, ChecksWhatIsBuiltInCode) {
   Scene scene;
   scene.cloth.fabric.areal_density = 0.1;
   scene.cloth.fabric.thickness = 5e-4;
+  scene.cloth.fabric.tensile.fill(Curve::linear(1000.0));
   EXPECT_NO_THROW(validateScene(scene, "code"));
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto fails = [](const Scene& broken) {

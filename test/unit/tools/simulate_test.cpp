@@ -505,6 +505,16 @@ TEST_F(Simulate, AResultThatIsNoRegularFileIsRefused) {
   EXPECT_EQ(files("out").size(), 1u);
 }
 
+TEST_F(Simulate, AStateMustNotReplaceAResult) {
+  fs::create_directories(folder_ / "out");
+  for (const char* state : {"out/steps.csv", "out/../out/mesh.ply"}) {
+    const Outcome outcome = run(std::string("scene.yaml --out out --save-state ") + state);
+    EXPECT_EQ(outcome.status, 2) << state;
+    EXPECT_NE(outcome.error.find("must not be a result of --out"), std::string::npos) << outcome.error;
+    EXPECT_TRUE(files("out").empty());
+  }
+}
+
 TEST_F(Simulate, BadInputLeavesOldResultsAlone) {
   fs::create_directories(folder_ / "old");
   write("old/summary.json", "{}");
