@@ -39,7 +39,9 @@ struct ProbeSnapshot {
   bool holds = false;           ///< the probe holds cloth
   bool inside = false;          ///< see ProbeReport
   Vec3 way_out = Vec3::Zero();  ///< see ProbeReport [-]
-  int cloth = 0;                ///< number of restarts of the probe: jumps, resets, loaded states
+  /// Share of the wrench to pass on: below 1 while the estimated error of the force exceeds the force [-].
+  double trust = 1.0;
+  int cloth = 0;  ///< number of restarts of the probe: jumps, resets, loaded states
 };
 
 /// A device pose as received.
@@ -153,9 +155,9 @@ class HapticLoop {
   /// Energy that the hand has put in and not got back [J]; < 0: energy that the loop made and owes.
   double energy() const { return passivity_.energy(); }
 
-  /// Share of the coupling's force that was passed on at the last tick [-]; 1: nothing is owed, or no
-  /// contact.
-  double forceShare() const { return status_ == HapticStatus::Contact ? passivity_.gain() : 1.0; }
+  /// Share of the coupling's force that was passed on at the last tick [-]; 1: nothing is owed and the force
+  /// is trusted, or no contact.
+  double forceShare() const { return status_ == HapticStatus::Contact ? gains().force : 1.0; }
 
  private:
   /// Energy by forces and by torques [J].
@@ -163,7 +165,7 @@ class HapticLoop {
     double by_force = 0.0, by_torque = 0.0;
     double all() const { return by_force + by_torque; }
   };
-  /// Factors by which debts weaken force and torque [-].
+  /// Factors by which debts, and a lack of trust, weaken force and torque [-].
   struct Gains {
     double force, torque;
   };
@@ -175,11 +177,12 @@ class HapticLoop {
   Wrench withinLimits(const Wrench& wrench) const;
   Energy takenSince(const ProbeSnapshot& solve, const Pose& place, const Wrench& wrench) const;
   Gains gains() const;
-  void observe(const DeviceSample& device, const HeldEnergies& held, const Energy& taken);
+  void observe(const DeviceSample& device, const HeldEnergies& held, const Energy& taken, double trust);
 
   HapticOptions options_;
   PassivityController passivity_;         ///< of the force
   PassivityController torque_passivity_;  ///< of the torque
+  double trust_ = 1.0;                    ///< see ProbeSnapshot
   Quat orientation_ = Quat::Identity();   ///< of the device at the last tick
   Vec3 turned_ = Vec3::Zero();            ///< all turns of the device so far [rad]
   ProbeSnapshot snapshot_;                ///< of the last tick

@@ -94,6 +94,7 @@ void AdmittanceLoop::tick(const ForceSample& hand, const ProbeSnapshot& newest, 
   here.received = now;  // the tool is where it is, whatever the hand says
   ProbeSnapshot unlimited = snapshot;
   unlimited.holds = false;  // a tool with cloth in its grasp meets all of the force
+  unlimited.trust = 1.0;    // cloth that resists weakly would let the tool through
   reaction_ = cloth_.tick(here, unlimited, paused || !fresh, now);
   status_ = fresh || paused ? cloth_.status() : hand_status;
 

@@ -120,7 +120,7 @@ Vec3 HapticLoop::tick(const DeviceSample& device, const ProbeSnapshot& snapshot,
   if (status_ == HapticStatus::Contact) {
     target = contactWrench(device, snapshot, now);
   } else if (good) {
-    observe(device, {}, taken_);
+    observe(device, {}, taken_, 1.0);
     passivity_.forgive();
     torque_passivity_.forgive();
   } else {
@@ -172,7 +172,7 @@ Wrench HapticLoop::contactWrench(const DeviceSample& device, const ProbeSnapshot
   // Where the limit rises, as after the start, the loop lets the spring give more back.
   taken_.by_force += held.moved.coupling - springEnergy(options_, device, snapshot, limit_);
   limit_ = limit;
-  observe(device, held, takenSince(snapshot, {device.position, device.orientation}, newest));
+  observe(device, held, takenSince(snapshot, {device.position, device.orientation}, newest), snapshot.trust);
   const auto [gain, torque_gain] = gains();
   const Vec3 damping = passivity_.damping().head<3>();
   const Vec3 torque_damping = kTurnArm * torque_passivity_.damping().tail<3>();
@@ -184,7 +184,8 @@ Wrench HapticLoop::contactWrench(const DeviceSample& device, const ProbeSnapshot
 /// Shows the pose to both controllers. That of the force counts the work of the force alone: otherwise a
 /// twist could pay for a buzz along the force, and a debt of the torque would weaken the force. That of the
 /// torque counts the work of both, because cloth gives back by a turn what a motion has put in.
-void HapticLoop::observe(const DeviceSample& device, const HeldEnergies& held, const Energy& taken) {
+void HapticLoop::observe(const DeviceSample& device, const HeldEnergies& held, const Energy& taken,
+                         double trust) {
   turned_ += turnBetween(orientation_, device.orientation);
   orientation_ = device.orientation;
   const Gains before = gains();
@@ -194,13 +195,15 @@ void HapticLoop::observe(const DeviceSample& device, const HeldEnergies& held, c
   if (!std::isfinite(passed.all())) passed = taken_ = taken_before_ = {};
   passivity_.observe(joined(device.position, Vec3::Zero()), held.moved, passed.by_force);
   torque_passivity_.observe(joined(device.position, kTurnArm * turned_), held.all, passed.all());
+  trust_ = trust;
   const Gains now = gains();
   recovered_ = {(now.force - before.force) * held.moved.scaled,
                 (now.torque - before.torque) * held.all.scaled};
 }
 
 HapticLoop::Gains HapticLoop::gains() const {
-  return {passivity_.gain(), std::min(passivity_.gain(), torque_passivity_.gain())};
+  const double force = passivity_.gain(), torque = torque_passivity_.gain();
+  return {trust_ * force, trust_ * std::min(force, torque)};
 }
 
 /// Wrench of the newest snapshot. Its difference to that of the last one fades, so there is no step.

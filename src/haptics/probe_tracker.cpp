@@ -1,6 +1,7 @@
 #include "haptics/probe_tracker.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
 #include "contact/proxy.h"
@@ -13,6 +14,10 @@ constexpr double kTrustedMove = 1e-5;
 
 /// Low pass of the drift [s]: a jump of one step, where cloth slips or the mesh changes, is no speed.
 constexpr double kDriftTime = 0.001;
+
+/// Time in which an error of the force fades to 1/e [s]: what one solve leaves undone the next ones feel,
+/// too.
+constexpr double kErrorTime = 0.02;
 
 }  // namespace
 
@@ -32,6 +37,7 @@ ProbeSnapshot ProbeTracker::update(const ProbeReport& probe, const DeviceSample&
   snapshot.holds = probe.grasps;
   snapshot.inside = probe.inside;
   snapshot.way_out = probe.way_out;
+  snapshot.trust = trustIn(probe, step_interval);
   if (!snapshot.contact || !known_) {
     follow_.setIdentity();
     drift_.setZero();
@@ -54,6 +60,14 @@ ProbeSnapshot ProbeTracker::update(const ProbeReport& probe, const DeviceSample&
   known_ = probe.present;
   last_ = snapshot;
   return snapshot;
+}
+
+/// Share of the force that may be passed on: 1 where it exceeds its estimated error, now and lately;
+/// otherwise the square of their ratio.
+double ProbeTracker::trustIn(const ProbeReport& probe, double step_interval) {
+  error_ = std::max(probe.force_error, std::exp(-step_interval / kErrorTime) * error_);
+  const double force = probe.force.norm(), ratio = error_ > force ? force / error_ : 1.0;
+  return ratio * ratio;
 }
 
 void ProbeTracker::forgetTurns() {

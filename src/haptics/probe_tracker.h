@@ -24,11 +24,13 @@ class ProbeTracker {
   const Mat6& follow() const { return follow_; }
 
  private:
+  double trustIn(const ProbeReport& probe, double step_interval);
   void forgetTurns();
   void learn(const Vec6& device_moved, const Vec6& proxy_moved);
 
   Mat6 follow_ = Mat6::Identity();  ///< until more is known nothing resists
   Vec6 drift_ = Vec6::Zero();       ///< smoothed [m/s]
+  double error_ = 0.0;              ///< estimated, of the force, now or lately [N]
   bool known_ = false;              ///< there was a last step
   ProbeSnapshot last_;              ///< of it
 };

@@ -222,7 +222,7 @@ DiagnosticStatus probeStatus(const std::string& name, const DeviceCounters& coun
     judge(status, DiagnosticStatus::WARN, std::string(kBadTurn) + "; the probe does not turn");
   } else if (now - felt.weakened < kLately) {
     judge(status, DiagnosticStatus::WARN,
-          "the force was weakened against a buzz within the last " + seconds(kLately));
+          "the force was weakened, against a buzz or for its error, within the last " + seconds(kLately));
   } else {
     judge(status, DiagnosticStatus::OK, "receiving");
   }

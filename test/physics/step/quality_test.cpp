@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "haptic_cloth/haptic_session.h"
 #include "haptics/quality_ladder.h"
 #include "support/record.h"
 #include "support/scenes.h"
@@ -221,11 +222,8 @@ TEST(Rungs, CostTheForceOfAFoldWhatTheGuideSays) {
   }
 }
 
-/// A hand sweeps at 0.45 m/s through a light sheet that hangs from two corners. On all rungs that do not cut
-/// iterations it has to feel hardly more than the exact peak, 0.04 N: half as much again is allowed for, as
-/// above. The next one, which cuts them to 20, may cost up to 0.2 N on the three paths, says the guide; with
-/// steps of 4 ms it was 2.3 N.
-TEST(Rungs, LeaveAHandThatSweepsThroughLightClothItsForce) {
+/// A light sheet that hangs from two corners, and a hand that sweeps through it at 0.45 m/s.
+Scene sweptSheet() {
   Scene scene;
   scene.cloth.fabric = loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/polyester_faille.yaml");
   scene.cloth.particles = {33, 33};
@@ -237,6 +235,15 @@ TEST(Rungs, LeaveAHandThatSweepsThroughLightClothItsForce) {
   scene.probes[0].radius = 0.008;
   scene.probes[0].path = {{0.1, Vec3(0.02, 0.06, -0.03)}, {0.5, Vec3(0.02, -0.12, -0.03)}};
   scene.stop.time = 0.5;
+  return scene;
+}
+
+/// A hand sweeps at 0.45 m/s through a light sheet that hangs from two corners. On all rungs that do not cut
+/// iterations it has to feel hardly more than the exact peak, 0.04 N: half as much again is allowed for, as
+/// above. The next one, which cuts them to 20, may cost up to 0.2 N on the three paths, says the guide; with
+/// steps of 4 ms it was 2.3 N.
+TEST(Rungs, LeaveAHandThatSweepsThroughLightClothItsForce) {
+  const Scene scene = sweptSheet();
   const auto peak = [](const std::vector<Vec3>& forces) {
     double most = 0.0;
     for (const Vec3& force : forces) most = std::max(most, force.norm());
@@ -251,6 +258,45 @@ TEST(Rungs, LeaveAHandThatSweepsThroughLightClothItsForce) {
     const int iterations = rungs[r].solver.minimizer.max_iterations;
     if (iterations < 20) continue;
     EXPECT_LT(found, tolerance(1.5) * (iterations == 20 ? 0.2 : expected)) << rungs[r].given_up;
+  }
+}
+
+/// Largest force that a session lets a hand feel on the path of a scene, on one of its rungs, whose steps
+/// come in time [N].
+double feltOnRung(const Scene& scene, const Quality& rung) {
+  constexpr double kTick = 1e-3, kStart = 10.0;  // [s]
+  Simulation simulation(scene);
+  simulation.setOptions(rung.solver, rung.adapt, scene.air_damping);
+  HapticOptions options;
+  options.soft_start = 0.0;
+  HapticSession session(simulation.scene(), 0, options);
+  double most = 0.0;
+  for (int k = 1; k * kTick < scene.stop.time; ++k) {
+    const double now = kStart + k * kTick;
+    const Pose pose{pathPosition(scene.probes[0].path, k * kTick), Quat::Identity()};
+    most = std::max(most, session.tick(pose, now).force.norm());
+    if (k % rung.longest_step != 0) continue;
+    session.beforeStep(simulation, now, rung.longest_step);
+    simulation.step(rung.longest_step);
+    session.afterStep(simulation, now);
+  }
+  return most;
+}
+
+/// The last rung computes forces of up to 4 N there, which are 0.04 N. A hand that felt them would be at the
+/// limit of its device, 3.3 N. Criterion: the largest on three paths of vector code
+/// (docs/decisions/0046-forces-below-their-error.md), 0.5 N, with half as much again for solves that a limit
+/// ends. The rung before it, 1.2 to 1.9 N there (2.5 N if all is passed on), is only recorded.
+TEST(Rungs, KeepForcesBelowTheirErrorFromTheHand) {
+  const Scene scene = sweptSheet();
+  const std::vector<Quality> rungs = qualityLadder(scene.solver, scene.adapt, 4);
+  for (std::size_t r = 0; r < rungs.size(); ++r) {
+    const double felt = feltOnRung(scene, rungs[r]);
+    record({"rungs of the ladder, a probe sweeps through a sheet", "largest force felt [N]", "amrc",
+            static_cast<double>(r), felt, 0.04, 0.04});
+    if (r != 8) {
+      EXPECT_LT(felt, tolerance(1.5 * 0.5)) << rungs[r].given_up;
+    }
   }
 }
 

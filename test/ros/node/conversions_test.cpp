@@ -384,7 +384,7 @@ TEST(Diagnostics, LevelsSayWhatIsWrong) {
   EXPECT_NEAR(weak.weakened, steadyNow(), 1.0);
   felt.weakened = 6.0;
   EXPECT_EQ(probe().level, DiagnosticStatus::WARN) << "4 s ago";
-  EXPECT_EQ(probe().message, "the force was weakened against a buzz within the last 5 s");
+  EXPECT_EQ(probe().message, "the force was weakened, against a buzz or for its error, within the last 5 s");
   felt.weakened = 4.0;
   EXPECT_EQ(probe().level, DiagnosticStatus::OK) << "6 s ago";
   felt.status = HapticStatus::Paused;

@@ -72,6 +72,15 @@ TEST(HapticLoop, PushesTheHandTowardsTheProxy) {
   EXPECT_EQ(loop.status(), HapticStatus::Contact);
 }
 
+TEST(HapticLoop, PassesOnTheShareThatIsTrusted) {
+  HapticLoop loop(bareOptions());
+  ProbeSnapshot snapshot = contactAt(Vec3::Zero(), 1.0);
+  snapshot.trust = 0.25;
+  const Vec3 force = loop.tick(deviceAt(Vec3(0, 0, -0.005), 1.0), snapshot, false, 1.0);
+  EXPECT_NEAR(force.z(), 0.25 * 400.0 * 0.005, kRoundOff);
+  EXPECT_EQ(loop.forceShare(), 0.25);
+}
+
 TEST(HapticLoop, DampsTheVelocityDifference) {
   HapticLoop loop(bareOptions());
   DeviceSample device = deviceAt(Vec3::Zero(), 1.0);

@@ -48,6 +48,28 @@ TEST(ProbeTracker, LearnsALinearAnswer) {
   EXPECT_LT((tracker.follow().topLeftCorner<3, 3>() - truth).norm(), 1e-6);
 }
 
+/// Criterion: the square of force over estimated error, which fades to 1/e in 20 ms (probe_tracker.cpp).
+TEST(ProbeTracker, TrustsAForceThatExceedsItsError) {
+  ProbeTracker tracker;
+  ProbeReport report = reportAt(Vec3::Zero(), Vec3::Zero());
+  report.force = Vec3(0.6, 0.0, 0.8);
+  const auto trust = [&](double error) {
+    report.force_error = error;
+    return tracker.update(report, DeviceSample(), kTick, 0.0).trust;
+  };
+  EXPECT_EQ(trust(0.0), 1.0);
+  EXPECT_EQ(trust(0.99), 1.0);
+  EXPECT_NEAR(trust(2.0), 0.25, 1e-12) << "at once";
+  for (int k = 0; k < 9; ++k) trust(0.5);
+  EXPECT_NEAR(trust(0.5), 0.25 * std::exp(1.0), 1e-9) << "after 10 ms";
+  for (int k = 0; k < 10; ++k) trust(0.5);
+  EXPECT_EQ(trust(0.5), 1.0);
+  report.force.setZero();
+  EXPECT_EQ(trust(0.1), 0.0);
+  tracker.reset();
+  EXPECT_EQ(trust(0.0), 1.0) << "no force has no error";
+}
+
 TEST(ProbeTracker, LearnsHowTurnsAndMovesGoTogether) {
   // Symmetric, with eigenvalues from 0.1 to 0.9 and axes between moves and turns.
   constexpr double kRadius = 0.04;

@@ -476,10 +476,6 @@ TEST(ValidateScene, ChecksFabricsBuiltInCode) {
   EXPECT_EQ(fails([&] { fabric.tensile[1] = Loop(); }),
             "code: cloth.fabric.tensile[1] = 0: must resist extension: its last force must be > 0");
   EXPECT_EQ(fails([&] {
-              fabric.tensile[0] = Curve(0.0, 0.1, {5.0, 6.0, 7.0});
-            }),
-            "code: cloth.fabric.tensile[0] = 5: must be 0 N/m at zero strain");
-  EXPECT_EQ(fails([&] {
               fabric.bending[0] = Curve(-1.0, 1.0, {-1.0, 0.0, -0.5});
             }),
             "code: cloth.fabric.bending[0] = -0.5: the stiffness must not be negative, as it is from 0 on");
