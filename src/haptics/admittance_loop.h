@@ -77,9 +77,8 @@ class AdmittanceLoop {
   std::optional<Touch> touch_;  ///< now, or before a fault
   std::optional<Touch> lost_;   ///< that a fault ended, until the tool touches there again or is out
   bool started_ = false;
-  Place reported_;  ///< by the device
-  double left_ =
-      -1.0;  ///< newest receipt of device_ where the tool was before it went to the device [s]; < 0: never
+  Place reported_;      ///< by the device
+  double left_ = -1.0;  ///< receipt of device_ when the tool last went to the device [s]; < 0: never
   double last_tick_ = -1.0;
   double soft_ = 0.0;  ///< 0..1, share of the hand's force
 };
