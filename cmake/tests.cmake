@@ -59,11 +59,10 @@ target_compile_definitions(unit_tests PRIVATE HAPTIC_CLOTH_SIMULATE="$<TARGET_FI
 target_link_libraries(unit_tests exact_geometry)
 add_dependencies(unit_tests simulate kes_test)
 
-# Every path of the kernels: all unit tests but those of sessions and files, and of the others those that go through
-# each kernel (stretch, bending, shear, twist, contact, preconditioner, changes of the mesh) or depend on rounding
-# (solves that are cut short). Paths that the machine lacks are reported as skipped, and so is its best, which
-# everything takes without --path.
-set(short_unit "*-*Session*:*Tool*:NewFile*:StateFile*:LargestState*:HapticLoop*:PassivityController*")
+# Every path of the kernels: all unit tests, and of the others those that go through each kernel (stretch, bending,
+# shear, twist, contact, preconditioner, changes of the mesh) or depend on rounding (solves that are cut short). Paths
+# that the machine lacks are reported as skipped, and so is its best, which everything takes without --path.
+set(short_unit "*")
 set(short_physics "Determinism.*:*InPlane.*:*HeavyStrip.*:*WoolStrip.Lowered*:*Blade.LosesIts*:*Trellis*:OnBox.*")
 set(short_physics "${short_physics}:*OnSlope.*:*PressedMembrane.*:*Pinch.Holds*:MeshChange.RestSurvivesRoundTrips")
 set(short_physics "${short_physics}:*LateSolver*")

@@ -73,8 +73,6 @@ void AdmittanceLoop::goToDevice() {
 }
 
 void AdmittanceLoop::tick(const ForceSample& hand, const ProbeSnapshot& newest, bool paused, double now) {
-  // Nothing is known of the cloth at a new place until the solver has been there.
-  const ProbeSnapshot snapshot = newest.device_received > left_ ? newest : ProbeSnapshot();
   const double elapsed = timeSince(last_tick_, now, 1.0 / options_.rate);
   const HapticStatus hand_status = judge(options_.admittance, hand, now);
   const bool fresh = hand_status == HapticStatus::Free;
@@ -92,10 +90,11 @@ void AdmittanceLoop::tick(const ForceSample& hand, const ProbeSnapshot& newest, 
   if (returns) ++device_.returns;
   DeviceSample here = device_;
   here.received = now;  // the tool is where it is, whatever the hand says
-  ProbeSnapshot unlimited = snapshot;
-  unlimited.holds = false;  // a tool with cloth in its grasp meets all of the force
-  unlimited.trust = 1.0;    // cloth that resists weakly would let the tool through
-  reaction_ = cloth_.tick(here, unlimited, paused || !fresh, now);
+  // Nothing is known of the cloth at a new place until the solver has been there.
+  ProbeSnapshot snapshot = newest.device_received > left_ ? newest : ProbeSnapshot();
+  snapshot.holds = false;  // a tool with cloth in its grasp meets all of the force
+  snapshot.trust = 1.0;    // cloth that resists weakly would let the tool through
+  reaction_ = cloth_.tick(here, snapshot, paused || !fresh, now);
   status_ = fresh || paused ? cloth_.status() : hand_status;
 
   if (allowsForce(status_)) {

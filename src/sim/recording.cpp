@@ -4,7 +4,8 @@
 #include <climits>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
+#include <locale>
+#include <optional>
 #include <sstream>
 #include <vector>
 

@@ -54,8 +54,8 @@ void DeviceInput::accept(const geometry_msgs::PoseStamped& pose, const std::stri
     warn(notice_.unknownFrame(taken.frame_id, received));
     return;
   }
-  const Vec3 there = frame->position + frame->orientation * placed(device_, position);
-  if (!(there.norm() < kFarthestPose)) {
+  const Vec3 there = placed(device_, position);
+  if (!(composed(*frame, {there, Quat::Identity()}).position.norm() < kFarthestPose)) {
     counters_.drop(counters_.too_far, received);
     warn(notice_.unusable("too far away", received));
     return;
@@ -69,7 +69,7 @@ void DeviceInput::accept(const geometry_msgs::PoseStamped& pose, const std::stri
   taken.frame_rotation = frame->orientation;
   taken.stamp = pose.header.stamp;
   taken.received = received;
-  taken.pose = {there, frame->orientation * placed(device_, orientation_)};
+  taken.pose = composed(*frame, {there, placed(device_, orientation_)});
   shared_.pose.write(taken);
 }
 

@@ -634,10 +634,12 @@ TEST_F(PressedTool, GoesNoDeeperWhereTheHandWasSilentUntilTheProbeLeft) {
 
 /// SIGSTOP: neither thread runs. Then steps may come before the first tick, and find no force for long.
 TEST_F(PressedTool, GoesNoDeeperWhereTheProcessStoodStill) {
-  time_ += 2.5 * session_.options().probe_timeout;
-  step();
-  push(1000, kPress);
-  EXPECT_GT(tool(), pressed_ - 1e-4);
+  for (const int steps : {0, 1, 10}) {
+    time_ += 2.5 * session_.options().probe_timeout;
+    for (int k = 0; k < steps; ++k) step();
+    push(1000, kPress);
+    EXPECT_GT(tool(), pressed_ - 1e-4) << steps << " steps before the first tick";
+  }
 }
 
 TEST_F(PressedTool, IsPressedHarderAfterAShortSilence) {
