@@ -15,7 +15,7 @@
 #include "haptic_cloth/simulation.h"
 #include "tools/run.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::random_scenes_test {
 namespace {
 
 /// No path pulls cloth farther than this: a path has at most four legs of at most 5 cm, cells are
@@ -135,4 +135,4 @@ TEST(RandomScenes, WithAnyNumbersAreRefusedOrStayFinite) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::random_scenes_test

@@ -16,7 +16,7 @@
 #include "haptic_cloth/fabric.h"
 #include "haptic_cloth/scene.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::replay_test {
 namespace {
 
 struct Reader {
@@ -197,4 +197,4 @@ TEST_F(TooLarge, LongTablesAreReadInOneGo) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::replay_test

@@ -20,7 +20,7 @@
 #include "stability/loop_parts.h"
 #include "support/record.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::admittance_test {
 namespace {
 
 constexpr double kBuzz = 1.5e-4;  ///< half of the peak-to-peak motion [m]
@@ -308,4 +308,4 @@ TEST(Admittance, ALostForceBringsItToRest) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::admittance_test

@@ -6,7 +6,7 @@
 #include "stability/closed_loop.h"
 #include "stability/cloth_probe.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::cloth_loop_test {
 namespace {
 
 LoopRun touchRun() {
@@ -75,4 +75,4 @@ TEST(ClothLoop, ADeadDeviceGetsZero) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::cloth_loop_test

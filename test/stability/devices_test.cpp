@@ -12,7 +12,7 @@
 
 #include "stability/closed_loop.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::devices_test {
 namespace {
 
 LoopRun runOf(const PublishedDevice& device, double stiffness, double damping, double delay) {
@@ -145,4 +145,4 @@ INSTANTIATE_TEST_SUITE_P(Published, Devices, testing::ValuesIn(publishedDevices(
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::devices_test

@@ -13,7 +13,7 @@
 #include "support/tolerance.h"
 #include "support/torture.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::torture_cloth_test {
 namespace {
 
 constexpr double kGravity = 9.81;
@@ -252,4 +252,4 @@ TEST_P(TortureBudget, OfAlmostNothing) {
 INSTANTIATE_TEST_SUITE_P(Iterations, TortureBudget, testing::Values(0, 1, 2));
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::torture_cloth_test

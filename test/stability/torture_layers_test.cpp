@@ -10,7 +10,7 @@
 #include "support/tolerance.h"
 #include "support/torture.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::torture_layers_test {
 namespace {
 
 /// Length of a case that can go on for any time [s]. @param short_form what suits every build [s]
@@ -284,4 +284,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& info) { return std::string(info.param.name); });
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::torture_layers_test

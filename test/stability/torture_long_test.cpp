@@ -15,7 +15,7 @@
 #include "support/tolerance.h"
 #include "support/torture.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::torture_long_test {
 namespace {
 
 /// Smallest strip that stretches and bends between two grips. Of its four cells along warp the
@@ -238,4 +238,4 @@ TEST_P(TortureSwing, OfASwingIsThatOfBdf2) {
 INSTANTIATE_TEST_SUITE_P(Steps, TortureSwing, testing::Values(1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2));
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::torture_long_test

@@ -11,7 +11,7 @@
 #include "support/torture.h"
 #include "tools/run.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::torture_mesh_test {
 namespace {
 
 Torture heldSheet(const std::string& name, const std::string& fabric, int levels) {
@@ -288,4 +288,4 @@ TEST(Torture, SavedSceneReplaysTheSameBits) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::torture_mesh_test

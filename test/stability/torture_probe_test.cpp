@@ -9,7 +9,7 @@
 
 #include "support/torture.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::torture_probe_test {
 namespace {
 
 constexpr double kSize = 0.2;
@@ -199,4 +199,4 @@ TEST(Torture, TenProbesAtOnce) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::torture_probe_test

@@ -13,7 +13,7 @@
 #include "haptics/velocity_filter.h"
 #include "stability/loop_parts.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::turn_loop_test {
 namespace {
 
 constexpr double kRadius = 0.03;          ///< at which the coupling of a sphere resists turns [m]
@@ -137,4 +137,4 @@ TEST(TurnLoop, IsQuietWithTheController) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::turn_loop_test

@@ -21,7 +21,7 @@
 
 #include "stability/closed_loop.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::z_width_test {
 namespace {
 
 constexpr double kCouplingDamping = 1.0;  ///< B, default of a scene [N·s/m]
@@ -116,4 +116,4 @@ TEST(ZWidth, WritesTheGrid) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::z_width_test

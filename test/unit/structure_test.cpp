@@ -12,7 +12,7 @@
 #include "haptic_cloth/fabric.h"
 #include "haptic_cloth/scene.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::structure_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -106,6 +106,18 @@ TEST(Structure, NoUsingNamespaceStd) {
                "no using namespace std");
 }
 
+TEST(Structure, TestFilesHaveNamespacesOfTheirNames) {
+  int files = 0;
+  for (const SourceFile& file : code({"test"})) {
+    const std::string stem = file.path.stem().string();
+    if (stem.size() < 5 || stem.substr(stem.size() - 5) != "_test") continue;
+    ++files;
+    EXPECT_EQ(std::count(file.lines.begin(), file.lines.end(), "namespace haptic_cloth::" + stem + " {"), 1)
+        << file.path.string() << ": several such files are compiled as one";
+  }
+  EXPECT_GT(files, 100);
+}
+
 TEST(Structure, OnlyRunToolCatches) {
   std::vector<SourceFile> others = code({"src/tools"});
   const auto is_run_tool = [](const SourceFile& file) { return file.path.filename() == "run_tool.h"; };
@@ -152,4 +164,4 @@ TEST(Configurations, EverySceneLoads) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::structure_test

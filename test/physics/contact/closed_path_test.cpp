@@ -16,7 +16,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::closed_path_test {
 namespace {
 
 constexpr double kWidth = 24e-3;  // of the cloth [m]
@@ -272,4 +272,4 @@ TEST(ClosedPath, ALightTouchDoesNotMoveLayersOnACylinder) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::closed_path_test

@@ -11,7 +11,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::contact_test {
 namespace {
 
 Obstacle plane(const Pose& pose, double friction) {
@@ -225,4 +225,4 @@ INSTANTIATE_TEST_SUITE_P(Strategies, OnSlope,
                          [](const auto& info) { return name(info.param); });
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::contact_test

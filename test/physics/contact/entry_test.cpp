@@ -15,7 +15,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::entry_test {
 namespace {
 
 Scene heldSheet() {
@@ -190,4 +190,4 @@ TEST_P(SheetInBall, IsLetOutAndComesToRestInBalance) {
 INSTANTIATE_TEST_SUITE_P(Radii, SheetInBall, testing::Values(0.03, 0.09));
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::entry_test

@@ -14,7 +14,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::felt_force_test {
 namespace {
 
 Fabric suiting() { return loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/winter_suiting.yaml"); }
@@ -126,4 +126,4 @@ TEST_P(FeltForce, IsTheFinestMeshs) {
 INSTANTIATE_TEST_SUITE_P(Scenes, FeltForce, testing::Range(0, 4));
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::felt_force_test

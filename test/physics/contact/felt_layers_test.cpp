@@ -16,7 +16,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::felt_layers_test {
 namespace {
 
 constexpr double kGravity = 9.81;  // [m/s²]
@@ -319,4 +319,4 @@ TEST(PinchedFold, HoldsUpToTwiceTheFriction) {
 TEST(PinchedFold, SlipsBeyondTwiceTheFriction) { EXPECT_GT(slipOfFold(1.05), 10.0 * 0.5 * 3e-4); }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::felt_layers_test

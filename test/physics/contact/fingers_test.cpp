@@ -11,7 +11,7 @@
 #include "support/tolerance.h"
 #include "tools/run.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::fingers_test {
 namespace {
 
 constexpr double kGravity = 9.81;
@@ -307,4 +307,4 @@ TEST(MovingObstacle, SentTooFarItLagsAndNothingPassesThrough) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::fingers_test

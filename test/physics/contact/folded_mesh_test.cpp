@@ -11,7 +11,7 @@
 #include "sim/cloth_world.h"
 #include "support/scenes.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::folded_mesh_test {
 namespace {
 
 /// Level of the leaf around each finest cell.
@@ -68,4 +68,4 @@ TEST(FoldedMesh, NeverSplitsBesideAMergeOrCrosses) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::folded_mesh_test

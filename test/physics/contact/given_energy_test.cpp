@@ -16,7 +16,7 @@
 #include "support/smooth.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::given_energy_test {
 namespace {
 
 constexpr double kTick = 1e-3;
@@ -134,4 +134,4 @@ TEST(GivenEnergy, IsFelt) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::given_energy_test

@@ -15,7 +15,7 @@
 #include "haptic_cloth/step_pacer.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::held_cloth_test {
 namespace {
 
 constexpr double kTick = 1e-3;  ///< [s]
@@ -135,4 +135,4 @@ TEST(TautCloth, IsAsStiffWithLaterSteps) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::held_cloth_test

@@ -14,7 +14,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::layers_test {
 namespace {
 
 constexpr double kGravity = 9.81, kDensity = 0.15;  // [m/s²], [kg/m²]
@@ -297,4 +297,4 @@ TEST(LayersInFlight, KeepMomentumWhenTheyHitEachOther) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::layers_test

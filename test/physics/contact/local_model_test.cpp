@@ -24,7 +24,7 @@
 #include "support/smooth.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::local_model_test {
 namespace {
 
 constexpr double kTick = 1e-3;
@@ -301,4 +301,4 @@ INSTANTIATE_TEST_SUITE_P(Drapes, LocalModel, testing::Range(0, 5));
 INSTANTIATE_TEST_SUITE_P(Drapes, LocalTorque, testing::Range(0, 5));
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::local_model_test

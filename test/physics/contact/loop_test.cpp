@@ -14,7 +14,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::loop_test {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -167,4 +167,4 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::loop_test

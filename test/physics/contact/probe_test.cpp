@@ -12,7 +12,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::probe_test {
 namespace {
 
 constexpr double kHalfSide = 0.1;  // a [m]
@@ -174,4 +174,4 @@ TEST(Probe, FeelsNothingInTheAir) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::probe_test

@@ -10,7 +10,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::probe_torque_test {
 namespace {
 
 constexpr double kGravity = 9.81;
@@ -141,4 +141,4 @@ TEST(TorqueOfAGrasp, IsTheWeightAtTheMassCentre) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::probe_torque_test

@@ -17,7 +17,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::ripple_test {
 namespace {
 
 struct Slide {
@@ -144,4 +144,4 @@ INSTANTIATE_TEST_SUITE_P(Strokes, StrokingProbe,
                          [](const auto& info) { return info.param.label; });
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::ripple_test

@@ -16,7 +16,7 @@
 #include "haptic_cloth/simulation.h"
 #include "support/scenes.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::roller_test {
 namespace {
 
 constexpr double kLength = 0.2, kWidth = 0.02;  // of the strip [m]
@@ -141,4 +141,4 @@ TEST(SmoothRoller, DoesNoWorkByItsTurn) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::roller_test

@@ -11,7 +11,7 @@
 
 #include "support/scenes.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::self_crossing_test {
 namespace {
 
 /// A scene and what happens in it before each step.
@@ -262,4 +262,4 @@ INSTANTIATE_TEST_SUITE_P(Scenes, SelfCrossing,
                          [](const auto& info) { return std::string(info.param.name); });
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::self_crossing_test

@@ -14,7 +14,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::stick_slip_test {
 namespace {
 
 TEST(FrictionToStand, MatchesRomero) {
@@ -144,4 +144,4 @@ INSTANTIATE_TEST_SUITE_P(Floors, StickSlip,
                          nameOfCase);
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::stick_slip_test

@@ -14,7 +14,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::table_edge_test {
 namespace {
 
 constexpr double kWeight = 0.15 * 9.81;  // [N/m²]
@@ -263,4 +263,4 @@ INSTANTIATE_TEST_SUITE_P(Strategies, LooseOverEdge,
                          [](const auto& info) { return name(info.param); });
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::table_edge_test

@@ -12,7 +12,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::tilted_solid_test {
 namespace {
 
 struct Case {
@@ -78,4 +78,4 @@ INSTANTIATE_TEST_SUITE_P(Solids, TiltedSolid, testing::ValuesIn(cases()),
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::tilted_solid_test

@@ -12,7 +12,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::touch_test {
 namespace {
 
 constexpr double kSpacing = 0.004;
@@ -264,4 +264,4 @@ INSTANTIATE_TEST_SUITE_P(Strategies, SharpBox,
                          [](const auto& info) { return name(info.param); });
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::touch_test

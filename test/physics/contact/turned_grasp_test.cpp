@@ -14,7 +14,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::turned_grasp_test {
 namespace {
 
 constexpr int kColumns = 41, kRows = 9;                 // of the strip
@@ -481,4 +481,4 @@ TEST(TurnedGrasp, GainsNothingFromATurnThatLayersStop) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::turned_grasp_test

@@ -15,7 +15,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::buckling_test {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -361,4 +361,4 @@ INSTANTIATE_TEST_SUITE_P(Strategies, PostBuckling,
                          });
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::buckling_test

@@ -10,7 +10,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::cantilever_test {
 namespace {
 
 constexpr double kLength = 0.2;          // free part [m]
@@ -125,4 +125,4 @@ TEST(ClampOrder, ErrorFallsWithSquareOfSpacing) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::cantilever_test

@@ -18,7 +18,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::extension_test {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -282,4 +282,4 @@ TEST_P(InPlane, FreeSheetOfShearedThreadsIsATrellis) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::extension_test

@@ -12,7 +12,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::free_fall_test {
 namespace {
 
 /// Fall after n steps [m].
@@ -125,4 +125,4 @@ TEST(FreeFall, NeedsNoTighterSolverThanTheDefaultAtAnyTimeStep) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::free_fall_test

@@ -14,7 +14,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::frequency_test {
 namespace {
 
 constexpr double kLength = 0.2;  // free part [m]
@@ -213,4 +213,4 @@ TEST(HangingModes, MatchTable) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::frequency_test

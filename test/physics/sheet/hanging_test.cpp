@@ -10,7 +10,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::hanging_test {
 namespace {
 
 constexpr double kWeight = 0.15 * 9.81;  // [N/m²]
@@ -107,4 +107,4 @@ INSTANTIATE_TEST_SUITE_P(Strategies, HeldAtBothEnds,
                          [](const auto& info) { return name(info.param); });
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::hanging_test

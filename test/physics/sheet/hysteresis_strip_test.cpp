@@ -13,7 +13,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::hysteresis_strip_test {
 namespace {
 
 constexpr double kLength = 0.04;                         // [m]
@@ -163,4 +163,4 @@ TEST(HysteresisBand, MatchesTable) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::hysteresis_strip_test

@@ -11,7 +11,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::joint_test {
 namespace {
 
 Fabric winterSuiting() { return loadFabric(HAPTIC_CLOTH_SOURCE_DIR "/config/fabrics/winter_suiting.yaml"); }
@@ -146,4 +146,4 @@ INSTANTIATE_TEST_SUITE_P(Strategies, Costs, testing::Values(Strategy::Finest, St
                          [](const auto& info) { return name(info.param); });
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::joint_test

@@ -29,7 +29,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::lateral_buckling_test {
 namespace {
 
 constexpr double kLength = 0.4;          // free part [m]
@@ -172,4 +172,4 @@ INSTANTIATE_TEST_SUITE_P(Strategies, Blade,
                          [](const auto& info) { return name(info.param); });
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::lateral_buckling_test

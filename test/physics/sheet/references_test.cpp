@@ -9,7 +9,7 @@
 #include "support/reference_solutions.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::references_test {
 namespace {
 
 TEST(HeavyElastica, MatchesTable) {
@@ -92,4 +92,4 @@ TEST(Derivatives, CheckerKnowsRightFromWrong) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::references_test

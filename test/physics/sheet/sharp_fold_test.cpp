@@ -14,7 +14,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::sharp_fold_test {
 namespace {
 
 constexpr double kHalf = 0.03;      // length of an arm, about [m]
@@ -90,4 +90,4 @@ INSTANTIATE_TEST_SUITE_P(
                     Fold{2e-3, 2e-3, 178.0, Integrator::Euler, 0.1}));
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::sharp_fold_test

@@ -13,7 +13,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::conservation_test {
 namespace {
 
 std::uint64_t hashAfter(Simulation& simulation, int steps) {
@@ -238,4 +238,4 @@ INSTANTIATE_TEST_SUITE_P(Strategies, Energy,
                          });
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::conservation_test

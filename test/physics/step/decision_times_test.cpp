@@ -7,7 +7,7 @@
 
 #include "support/scenes.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::decision_times_test {
 namespace {
 
 constexpr int kInterval = 3, kAge = 30;  // time steps
@@ -73,4 +73,4 @@ TEST(DecisionTimes, AStateKeepsAgesWhereTheMinimumChanged) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::decision_times_test

@@ -12,7 +12,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::device_work_test {
 namespace {
 
 /// Weightless sheet held on all sides, and a frictionless probe.
@@ -135,4 +135,4 @@ TEST(DeviceWork, FollowsGainsThatChangeAndProbesThatLeave) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::device_work_test

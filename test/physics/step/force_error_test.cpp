@@ -13,7 +13,7 @@
 #include "haptic_cloth/scene.h"
 #include "haptic_cloth/simulation.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::force_error_test {
 namespace {
 
 constexpr double kFactor = 3.0, kShare = 0.9;
@@ -103,4 +103,4 @@ INSTANTIATE_TEST_SUITE_P(Scenes, ForceErrorOf, testing::Values("strip_probe", "f
                          [](const auto& scene) { return std::string(scene.param); });
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::force_error_test

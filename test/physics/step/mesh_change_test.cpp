@@ -17,7 +17,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::mesh_change_test {
 namespace {
 
 constexpr double kVisible = 0.05;    // in units of the local spacing
@@ -359,4 +359,4 @@ TEST(MeshChange, HangingSheetAtRestDoesNotChatter) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::mesh_change_test

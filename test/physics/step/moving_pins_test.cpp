@@ -11,7 +11,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::moving_pins_test {
 namespace {
 
 LinearFabric stiffFabric() {
@@ -242,4 +242,4 @@ TEST(MovingPins, ContinueFromAState) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::moving_pins_test

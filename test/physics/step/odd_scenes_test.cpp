@@ -9,7 +9,7 @@
 
 #include "support/scenes.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::odd_scenes_test {
 namespace {
 
 struct OddScene {
@@ -185,4 +185,4 @@ TEST(OddScenes, AProbeCentredOnAParticleIsLetOut) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::odd_scenes_test

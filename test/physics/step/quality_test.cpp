@@ -17,7 +17,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::quality_test {
 namespace {
 
 constexpr double kAtOnce = 0.02, kInAll = 0.05;  // of the force
@@ -301,4 +301,4 @@ TEST(Rungs, KeepForcesBelowTheirErrorFromTheHand) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::quality_test

@@ -13,7 +13,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::rest_test {
 namespace {
 
 /// Suiting held by two sides; it sags, and its hysteresis brings it to rest.
@@ -301,4 +301,4 @@ TEST(Rest, FreeFallNeverSleeps) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::rest_test

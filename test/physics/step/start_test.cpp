@@ -24,7 +24,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::start_test {
 namespace {
 
 /// Flat free cloth with 16 × 8 coarsest cells of 8 × 8 finest ones, without load.
@@ -232,4 +232,4 @@ TEST(Start, StandingBoardFolds) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::start_test

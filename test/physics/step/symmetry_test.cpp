@@ -21,7 +21,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::symmetry_test {
 namespace {
 
 constexpr int kColumns = 33, kRows = 17;
@@ -233,4 +233,4 @@ INSTANTIATE_TEST_SUITE_P(Images, ImageOfADrape,
                          testing::Values(Image::MirroredX, Image::MirroredY, Image::Turned, Image::Shifted));
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::symmetry_test

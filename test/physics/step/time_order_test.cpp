@@ -14,7 +14,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::time_order_test {
 namespace {
 
 /// Positions of a sheet that is held at a corner, after a swing of 0.16 s from the horizontal.
@@ -191,4 +191,4 @@ INSTANTIATE_TEST_SUITE_P(Integrators, Lands,
                          [](const auto& info) { return std::string(info.param.name); });
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::time_order_test

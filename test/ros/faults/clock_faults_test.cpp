@@ -12,7 +12,7 @@
 #include "ros/node/conversions.h"
 #include "ros/node/steady_clock.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::clock_faults_test {
 namespace {
 
 /// Publishes /clock at 500 Hz.
@@ -195,7 +195,7 @@ TEST_F(ClockFaultTest, AFixedFrameOutlivesAJumpBack) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::clock_faults_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -14,7 +14,7 @@
 #include "raw_listeners.h"
 #include "ros/node/steady_clock.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::listener_faults_test {
 namespace {
 
 constexpr const char* kNode = "/haptic_cloth";
@@ -188,7 +188,7 @@ TEST_F(ListenerFaultTest, ThousandsOfServiceCalls) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::listener_faults_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -17,7 +17,7 @@
 #include "ros/node/conversions.h"
 #include "ros/node/steady_clock.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::pose_faults_test {
 namespace {
 
 using geometry_msgs::PoseStamped;
@@ -239,7 +239,7 @@ TEST_F(PoseFaultTest, ASecondHandWaitsUntilTheFirstIsSilent) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::pose_faults_test
 
 int main(int argc, char** argv) {
   if (haptic_cloth::isHand(argc, argv)) return haptic_cloth::runHand(argc, argv);

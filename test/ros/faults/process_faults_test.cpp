@@ -14,7 +14,7 @@
 #include "ros/node/conversions.h"
 #include "ros/node/steady_clock.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::process_faults_test {
 namespace {
 
 const std::string kFolder = std::string(HAPTIC_CLOTH_SOURCE_DIR) + "/test/ros/";
@@ -288,7 +288,7 @@ TEST_F(ProcessFaultTest, AKilledMasterIsNotFelt) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::process_faults_test
 
 int main(int argc, char** argv) {
   if (haptic_cloth::isHand(argc, argv)) return haptic_cloth::runHand(argc, argv);

@@ -20,7 +20,7 @@
 #include "ros/node/steady_clock.h"
 #include "ros/support/ros_test_support.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::admittance_test {
 namespace {
 
 // Values of admittance.test and scene.yaml.
@@ -310,7 +310,7 @@ TEST_F(AdmittanceTest, BalancesTheHandWithAnotherForceScale) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::admittance_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -7,7 +7,7 @@
 
 #include "ros/support/yaml_parameters.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::device_input_test {
 namespace {
 
 /// A device with tf, whose transforms are all missing.
@@ -49,4 +49,4 @@ TEST_F(UnknownFrames, LeaveNoOrientation) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::device_input_test

@@ -17,7 +17,7 @@
 #include "ros/options/node_options.h"
 #include "ros/support/yaml_parameters.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::device_map_test {
 namespace {
 
 using XmlRpc::XmlRpcValue;
@@ -464,4 +464,4 @@ TEST(DeviceOptions, BadOnesAreNamed) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::device_map_test

@@ -24,7 +24,7 @@
 #include "ros/node/steady_clock.h"
 #include "ros/support/ros_test_support.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::device_test {
 namespace {
 
 // Values of test/ros/input/device.test and defaults of the scene.
@@ -472,7 +472,7 @@ TEST_F(DeviceTest, PosesThatCannotBeMetresAreNamedInTheDiagnostics) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::device_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -16,7 +16,7 @@
 
 #include <cstring>
 
-namespace haptic_cloth {
+namespace haptic_cloth::driver_messages_test {
 namespace {
 
 namespace traits = ros::message_traits;
@@ -222,4 +222,4 @@ TEST(DriverMessages, OfDriversOwnTypesByteForByte) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::driver_messages_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace haptic_cloth {
+namespace haptic_cloth::drop_notice_test {
 namespace {
 
 TEST(DropNotice, SaysAReasonOnceAfterASecondInWhichAllWereDropped) {
@@ -34,4 +34,4 @@ TEST(DropNotice, NamesASecondSenderOnce) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::drop_notice_test

@@ -22,7 +22,7 @@
 #include "ros/support/ros_test_support.h"
 #include "support/scenes.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::fingers_test {
 namespace {
 
 using visualization_msgs::InteractiveMarkerFeedback;
@@ -315,7 +315,7 @@ TEST_F(FingersTest, TheMouseDragsAndGrasps) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::fingers_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -5,7 +5,7 @@
 
 #include "ros/support/ros_test_support.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::playback_test {
 namespace {
 
 TEST(Playback, ARecordedHandFeelsTheCloth) {
@@ -44,7 +44,7 @@ TEST(Playback, ARecordedHandFeelsTheCloth) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::playback_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -7,7 +7,7 @@
 
 #include "ros/node/conversions.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::pose_gate_test {
 namespace {
 
 geometry_msgs::PoseStamped poseAt(double stamp) {
@@ -85,4 +85,4 @@ TEST(PoseGate, NotFinite) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::pose_gate_test

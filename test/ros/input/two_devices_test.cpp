@@ -10,7 +10,7 @@
 
 #include "ros/support/ros_test_support.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::two_devices_test {
 namespace {
 
 // Values of two_devices.launch and two_fingers.yaml.
@@ -103,7 +103,7 @@ TEST(TwoDevices, PressHoldAndTurnTheCloth) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::two_devices_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

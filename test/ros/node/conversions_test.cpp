@@ -20,7 +20,7 @@
 #include "ros/support/yaml_parameters.h"
 #include "support/scenes.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::conversions_test {
 namespace {
 
 using XmlRpc::XmlRpcValue;
@@ -546,4 +546,4 @@ TEST(HandModel, ReactionAndWillBalance) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::conversions_test

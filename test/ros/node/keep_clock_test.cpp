@@ -25,7 +25,7 @@
 #include "ros/options/reconfigure_messages.h"
 #include "ros/support/ros_test_support.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::keep_clock_test {
 namespace {
 
 const Vec3 kAbove(0.0, 0.0, 0.125), kPressed(0.0, 0.0, 0.100);
@@ -275,7 +275,7 @@ TEST(Recording, IsRefusedWhereAClockTakesPart) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::keep_clock_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

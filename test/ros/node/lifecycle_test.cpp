@@ -21,7 +21,7 @@
 #include "ros/node/steady_clock.h"
 #include "ros/support/ros_test_support.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::lifecycle_test {
 namespace {
 
 const std::string kScene = std::string(HAPTIC_CLOTH_SOURCE_DIR) + "/test/ros/support/scene.yaml";
@@ -392,7 +392,7 @@ TEST_F(LifecycleTest, ANewMasterFindsTheNodeAgain) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::lifecycle_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -28,7 +28,7 @@
 #include "ros/support/ros_test_support.h"
 #include "support/state_cases.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::node_test {
 namespace {
 
 const Vec3 kAbove(0.0, 0.0, 0.125);    ///< free: the radius is 10 mm, the cloth at 0.10 m
@@ -494,7 +494,7 @@ TEST_F(NodeTest, PosesOfAKnownFrameAreTransformed) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::node_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

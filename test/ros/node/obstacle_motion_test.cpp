@@ -12,7 +12,7 @@
 #include "haptic_cloth/simulation.h"
 #include "support/scenes.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::obstacle_motion_test {
 namespace {
 
 constexpr double kStep = 1e-3;  // [s]
@@ -174,4 +174,4 @@ TEST(ObstacleMotion, RaisesClothWithoutThrowingIt) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::obstacle_motion_test

@@ -6,7 +6,7 @@
 
 #include <cstring>
 
-namespace haptic_cloth {
+namespace haptic_cloth::prepared_message_test {
 namespace {
 
 TEST(PreparedMessage, HasTheBytesAndTheTypeOfTheMessage) {
@@ -28,4 +28,4 @@ TEST(PreparedMessage, HasTheBytesAndTheTypeOfTheMessage) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::prepared_message_test

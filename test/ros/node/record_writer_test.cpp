@@ -13,7 +13,7 @@
 
 #include "haptic_cloth/error.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::record_writer_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -146,4 +146,4 @@ TEST_F(RecordWriterTest, SurvivesADiskThatIsFull) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::record_writer_test

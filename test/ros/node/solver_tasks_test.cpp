@@ -19,7 +19,7 @@
 #include "ros/node/steady_clock.h"
 #include "ros/support/yaml_parameters.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::solver_tasks_test {
 namespace {
 
 constexpr double kPatience = 60.0;  ///< never reached [s]
@@ -193,4 +193,4 @@ TEST_F(SolverTasksTest, ARampGoesOnAfterAStateWasSaved) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::solver_tasks_test

@@ -4,7 +4,7 @@
 #include "ros/options/node_options.h"
 #include "ros/support/yaml_parameters.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::admittance_options_test {
 namespace {
 
 using XmlRpc::XmlRpcValue;
@@ -53,4 +53,4 @@ TEST(AdmittanceParameters, BadOnesAreNamed) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::admittance_options_test

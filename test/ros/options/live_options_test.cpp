@@ -18,7 +18,7 @@
 #include "ros/options/reconfigure_messages.h"
 #include "ros/support/yaml_parameters.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::live_options_test {
 namespace {
 
 using XmlRpc::XmlRpcValue;
@@ -293,4 +293,4 @@ TEST(LiveOptions, ForcesAreHeldToTheAgeThatPosesAre) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::live_options_test

@@ -19,7 +19,7 @@
 #include "ros/options/reconfigure_messages.h"
 #include "ros/support/ros_test_support.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::live_test {
 namespace {
 
 const Vec3 kAbove(0.0, 0.0, 0.125);
@@ -343,7 +343,7 @@ TEST_F(LiveTest, WhatIsInForceStandsAmongTheParameters) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::live_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -11,7 +11,7 @@
 #include "ros/support/yaml_parameters.h"
 #include "support/reference_file.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::node_options_test {
 namespace {
 
 using XmlRpc::XmlRpcValue;
@@ -174,4 +174,4 @@ TEST(NodeOptions, NumbersThatAreTooLargeOrTooSmallAreNamed) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::node_options_test

@@ -16,7 +16,7 @@
 #include "haptic_cloth/state_file.h"
 #include "ros/support/ros_test_support.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::fold_test {
 namespace {
 
 // From config/scenes/fold.yaml: times at which the hand holds the folded corner, presses the fold, has
@@ -116,7 +116,7 @@ TEST(Fold, ACornerIsFoldedOverPressedAndNeverPassesThrough) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::fold_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

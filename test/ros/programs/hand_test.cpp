@@ -7,7 +7,7 @@
 
 #include "ros/support/ros_test_support.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::hand_test {
 namespace {
 
 // Values of HandOptions. The damping ratio is 0.73, so the hand overshoots by 4 %.
@@ -55,7 +55,7 @@ TEST(Hand, PressesFeelsAndLifts) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::hand_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -11,7 +11,7 @@
 
 #include "ros/support/ros_test_support.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::latency_probe_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -72,7 +72,7 @@ TEST_F(LatencyProbe, RefusesAFileThatItCannotWriteBeforeItMeasures) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::latency_probe_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -8,7 +8,7 @@
 
 #include "ros/node/conversions.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::mouse_hand_test {
 namespace {
 
 /// A first-order lag: after the time t the remaining distance is e^(-t/T) of the jump, for any
@@ -57,4 +57,4 @@ TEST(MouseHand, AHandleOfACapsuleTurnsThatOfASphereDoesNot) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::mouse_hand_test

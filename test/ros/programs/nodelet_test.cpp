@@ -7,7 +7,7 @@
 
 #include "ros/support/ros_test_support.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::nodelet_test {
 namespace {
 
 bool load(const std::string& name, const std::string& manager = "/manager") {
@@ -93,7 +93,7 @@ TEST(Nodelet, SaysWhyItDoesNotLoad) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::nodelet_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -16,7 +16,7 @@
 #include "ros/node/steady_clock.h"
 #include "ros/support/ros_test_support.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::path_hand_test {
 namespace {
 
 /// The reset before each round opens the grasp, so the hand has to close it after that. So does a pause.
@@ -132,7 +132,7 @@ TEST(Programs, SignOffWhenTheyAreTerminated) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::path_hand_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

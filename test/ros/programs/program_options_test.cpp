@@ -10,7 +10,7 @@
 #include "ros/programs/parameters.h"
 #include "support/reference_file.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::program_options_test {
 namespace {
 
 using XmlRpc::XmlRpcValue;
@@ -76,4 +76,4 @@ TEST(ProgramOptions, ARemovedKeyNamesWhatReplacesIt) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::program_options_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace haptic_cloth {
+namespace haptic_cloth::program_test {
 namespace {
 
 constexpr int kRan = 7;
@@ -34,4 +34,4 @@ TEST(Program, RefusesOtherArguments) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::program_test

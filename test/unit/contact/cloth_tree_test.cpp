@@ -9,7 +9,7 @@
 #include <set>
 #include <utility>
 
-namespace haptic_cloth {
+namespace haptic_cloth::cloth_tree_test {
 namespace {
 
 constexpr double kSpacing = 4e-3;  // [m]
@@ -105,4 +105,4 @@ TEST(ClothTree, LeavesOutOnlyWhatStaysApart) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::cloth_tree_test

@@ -9,7 +9,7 @@
 
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::compression_law_test {
 namespace {
 
 constexpr double kFree = 0.9e-3, kPressed = 0.65e-3;  // T0, Tm of a suiting [m]
@@ -124,4 +124,4 @@ TEST(CompressionLaw, WithoutMeasurementIsTheContactLawWithoutItsLinearEnd) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::compression_law_test

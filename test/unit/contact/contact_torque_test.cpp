@@ -11,7 +11,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::contact_torque_test {
 namespace {
 
 constexpr double kRange = 5e-4;    // gap at which contact begins [m]
@@ -103,4 +103,4 @@ TEST(ContactTorque, IsAboutTheProxy) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::contact_torque_test

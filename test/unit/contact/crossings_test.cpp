@@ -12,7 +12,7 @@
 
 #include "support/exact_geometry.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::crossings_test {
 namespace {
 
 /// Flat cloth of unit cells. The functions below place its particles.
@@ -284,4 +284,4 @@ INSTANTIATE_TEST_SUITE_P(Random, CrumpledMesh,
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::crossings_test

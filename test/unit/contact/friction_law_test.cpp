@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace haptic_cloth {
+namespace haptic_cloth::friction_law_test {
 namespace {
 
 constexpr double kSlip = 3e-7;  // [m]
@@ -47,4 +47,4 @@ TEST(FrictionLaw, BlockIsTheChangeOfTheForce) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::friction_law_test

@@ -10,7 +10,7 @@
 #include "state/archive.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::friction_memory_test {
 namespace {
 
 const Grid kGrid{9, 17, 2, 0.004, 0.005};
@@ -74,4 +74,4 @@ TEST(SlipUnder, IsTheInverseOfTheForce) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::friction_memory_test

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-namespace haptic_cloth {
+namespace haptic_cloth::pair_geometry_test {
 namespace {
 
 /// A pair on a straight way.
@@ -122,4 +122,4 @@ TEST(PairOnWay, GoesAroundABorder) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::pair_geometry_test

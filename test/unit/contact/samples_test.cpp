@@ -14,7 +14,7 @@
 #include "contact/solid.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::samples_test {
 namespace {
 
 constexpr double kRange = 5e-4, kLow = 2e-4, kHigh = 7e-4;  // gaps at both ends of the cell [m]
@@ -264,4 +264,4 @@ TEST(ContactSet, ACoarseCellThatMovesMaySinkIntoAnObstacle) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::samples_test

@@ -18,7 +18,7 @@
 #include "support/folded_cloth.h"
 #include "support/scenes.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::self_contact_test {
 namespace {
 
 /// Adds a vector at all nodes of the upper layer of a hairpin that turns back at 40 mm [m].
@@ -594,4 +594,4 @@ TEST(SelfContact, TellsWhetherAChangeOfTheMeshHasRoom) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::self_contact_test

@@ -9,7 +9,7 @@
 #include "contact/contact_set.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::work_of_solids_test {
 namespace {
 
 constexpr double kRange = 5e-4;  // gap at which contact begins [m]
@@ -74,4 +74,4 @@ TEST(WorkOfSolids, IsForceTimesWayInStraightMotion) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::work_of_solids_test

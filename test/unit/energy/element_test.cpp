@@ -14,7 +14,7 @@
 #include "support/scalar_elements.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::element_test {
 namespace {
 
 using Eigen::VectorXd;
@@ -289,4 +289,4 @@ TEST(FrictionTest, ForceIsTheDerivativeAndReachesTheCoulombLimit) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::element_test

@@ -11,7 +11,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::history_test {
 namespace {
 
 const Grid kGrid{9, 9, 2, 0.01, 0.01};
@@ -134,4 +134,4 @@ TEST(ForceHistory, FreeBordersHaveNoMomentLeftFromEarlierMerges) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::history_test

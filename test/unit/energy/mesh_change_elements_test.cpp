@@ -12,7 +12,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::mesh_change_elements_test {
 namespace {
 
 const Grid kGrid{17, 9, 2, 0.01, 0.01};
@@ -183,4 +183,4 @@ INSTANTIATE_TEST_SUITE_P(Kinds, FabricChange,
                                           testing::Bool()));
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::mesh_change_elements_test

@@ -10,7 +10,7 @@
 
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::surface_normals_test {
 namespace {
 
 const Grid kGrid{17, 9, 1, 0.004, 0.005};
@@ -95,4 +95,4 @@ TEST(SurfaceNormals, StandOnASheetThatIsStretchedUnevenly) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::surface_normals_test

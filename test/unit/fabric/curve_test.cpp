@@ -9,7 +9,7 @@
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/loop.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::curve_test {
 namespace {
 
 const Curve kBent(-0.5, 0.25, {-3.0, -1.0, 0.0, 2.0, 7.0});
@@ -89,4 +89,4 @@ TEST(Curve, LinearAndZero) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::curve_test

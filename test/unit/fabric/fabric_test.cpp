@@ -16,7 +16,7 @@
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/types.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::fabric_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -435,4 +435,4 @@ TEST(ShippedFabrics, AllLoad) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::fabric_test

@@ -14,7 +14,7 @@
 #include "support/derivatives.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::loop_test {
 namespace {
 
 /// Law like that of bending: lines of slope 2, half width 5, |s| <= 256; or like tension: powers
@@ -202,4 +202,4 @@ TEST(LoopTest, HandsForceOver) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::loop_test

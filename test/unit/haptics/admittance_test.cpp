@@ -12,7 +12,7 @@
 #include "haptic_cloth/error.h"
 #include "haptics/admittance_loop.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::admittance_test {
 namespace {
 
 constexpr double kTick = 1e-3;
@@ -343,4 +343,4 @@ TEST(AdmittanceLoop, AnotherForceScaleLeavesTheToolOfTheHand) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::admittance_test

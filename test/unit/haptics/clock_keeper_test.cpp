@@ -17,7 +17,7 @@
 #include "haptics/quality_ladder.h"
 #include "support/scenes.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::clock_keeper_test {
 namespace {
 
 constexpr double kStep = 1e-3;  // [s]
@@ -374,4 +374,4 @@ TEST(QualityLadder, LeavesOutRungsThatChangeNothing) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::clock_keeper_test

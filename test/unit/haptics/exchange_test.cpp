@@ -14,7 +14,7 @@
 #include "haptic_cloth/simulation.h"
 #include "support/scenes.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::exchange_test {
 namespace {
 
 constexpr int kSteps = 60;
@@ -168,4 +168,4 @@ TEST(Exchange, AnAdmittanceSessionSharesWithoutLocks) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::exchange_test

@@ -13,7 +13,7 @@
 #include "sim/turn_spring.h"
 #include "support/scenes.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::haptic_session_test {
 namespace {
 
 constexpr double kRoundOff = 1e-9;
@@ -806,4 +806,4 @@ TEST(StepInterval, IsTheMeanOfTheTimeBetweenStepsWithoutPauses) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::haptic_session_test

@@ -13,7 +13,7 @@
 #include "haptics/lateness.h"
 #include "haptics/velocity_filter.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::haptics_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -465,4 +465,4 @@ TEST(LatenessHistogram, Quantiles) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::haptics_test

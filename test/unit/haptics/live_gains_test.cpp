@@ -9,7 +9,7 @@
 #include "haptics/gain_ramp.h"
 #include "support/straight.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::live_gains_test {
 namespace {
 
 constexpr double kRoundOff = 1e-9;  ///< relative: sums of a few thousand terms
@@ -178,4 +178,4 @@ TEST(LivePassivity, SpeedIsRightAtTheNewRateAndTheEnergyOfTheHandStays) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::live_gains_test

@@ -11,7 +11,7 @@
 #include "haptics/probe_tracker.h"
 #include "support/straight.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::probe_model_test {
 namespace {
 
 constexpr double kTick = 1e-3;
@@ -431,4 +431,4 @@ TEST(PassivityController, ADebtThatGrowsAgainWaitsLonger) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::probe_model_test

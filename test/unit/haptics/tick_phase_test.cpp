@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace haptic_cloth {
+namespace haptic_cloth::tick_phase_test {
 namespace {
 
 constexpr double kPeriod = 1e-3;
@@ -39,4 +39,4 @@ TEST(TickPhase, ASilentDeviceChangesNothing) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::tick_phase_test

@@ -8,7 +8,7 @@
 #include "contact/proxy.h"
 #include "haptic_cloth/haptics.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::torque_test {
 namespace {
 
 constexpr double kTick = 1e-3;
@@ -385,4 +385,4 @@ TEST(HapticTorque, GoesOnWhereTheForceScaleChanges) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::torque_test

@@ -13,7 +13,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::mesh_test {
 namespace {
 
 const Grid kGrid{49, 33, 3, 0.004, 0.005};
@@ -317,4 +317,4 @@ TEST(TransferTest, MomentumIsKeptThroughSplitsAndMerges) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::mesh_test

@@ -4,7 +4,7 @@
 
 #include "parallel/parallel_for.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::backoff_test {
 namespace {
 
 constexpr double kCost = 0.8;  // of loops on one thread, over their estimate: any number
@@ -116,4 +116,4 @@ TEST(Backoff, SharesLoopsThatTakeLessTimeThanOnOneThread) {
 TEST(Backoff, NoticesThatSharingPaysNow) { EXPECT_GT(shared(1.2, 5000), 5000 - 1100); }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::backoff_test

@@ -10,7 +10,7 @@
 
 #include "parallel/parallel_for.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::block_order_test {
 namespace {
 
 constexpr int kBlock = BlockOrder::kBlock;
@@ -68,4 +68,4 @@ TEST(BlockOrder, ChangesNoBitOfASum) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::block_order_test

@@ -8,7 +8,7 @@
 
 #include "parallel/parallel_for.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::team_test {
 namespace {
 
 constexpr int kMany = 100000;  // particles, so that a region uses as many threads as it may
@@ -67,4 +67,4 @@ TEST(Team, MakesTwoCallsAtOnce) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::team_test

@@ -6,7 +6,7 @@
 #include "scene/scene_options.h"
 #include "support/reference_file.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::options_test {
 namespace {
 
 TEST(SceneOptions, TheReferenceHasTheTables) { expectTables("docs/reference/scenes.md", sceneTables()); }
@@ -24,4 +24,4 @@ TEST(SceneOptions, EveryRowHasItsOwnKeyAndASentence) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::options_test

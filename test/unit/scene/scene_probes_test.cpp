@@ -4,7 +4,7 @@
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/scene.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::scene_probes_test {
 namespace {
 
 const std::string kCloth = "cloth: {fabric: linear}\n";
@@ -126,4 +126,4 @@ TEST(SceneObstacles, HaveNamesAndPaths) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::scene_probes_test

@@ -15,7 +15,7 @@
 #include "scene/option.h"
 #include "shape/shapes.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::scene_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -576,4 +576,4 @@ TEST(ShippedScenes, AllLoad) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::scene_test

@@ -12,7 +12,7 @@
 #include "contact/solid.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::shapes_test {
 namespace {
 
 const double kRounding = tolerance(8 * std::numeric_limits<double>::epsilon());
@@ -146,4 +146,4 @@ TEST(Shapes, AProbeIsASphereOrACapsule) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::shapes_test

@@ -12,7 +12,7 @@
 #include "support/derivatives.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::block_factor_test {
 namespace {
 
 constexpr double kEpsilon = 0x1p-52, kCondition = 1e7;
@@ -114,4 +114,4 @@ TEST(BlockFactorTest, StiffSpringsLetRowsMoveTogether) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::block_factor_test

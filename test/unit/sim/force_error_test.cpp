@@ -8,7 +8,7 @@
 #include "sim/cloth_world.h"
 #include "support/scenes.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::force_error_test {
 namespace {
 
 const Vec3 kNothing = Vec3::Zero();
@@ -192,4 +192,4 @@ TEST(UnbalancedForce, CountsTheProxy) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::force_error_test

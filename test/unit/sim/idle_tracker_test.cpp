@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace haptic_cloth {
+namespace haptic_cloth::idle_tracker_test {
 namespace {
 
 TEST(IdleTrackerTest, IsSavedAndLoadedAfterAFailedStep) {
@@ -44,4 +44,4 @@ TEST(IdleTrackerTest, KeepsThatNoLayersAreNear) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::idle_tracker_test

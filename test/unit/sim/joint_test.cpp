@@ -12,7 +12,7 @@
 #include "support/pressed_sheet.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::joint_test {
 namespace {
 
 class JointTest : public ObjectiveTest {
@@ -136,4 +136,4 @@ TEST_F(JointTest, QuadraticFormIsThatOfTheSquares) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::joint_test

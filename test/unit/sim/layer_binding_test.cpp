@@ -12,7 +12,7 @@
 #include "support/folded_cloth.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::layer_binding_test {
 namespace {
 
 constexpr double kOwn = 1e-3;  // so soft that all pairs are stiff beside it [N/m]
@@ -124,4 +124,4 @@ TEST_P(LayerBindingTest, LeavesSoftPairsAtTheirNodes) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::layer_binding_test

@@ -13,7 +13,7 @@
 #include "sim/cloth_world.h"
 #include "support/scenes.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::mesh_decisions_test {
 namespace {
 
 constexpr double kSize = 0.1;  // of the cell [m]
@@ -114,4 +114,4 @@ TEST(MeshDecisions, AFarFactorCountsForMergesToo) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::mesh_decisions_test

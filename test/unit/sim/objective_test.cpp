@@ -36,7 +36,7 @@ extern "C" void* malloc(std::size_t size) {
 }
 #endif
 
-namespace haptic_cloth {
+namespace haptic_cloth::objective_test {
 namespace {
 
 TEST_F(ObjectiveTest, GradientIsTheDerivative) {
@@ -258,4 +258,4 @@ TEST(Fold, StepsWithoutAllocating) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::objective_test

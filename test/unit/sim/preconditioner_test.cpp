@@ -18,7 +18,7 @@
 #include "support/pressed_sheet.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::preconditioner_test {
 namespace {
 
 constexpr double kLevels = 4.0, kRounding = 4.0 * kLevels * 0x1p-24;  // 17 × 17: spans 2, 4, 8, 16
@@ -221,4 +221,4 @@ TEST(Multilevel, IterationsDoNotGrowWithTheParticles) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::preconditioner_test

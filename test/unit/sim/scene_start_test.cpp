@@ -6,7 +6,7 @@
 #include "haptic_cloth/scene.h"
 #include "haptic_cloth/simulation.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::scene_start_test {
 namespace {
 
 Scene parse(const std::string& adapt) {
@@ -29,4 +29,4 @@ TEST(SceneStart, OtherStrategiesStartAsTheyMust) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::scene_start_test

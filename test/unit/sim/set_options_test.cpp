@@ -10,7 +10,7 @@
 #include "haptic_cloth/simulation.h"
 #include "scene/scene_options.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::set_options_test {
 namespace {
 
 class SetOptions : public ::testing::Test {
@@ -72,4 +72,4 @@ TEST_F(SetOptions, ChecksValuesAndHowTheyFit) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::set_options_test

@@ -12,7 +12,7 @@
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/scene.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::simulation_test {
 namespace {
 
 TEST(SimulationCalls, RefuseProbesAndObstaclesThatAreNotThere) {
@@ -115,4 +115,4 @@ TEST(SimulationCalls, ClothWithoutFreeNodesStaysWithEitherCost) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::simulation_test

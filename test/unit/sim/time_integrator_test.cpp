@@ -13,7 +13,7 @@
 #include "sim/rigid_motion.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::time_integrator_test {
 namespace {
 
 constexpr double kStep = 1e-3;       // [s]
@@ -295,4 +295,4 @@ TEST(TimeIntegrator, StoppedClothStays) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::time_integrator_test

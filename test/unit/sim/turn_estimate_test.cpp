@@ -16,7 +16,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::turn_estimate_test {
 namespace {
 
 /// Square weightless sheet of linear fabric, whose nodes a test puts where it likes.
@@ -134,4 +134,4 @@ TEST_F(TurnOfASheet, CarriesItsTensionTimesItsLength) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::turn_estimate_test

@@ -29,7 +29,7 @@
 #include "support/scenes.h"
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::lanes_test {
 namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
@@ -486,4 +486,4 @@ TEST(SamplePacks, FrictionAlongAMotionIsTheChangeOfItsForce) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::lanes_test

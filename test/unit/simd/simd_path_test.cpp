@@ -9,7 +9,7 @@
 #include "simd/kernels.h"
 #include "simd/path.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::simd_path_test {
 namespace {
 
 const std::vector<SimdPath> kOldMachine{
@@ -54,4 +54,4 @@ TEST(SimdPath, ProcessorHasAName) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::simd_path_test

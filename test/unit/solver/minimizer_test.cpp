@@ -10,7 +10,7 @@
 
 #include "support/tolerance.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::minimizer_test {
 namespace {
 
 /// Problem Σ ½ s_k (x_k - 1)² with stiffness ratios up to 1e4, or the Rosenbrock valley.
@@ -239,4 +239,4 @@ TEST(MinimizerTest, ReportsWhatIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::minimizer_test

@@ -10,7 +10,7 @@
 #include "haptic_cloth/error.h"
 #include "support/state_cases.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::continuation_test {
 namespace {
 
 /// Number of steps after loading: longer than any counter (age of cells, steps to sleep).
@@ -130,4 +130,4 @@ TEST(Continuation, WouldDifferWithoutAnyOfItsEntries) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::continuation_test

@@ -21,7 +21,7 @@
 
 #include "haptic_cloth/error.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::new_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -223,4 +223,4 @@ TEST_F(NewFileTest, ALinkToAFileThatIsNotThereYetStays) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::new_file_test

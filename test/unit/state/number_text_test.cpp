@@ -6,7 +6,7 @@
 #include <locale>
 #include <string>
 
-namespace haptic_cloth {
+namespace haptic_cloth::number_text_test {
 namespace {
 
 /// Numbers with a comma, as in much of Europe.
@@ -32,4 +32,4 @@ TEST(NumberText, IsReadAsAWhole) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::number_text_test

@@ -11,7 +11,7 @@
 #include "haptic_cloth/machine.h"
 #include "support/state_cases.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::recording_test {
 namespace {
 
 /// Recording of a run of a case, with every kind of line.
@@ -122,4 +122,4 @@ TEST(Recording, SaysWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::recording_test

@@ -19,7 +19,7 @@
 #include "support/scenes.h"
 #include "support/state_cases.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::state_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -402,4 +402,4 @@ TEST(LargestState, LeavesRoomForEveryState) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::state_test

@@ -14,7 +14,7 @@
 #include "tools/kes_values.h"
 #include "tools/specimen.h"
 
-namespace haptic_cloth {
+namespace haptic_cloth::kes_test_test {
 namespace {
 
 std::vector<std::string> shippedFabrics() {
@@ -167,4 +167,4 @@ TEST(BiasBending, TwistTermMakesItUp) {
 }
 
 }  // namespace
-}  // namespace haptic_cloth
+}  // namespace haptic_cloth::kes_test_test

@@ -22,6 +22,7 @@
 #include "simd/path.h"
 #include "support/state_cases.h"
 
+namespace haptic_cloth::simulate_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -167,8 +168,8 @@ TEST_F(Simulate, SummaryHasItsKeys) {
   EXPECT_NEAR(summary["simulated_time"].get<double>(), 0.03, 1e-12);
   EXPECT_NEAR(summary["mass"].get<double>(), 0.15 * 0.08 * 0.04, 1e-15);
   EXPECT_EQ(summary["probe_force"].size(), 3u);
-  EXPECT_EQ(summary["processor"], haptic_cloth::processorName());
-  EXPECT_EQ(summary["simd"], haptic_cloth::instructionSet());
+  EXPECT_EQ(summary["processor"], processorName());
+  EXPECT_EQ(summary["simd"], instructionSet());
   EXPECT_EQ(summary["probe_force_of"], "probe");
 }
 
@@ -291,7 +292,7 @@ TEST_F(Simulate, PathsAgreeWithinTheTolerance) {
   for (const std::string fabric : {"linen.yaml", "winter_suiting"}) {
     std::string first;
     std::vector<double> expected;
-    for (const haptic_cloth::SimdPath& path : haptic_cloth::simdPaths()) {
+    for (const SimdPath& path : simdPaths()) {
       if (!path.available) continue;
       const Outcome outcome =
           run("scene.yaml --set adapt.strategy=finest --set solver.tolerance=1e-4 "
@@ -349,8 +350,7 @@ TEST_F(Simulate, PrintsWithoutOut) {
   const Outcome outcome = run("scene.yaml");
   EXPECT_EQ(outcome.status, 0) << outcome.error;
   EXPECT_NE(outcome.output.find("active particles"), std::string::npos);
-  const std::string machine =
-      "processor " + haptic_cloth::processorName() + "; kernels for " + haptic_cloth::instructionSet() + "\n";
+  const std::string machine = "processor " + processorName() + "; kernels for " + instructionSet() + "\n";
   EXPECT_NE(outcome.output.find(machine), std::string::npos) << outcome.output;
   const Outcome help = run("--help");
   EXPECT_EQ(help.status, 0);
@@ -421,7 +421,7 @@ TEST_F(Simulate, TakesEverySpellingOfAnOption) {
 
 TEST_F(Simulate, RefusesInstructionSetsItCannotUse) {
   std::string here, lacks;
-  for (const haptic_cloth::SimdPath& path : haptic_cloth::simdPaths()) {
+  for (const SimdPath& path : simdPaths()) {
     if (path.available) here += (here.empty() ? "" : ", ") + path.name;
     if (!path.available) lacks = path.name;
   }
@@ -742,13 +742,12 @@ TEST_F(Simulate, RefusesAStartThatCrossesItself) {
   EXPECT_GT(nlohmann::json::parse(readText(folder_ / "crossed/summary.json"))["crossings"], 0);
   EXPECT_EQ(run(scene + off + "--set stop.time=0.062 --resume crossed.state").status, 0);
 
-  std::vector<haptic_cloth::StateEntry> entries =
-      haptic_cloth::stateEntries(readText(folder_ / "crossed.state"));
+  std::vector<StateEntry> entries = stateEntries(readText(folder_ / "crossed.state"));
   const auto entry = std::find_if(entries.begin(), entries.end(),
                                   [](const auto& e) { return e.name == "cloth.self_contact"; });
   ASSERT_NE(entry, entries.end());
   entry->bytes[0] = 1;
-  write("on.state", haptic_cloth::sealState(entries));
+  write("on.state", sealState(entries));
   expectRefused(scene + "--set stop.time=0.062 --resume on.state",
                 {"on.state: cloth = ", " crossings, first of cells (", ") at [",
                  "must not pass through itself", "cannot untangle"});
@@ -770,3 +769,4 @@ TEST_F(Simulate, RefusesStatesItCannotUse) {
 }
 
 }  // namespace
+}  // namespace haptic_cloth::simulate_test
