@@ -32,7 +32,7 @@ unit='-Structure.*:Simulate*.*:KesTest*.*'
 
 if [ "$mode" = address ]; then
   targets=(fuzz_tests unit_tests)
-  configure=(-DHAPTIC_CLOTH_SANITIZE=address,undefined -DCMAKE_CXX_FLAGS=-O1)
+  configure=(-DHAPTIC_CLOTH_SANITIZE=address,undefined "-DCMAKE_CXX_FLAGS=-O1 -D_GLIBCXX_ASSERTIONS")
 else
   compiler="$(command -v clang++ || command -v clang++-14)"
   # The tool must have the version of the compiler's libomp.

@@ -40,8 +40,8 @@ struct SolverOptions {
   /// Particles slower than this for 50 steps fall asleep [m/s]; 0: none do. They keep their
   /// position until the force on them changes, and cost one evaluation a step.
   double sleep_speed = 3e-4;
-  /// Largest number of threads; 0: one for each core, of which the ROS node leaves one to its
-  /// haptic thread. A step with few particles uses fewer.
+  /// Largest number of threads; 0: one for each core, or OMP_NUM_THREADS. The ROS node then leaves one
+  /// core to its haptic thread. A step with few particles uses fewer.
   int threads = 0;
 };
 

@@ -58,8 +58,8 @@ class Simulation {
   void setGrasp(int probe, bool closed);
 
   /// Sets the target pose of an obstacle. It moves there in the following steps, at most a quarter
-  /// of its narrowest half-width in each. A pose that is not finite or beyond
-  /// kFarthestPose is ignored.
+  /// of its narrowest half-width and 0.25 rad about an axis of symmetry in each. A pose that is not finite or
+  /// beyond kFarthestPose is ignored.
   void moveObstacle(int obstacle, const Pose& pose);
 
   /// Changes options from the next step on. The solver's time_step, integrator, cost,
@@ -88,7 +88,8 @@ class Simulation {
   std::string saveState() const;
 
   /// Continues from a saved state, bit for bit, with any number of threads. The scenes must be
-  /// equal except for paths, grasps, stop, threads and time budget.
+  /// equal except for paths, orientations on them, grasps, stop, threads and time budget. A path that gives
+  /// an obstacle its position must begin at the same place.
   /// @param origin name of the source in messages
   /// @throws InputError naming the difference or error, or the place where cloth that meetsItself()
   /// passes through itself; the simulation is then unchanged

@@ -5,12 +5,17 @@
 
 namespace haptic_cloth {
 
-using Vec3 = Eigen::Vector3d;     ///< a vector in space
-using Mat3 = Eigen::Matrix3d;     ///< a linear map of such vectors
-using Quat = Eigen::Quaterniond;  ///< a rotation, of norm 1
+using Vec3 = Eigen::Vector3d;  ///< a vector in space
+using Mat3 = Eigen::Matrix3d;  ///< a linear map of such vectors
+/// A rotation, of norm 1.
+using Quat = Eigen::Quaternion<double, Eigen::DontAlign>;
 
-using Vec6 = Eigen::Matrix<double, 6, 1>;  ///< a vector for motion, then one for turns
-using Mat6 = Eigen::Matrix<double, 6, 6>;  ///< a linear map of such pairs
+using Vec6 = Eigen::Matrix<double, 6, 1>;                    ///< a vector for motion, then one for turns
+using Mat6 = Eigen::Matrix<double, 6, 6, Eigen::DontAlign>;  ///< a linear map of such pairs
+
+// A program compiled with -mavx or -march=native must see the same types as the library. Eigen would align
+// those that it can to whole registers.
+static_assert(alignof(Quat) <= 16 && alignof(Vec6) <= 16 && alignof(Mat6) <= 16, "see above");
 
 inline Vec6 joined(const Vec3& motion, const Vec3& turn) { return (Vec6() << motion, turn).finished(); }
 

@@ -1,6 +1,7 @@
 #include "contact/friction_memory.h"
 
 #include <algorithm>
+#include <climits>
 #include <cmath>
 
 namespace haptic_cloth {
@@ -59,9 +60,8 @@ Vec3 FrictionMemory::find(int solid, const FlatPoint& at) const {
 }
 
 void FrictionMemory::serialize(Archive& archive, int solids) {
-  constexpr std::size_t kMost = 64;  // samples of a solid for each particle, far more than there are
   if (archive.loads()) clear();
-  archive.length("samples", entries_, kMost * grid_.particles() * solids);
+  archive.length("samples", entries_, INT_MAX);
   archive.each("solid", entries_, &Entry::solid);
   archive.each("u", entries_, &Entry::u);
   archive.each("v", entries_, &Entry::v);

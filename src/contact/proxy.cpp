@@ -8,7 +8,8 @@ namespace haptic_cloth {
 
 Quat rotationBy(const Vec3& turn) {
   const double angle = turn.norm();
-  return angle > 0.0 ? Quat(Eigen::AngleAxisd(angle, turn / angle)) : Quat::Identity();
+  if (!(angle > 0.0)) return Quat::Identity();
+  return Quat(Eigen::AngleAxisd(angle, turn / angle));
 }
 
 Vec3 turnBetween(const Quat& from, const Quat& to) {

@@ -15,6 +15,7 @@ BendEnergy::BendEnergy(const std::array<Loop, 2>& laws, const ActiveMesh& mesh)
 
 void BendEnergy::holdFolds(const Surface& at) {
   held_.assign(elements(), 0.0);
+  if (isZero()) return;  // without elements
   for (const int t : at.normals.sharpFolds()) {
     const double bent = deformation(t, at), moment = loop(t).force(step(t).play, bent);
     held_[t] = bent * moment > 0.0 ? area(t) * moment / bent : 0.0;

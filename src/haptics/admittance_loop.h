@@ -36,8 +36,8 @@ class AdmittanceLoop {
 
   bool started() const { return started_; }
 
-  /// The tool as the device of the probe. Its time of receipt is that of the last good force, so a
-  /// tool whose hand is silent for long leaves the scene as a device does.
+  /// The tool as the device of the probe. Its time of receipt is that of the last tick with a
+  /// force that was not stale, so a tool whose hand is silent for long leaves the scene as a device does.
   const DeviceSample& device() const { return device_; }
 
   const Vec3& position() const { return tool_.position(); }  ///< target of the tool [m]

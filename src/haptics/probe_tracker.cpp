@@ -85,7 +85,7 @@ void ProbeTracker::learn(const Vec6& device_moved, const Vec6& proxy_moved) {
   const Mat6 secant =
       follow_ + change + change.transpose() - wrong.dot(direction) * device_moved * direction.transpose();
   if (!secant.allFinite()) return;
-  const Eigen::SelfAdjointEigenSolver<Mat6> solver(secant);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(secant);
   const Vec6 bounded = solver.eigenvalues().cwiseMax(0.0).cwiseMin(1.0);
   follow_ = solver.eigenvectors() * bounded.asDiagonal() * solver.eigenvectors().transpose();
 }

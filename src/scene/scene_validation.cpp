@@ -19,6 +19,7 @@ constexpr double kMostParticles = 1 << 24;  ///< so that every index and offset 
 constexpr double kMostContacts = 1 << 26;
 constexpr std::size_t kMostProbes = 64, kMostObstacles = 1024, kMostPins = 4096;
 constexpr double kFinestProbe = 0.02;  ///< smallest radius of a probe / finest spacing [-]
+constexpr double kMostSlender = 1e5;   ///< largest spacing of particles / thickness of the fabric [-]
 constexpr double kMostSides = 10.0;    ///< largest radius of a probe / longer side of the cloth [-]
 
 /// Prints a count that is far too large with six digits.
@@ -74,6 +75,10 @@ void checkGrid(const Check& check, const ClothOptions& cloth, const AdaptOptions
   }
   const double count = static_cast<double>(cloth.particles[0]) * cloth.particles[1];
   check.that(count <= kMostParticles, "cloth.particles", rounded(count), "the product must be at most 2^24");
+  const double spacing =
+      std::max(cloth.size[0] / (cloth.particles[0] - 1), cloth.size[1] / (cloth.particles[1] - 1));
+  check.that(spacing <= kMostSlender * cloth.fabric.thickness, "cloth.size", spacing,
+             "the spacing of particles in m, must be at most 100000 times the fabric's thickness");
 }
 
 void checkPins(const Check& check, const ClothOptions& cloth) {
@@ -240,8 +245,8 @@ void checkScene(const Scene& checked, const Locate& locate) {
   check.options("", worldOptions(scene));
   checkSteps(check, stepOptions(scene));
   check.options("stop.", optionsOf(scene.stop));
-  checkGrid(check, scene.cloth, scene.adapt);
   checkFabric(check, scene.cloth.fabric);
+  checkGrid(check, scene.cloth, scene.adapt);
   checkPins(check, scene.cloth);
   const double contacts = static_cast<double>(scene.cloth.particles[0]) * scene.cloth.particles[1] *
                           static_cast<double>(scene.obstacles.size() + scene.probes.size());

@@ -164,7 +164,7 @@ class ClothObjective : public Objective {
 
   double timeStep() const { return integrator_.stepLength(); }  ///< length of the step [s]
 
-  /// Unit of residuals: |gravity|, or 9.81 without gravity [m/s²].
+  /// Unit of residuals: |gravity|, or 9.80665 without gravity [m/s²].
   double accelerationUnit() const { return acceleration_unit_; }
 
   /// residual() of a state with this motionCost() [J]; 0 if nothing is free to move.

@@ -76,7 +76,8 @@ void ClothWorld::takeStep(int length, StepReport& report) {
   report.time = time();
   report.active_particles = cloth_.mesh().active();
   report.awake_particles = solver_.objective().awake().count();
-  idle_.note(report, probes_, scene_.solver.sleep_speed);
+  const long adapts = static_cast<long>(scene_.adapt.minimum_age) + scene_.adapt.interval;
+  idle_.note(report, probes_, scene_.solver.sleep_speed, static_cast<int>(std::min(adapts, INT_MAX / 2L)));
 }
 
 /// Changes the mesh, if it is time for a decision and the cloth asks for it.

@@ -17,7 +17,7 @@ bool IdleTracker::isIdle(const Probes& probes, const ContactSet& contacts) const
   return true;
 }
 
-void IdleTracker::note(const StepReport& report, const Probes& probes, double sleep_speed) {
+void IdleTracker::note(const StepReport& report, const Probes& probes, double sleep_speed, int adapts) {
   const auto& reports = probes.reports();
   const bool proxies_rest = std::all_of(reports.begin(), reports.end(),
                                         [&](const ProbeReport& probe) {
@@ -25,9 +25,9 @@ void IdleTracker::note(const StepReport& report, const Probes& probes, double sl
                                         }) &&
                             probes.fastestTurn() < sleep_speed;
   const bool changed = !devicesStay(probes) || report.refined > 0 || report.coarsened > 0 || report.failed;
-  constexpr int kEnough = SleepTracker::kSteps;  // the mesh has had time to adapt
-  quiet_ = report.awake_particles == 0 && proxies_rest && !changed ? std::min(quiet_, kEnough - 1) + 1 : 0;
-  idle_ = quiet_ >= kEnough;
+  const int enough = std::max(SleepTracker::kSteps, adapts);
+  quiet_ = report.awake_particles == 0 && proxies_rest && !changed ? std::min(quiet_, enough - 1) + 1 : 0;
+  idle_ = quiet_ >= enough;
   probes_ = probes.steps();
   // That of a failed step may not be finite.
   if (!report.failed) skipped_.minimizer.residual = report.minimizer.residual;

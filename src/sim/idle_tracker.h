@@ -21,7 +21,8 @@ class IdleTracker {
 
   /// Records a solved step.
   /// @param sleep_speed proxies slower than this rest [m/s]
-  void note(const StepReport& report, const Probes& probes, double sleep_speed);
+  /// @param adapts number of steps in which the mesh has had time to adapt
+  void note(const StepReport& report, const Probes& probes, double sleep_speed, int adapts);
 
   /// Makes the next steps be solved, after a change that the inputs do not show.
   void forget();

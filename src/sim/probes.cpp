@@ -19,7 +19,7 @@ constexpr double kLargestTurn = 0.25;
 /// Turns by at most `most` [rad] towards an orientation.
 Quat towards(const Quat& from, const Quat& to, double most) {
   const double angle = from.angularDistance(to);
-  return angle > most ? from.slerp(most / angle, to) : to;
+  return angle > most ? Quat(from.slerp(most / angle, to)) : to;
 }
 
 Vec3 smaller(const Vec3& a, const Vec3& b) { return a.squaredNorm() <= b.squaredNorm() ? a : b; }
@@ -138,7 +138,7 @@ void Probes::accept(const ClothObjective& solved, const ContactSet& contacts, co
     report.torque = torque;
     report.contact = report.grasps || contacts.probeTouched(k);
     report.inside = !memories_[k].has_been_clear;
-    report.orientation = steps_[k].turns ? solved.orientation(k).normalized() : steps_[k].prescribed;
+    report.orientation = steps_[k].turns ? Quat(solved.orientation(k).normalized()) : steps_[k].prescribed;
     memories_[k].spin = solved.turn(k) / solved.timeStep();
     report.turn_radius = steps_[k].turns ? std::sqrt(turnRadiusSquared(scene_.probes[k])) : 0.0;
     steps_[k].proxy = report.proxy;

@@ -125,7 +125,7 @@ std::size_t Archive::sizeOf(Type type) {
   return sizeof(double);
 }
 
-bool Archive::isTurn(const Eigen::Quaterniond& turn) {
+bool Archive::isTurn(const Quat& turn) {
   constexpr double kNorm = 1e-3;  // same tolerance as in scenes
   return std::abs(turn.norm() - 1.0) <= kNorm;
 }

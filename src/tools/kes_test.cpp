@@ -8,6 +8,8 @@
 #include <sstream>
 #include <string>
 
+#include "fabric/fabric_search.h"
+#include "fabric/yaml_reader.h"
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/fabric.h"
 #include "state/new_file.h"
@@ -122,6 +124,8 @@ int test(const Arguments& arguments) {
       throw UsageError("--plot: " + arguments.plot + ": must not be the file of --out");
   }
   const std::string found = findFabric(arguments.fabric, ".");
+  if (found.empty() && !std::filesystem::exists(arguments.fabric))
+    throw InputError(arguments.fabric, "", "", "must be a fabric file or one of " + joined(fabricNames(".")));
   const Fabric fabric = loadFabric(found.empty() ? arguments.fabric : found);
   const KesTest test = kTests.at(arguments.test);
   const Direction direction = kDirections.at(arguments.direction);

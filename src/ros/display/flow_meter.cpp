@@ -102,9 +102,12 @@ std::vector<const Flow*> FlowMeter::flows() const {
   return all;
 }
 
-bool FlowMeter::allFlow() const {
-  const std::vector<const Flow*> all = flows();
-  return std::all_of(all.begin(), all.end(), [](const Flow* flow) { return flow->count > 0; });
+std::string FlowMeter::missing() const {
+  std::string names;
+  for (const Flow* flow : flows()) {
+    if (flow->count == 0) names += (names.empty() ? "" : ", ") + flow->name;
+  }
+  return names;
 }
 
 void FlowMeter::clear() {

@@ -32,8 +32,8 @@ class FlowMeter {
   FlowMeter(ros::NodeHandle& node, const std::vector<std::string>& probes, double reaction_rate,
             double display_rate);
 
-  /// Whether every topic has delivered a message.
-  bool allFlow() const;
+  /// Topics that have not delivered a message since clear(), joined by commas.
+  std::string missing() const;
   void clear();
 
   /// Report on the last `seconds` in one line.

@@ -58,10 +58,29 @@ std::optional<std::string> typeOnMaster(const std::string& topic) {
 
 PoseAdapter::PoseAdapter(ros::NodeHandle& node, const AdapterOptions& options)
     : options_(options),
+      node_(node),
       pose_(node.advertise<geometry_msgs::PoseStamped>(topics::kPose, topics::kPoseQueue)),
       gate_(0.0, HapticOptions().pose_timeout) {
-  subscriber_ = node.subscribe(topics::kDevicePose, topics::kPoseQueue, &PoseAdapter::accept, this,
-                               ros::TransportHints().tcpNoDelay());
+  subscribe();
+}
+
+void PoseAdapter::subscribe() {
+  subscriber_.shutdown();
+  subscriber_ = node_.subscribe(topics::kDevicePose, topics::kPoseQueue, &PoseAdapter::accept, this,
+                                ros::TransportHints().tcpNoDelay());
+}
+
+void PoseAdapter::look() {
+  if (steadyNow() - asked_ < kAskPeriod) return;
+  asked_ = steadyNow();
+  const std::optional<std::string> type = typeOnMaster(node_.resolveName(topics::kDevicePose));
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!type || type_.empty() || *type == type_) return;
+    type_ = *type;
+  }
+  ROS_INFO_STREAM("a driver publishes positions as " << *type << " now");
+  subscribe();
 }
 
 void PoseAdapter::accept(const ros::MessageEvent<topic_tools::ShapeShifter const>& event) {
@@ -77,12 +96,15 @@ void PoseAdapter::accept(const ros::MessageEvent<topic_tools::ShapeShifter const
   const topic_tools::ShapeShifter::ConstPtr message = event.getConstMessage();
   if (message->getMD5Sum() != md5sum_) {
     md5sum_ = message->getMD5Sum();
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      type_ = message->getDataType();
+    }
     reader_ = findPositionReader(md5sum_);
     if (reader_) {
       ROS_INFO_STREAM("positions from " << message->getDataType());
     } else {
-      ROS_ERROR_STREAM(message->getDataType() << ": no known type of position; for another one restart this "
-                                                 "program, whose subscription keeps the first type");
+      ROS_ERROR_STREAM(message->getDataType() << ": no known type of position");
     }
   }
   if (!reader_) return;

@@ -36,15 +36,24 @@ class PoseAdapter {
  public:
   PoseAdapter(ros::NodeHandle& node, const AdapterOptions& options);
 
+  /// Subscribes again if a driver with another type has come: roscpp keeps to the first type. Call it every
+  /// few milliseconds, from one thread.
+  void look();
+
  private:
+  void subscribe();
   void accept(const ros::MessageEvent<topic_tools::ShapeShifter const>& event);
 
   AdapterOptions options_;
+  ros::NodeHandle node_;
   ros::Publisher pose_;
   std::string md5sum_;               ///< of the newest message; empty before the first
   PositionReader reader_ = nullptr;  ///< for messages with that sum
-  PoseGate gate_;                    ///< keeps to the first sender, as the node's does
-  ros::Subscriber subscriber_;       ///< last member: its callbacks use all members above
+  std::mutex mutex_;                 ///< protects the next one
+  std::string type_;            ///< of the newest message, or of the driver for which it subscribed again
+  double asked_ = -1.0;         ///< last question to the master for the type, steady clock [s]
+  PoseGate gate_;               ///< keeps to the first sender, as the node's does
+  ros::Subscriber subscriber_;  ///< last member: its callbacks use all members above
 };
 
 /// probe/reaction → device/force (a type of driver_messages.h). Sends zero if the node is silent, if a force

@@ -19,7 +19,8 @@ bool DropNotice::isDue(Reason reason, double now) {
 std::string DropNotice::unknownFrame(const std::string& frame, double now) {
   if (!isDue(Reason::UnknownFrame, now)) return "";
   return "all " + what_ + " are dropped: they are in '" + frame + "', and tf has no way from there to '" +
-         cloth_frame_ + "'. Broadcast it, correct frame_id, or set device/use_tf: false";
+         cloth_frame_ +
+         "'. Broadcast it or correct frame_id; device/use_tf: false takes a device's as they are";
 }
 
 std::string DropNotice::late(double age, double max_age, double now) {

@@ -1,4 +1,4 @@
-/// Log messages that say why all messages of a device are dropped.
+/// Log messages that say why all messages on a topic are dropped.
 #pragma once
 
 #include <set>

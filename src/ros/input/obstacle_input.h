@@ -4,6 +4,7 @@
 #include <geometry_msgs/PoseStamped.h>
 
 #include "ros/input/drop_counters.h"
+#include "ros/input/drop_notice.h"
 #include "ros/input/frame_lookup.h"
 #include "ros/node/shared_state.h"
 
@@ -16,7 +17,8 @@ class ObstacleInput {
       : frames_(frames),
         shared_(shared),
         turns_(obstacle.shape != Shape::Sphere),
-        orientation_(obstacle.pose.orientation) {}
+        orientation_(obstacle.pose.orientation),
+        notice_("poses of obstacle " + obstacle.name, frames.clothFrame()) {}
 
   /// @param received steady clock [s]
   void accept(const geometry_msgs::PoseStamped& pose, double received);
@@ -30,6 +32,7 @@ class ObstacleInput {
   Quat orientation_;  ///< last good one in the cloth's frame
   std::uint64_t sent_ = 0;
   DropCounters counters_;
+  DropNotice notice_;
 };
 
 }  // namespace haptic_cloth

@@ -35,7 +35,9 @@ NodeOptions parseNodeOptions(const XmlRpcValue& parameters, const std::string& o
   const XmlRpcValue scene = root.rest();
   if (options.scene_file.empty()) {
     if (!scene.hasMember("cloth"))
-      throw InputError(origin, "scene_file", "", "is required, unless the parameters hold a scene");
+      throw InputError(
+          origin, "scene_file", "",
+          "is required, unless the parameters hold a scene; a scene file that is empty gives none");
     options.scene = parseScene(toYaml(scene, origin, ""), origin, options.scene_directory);
   } else {
     options.overrides = toOverrides(scene, origin);

@@ -14,7 +14,7 @@
 
 namespace {
 
-constexpr long kLook = 10;    ///< interval between two calls of ForceAdapter::look() [ms]
+constexpr long kLook = 10;    ///< interval between two looks of the adapters [ms]
 constexpr double kEnd = 5.0;  ///< longest time for the zeros and for signing off at the master [s]
 
 int run(int argc, char** argv) {
@@ -38,7 +38,10 @@ int run(int argc, char** argv) {
   // Two threads, so that a pose does not wait for a force.
   ros::AsyncSpinner spinner(2);
   spinner.start();
-  while (!asked && ros::ok() && !signals.wait(kLook)) forces.look();
+  while (!asked && ros::ok() && !signals.wait(kLook)) {
+    poses.look();
+    forces.look();
+  }
   haptic_cloth::endWithin(kEnd);
   forces.end();
   spinner.stop();

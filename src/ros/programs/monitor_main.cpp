@@ -18,6 +18,9 @@ namespace {
 
 using haptic_cloth::MonitorOptions;
 
+constexpr double kSettle = 0.5;  ///< messages that waited for the connections arrive in this time [s]
+constexpr double kSilent = 2.0;  ///< time without all topics, after which it says which are missing [s]
+
 /// Handles messages until `end` (steady clock [s]) or until ROS is shut down.
 void spinUntil(double end) {
   for (double left = 1.0; ros::ok() && left > 0.0; left = end - haptic_cloth::steadyNow()) {
@@ -64,11 +67,15 @@ int run(int argc, char** argv) {
   // One meter for the line, one for the whole time.
   haptic_cloth::FlowMeter second(node, probes, options.reaction_rate, options.display_rate);
   haptic_cloth::FlowMeter whole(node, probes, options.reaction_rate, options.display_rate);
-  const double give_up = haptic_cloth::steadyNow() + options.patience;
-  while (ros::ok() && !whole.allFlow() && haptic_cloth::steadyNow() < give_up) {
+  const double begin = haptic_cloth::steadyNow();
+  bool said = false;
+  while (ros::ok() && !whole.missing().empty() && haptic_cloth::steadyNow() < begin + options.patience) {
     spinUntil(haptic_cloth::steadyNow() + 0.1);
+    if (said || whole.missing().empty() || haptic_cloth::steadyNow() < begin + kSilent) continue;
+    say("no messages yet: " + whole.missing());
+    said = true;
   }
-  if (ros::ok() && !whole.allFlow()) say("not everything flows yet");
+  spinUntil(haptic_cloth::steadyNow() + kSettle);
 
   second.clear();
   whole.clear();

@@ -292,7 +292,7 @@ TEST_F(ProcessFaultTest, AKilledMasterIsNotFelt) {
 
 int main(int argc, char** argv) {
   if (haptic_cloth::isHand(argc, argv)) return haptic_cloth::runHand(argc, argv);
-  setenv("ROS_MASTER_URI", haptic_cloth::master().uri().c_str(), 1);
+  setenv("ROS_MASTER_URI", haptic_cloth::process_faults_test::master().uri().c_str(), 1);
   testing::InitGoogleTest(&argc, argv);
   ros::init(argc, argv, "ros_process_faults_test");
   return RUN_ALL_TESTS();

@@ -321,6 +321,25 @@ TEST_F(AdapterTest, ADriversPositionIsAPose) {
   EXPECT_EQ(pose.pose.orientation.w, 1.0);
 }
 
+/// roscpp keeps to the type that a subscription has received first.
+TEST_F(AdapterTest, ADriverWithAnotherTypeIsHeard) {
+  start({});
+  std::atomic<double> height{0.0};
+  const ros::Subscriber poses = node_.subscribe<geometry_msgs::PoseStamped>(
+      "alone/pose", 1,
+      [&](const geometry_msgs::PoseStamped::ConstPtr& message) { height = message->pose.position.z; });
+  const auto sender = [](const std::vector<std::string>& message) {
+    std::vector<std::string> command{"rostopic", "pub", "-r", "50", "/alone/device_pose"};
+    command.insert(command.end(), message.begin(), message.end());
+    return std::make_unique<Process>(command);
+  };
+  std::unique_ptr<Process> driver = sender({"geometry_msgs/Point", "[0, 0, 1.0]"});
+  ASSERT_TRUE(waitFor([&] { return height == 1.0; })) << process_->output();
+  driver = nullptr;
+  driver = sender({"geometry_msgs/Twist", "[0, 0, 2.0]", "[0, 0, 0]"});
+  EXPECT_TRUE(waitFor([&] { return height == 2.0; })) << process_->output();
+}
+
 /// Two other nodes send without pause, each its own height. Criterion: the adapter changes from one to the
 /// other only after 50 ms of silence, so at most so often as 50 ms fit into the time, however busy the
 /// machine is.

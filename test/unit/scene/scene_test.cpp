@@ -335,6 +335,11 @@ TEST(Scene, ImpossibleValuesAreNamed) {
        {withCloth("self_friction: -0.1"), "scene: cloth.self_friction = -0.1: must be >= 0"},
        {withCloth("size: [0.3, 0]"), "scene: cloth.size[1] = 0: must be > 0"},
        {withCloth("size: [0.3, 1e7]"), "scene: cloth.size[1] = 1e+07: must be at most 1e6"},
+       {withCloth("size: [0.3, 1e5]"),
+        "scene: cloth.size = 1315.7894736842106: the spacing of particles in m, must be at most 100000 times "
+        "the "
+        "fabric's "
+        "thickness"},
        {ok + "stop: {time: 1e13}", "scene: stop.time = 1e+13: must be within 1e-12 to 1e12"},
        {ok + "solver: {time_step: 2}", "scene: solver.time_step = 2: must be at most 1"},
        {ok + "solver: {time_step: 1e-13}", "scene: solver.time_step = 1e-13: must be within 1e-12 to 1e12"},

@@ -222,6 +222,26 @@ TEST_F(State, ImpossibleValuesAreRefusedByName) {
 
 /// Steps at rest count on after a state whose counters are as large as a state may have them: the next
 /// state can be loaded as well. A counter that grew with each step would come there after days.
+/// Cloth of few particles under a thin capsule has many samples for each of them.
+TEST(ThinProbe, LeavesAStateThatCanBeLoaded) {
+  Scene scene = sheetScene(makeFabric(LinearFabric()), 3, 3, 0.3, 0.3);
+  pin(scene, 0, 0, 0, 2);
+  pin(scene, 2, 2, 0, 2);
+  scene.probes[0].radius = 0.008;
+  scene.probes[0].length = 0.3;
+  Simulation simulation(scene), other(scene);
+  DeviceState device;
+  device.orientation = Quat(Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitX()));
+  for (int step = 0; step < 300; ++step) {
+    device.position.z() = 0.018 - 1e-4 * step;
+    simulation.setDevice(0, device);
+    simulation.step();
+  }
+  ASSERT_TRUE(simulation.probe().contact);
+  other.loadState(simulation.saveState(), "state");
+  EXPECT_EQ(other.stateHash(), simulation.stateHash());
+}
+
 TEST(LongRest, LeavesAStateThatCanBeLoaded) {
   constexpr int kLargest = std::numeric_limits<int>::max();
   LinearFabric linear;
