@@ -111,7 +111,8 @@ TEST(ProbeTracker, StaysAPassiveAnswer) {
       const Mat6& follow = tracker.follow();
       ASSERT_TRUE(follow.allFinite());
       ASSERT_LT((follow - follow.transpose()).norm(), 1e-12);
-      const Vec6 eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>>(follow).eigenvalues();
+      const Vec6 eigenvalues =
+          Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>>(follow).eigenvalues();
       ASSERT_GE(eigenvalues.minCoeff(), -1e-9);
       ASSERT_LE(eigenvalues.maxCoeff(), 1.0 + 1e-9);
     }
