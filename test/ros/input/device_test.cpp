@@ -328,15 +328,14 @@ TEST_F(AdapterTest, ADriverWithAnotherTypeIsHeard) {
   const ros::Subscriber poses = node_.subscribe<geometry_msgs::PoseStamped>(
       "alone/pose", 1,
       [&](const geometry_msgs::PoseStamped::ConstPtr& message) { height = message->pose.position.z; });
-  const auto sender = [](const std::vector<std::string>& message) {
-    std::vector<std::string> command{"rostopic", "pub", "-r", "50", "/alone/device_pose"};
-    command.insert(command.end(), message.begin(), message.end());
-    return std::make_unique<Process>(command);
+  const auto sender = [](const std::string& type, const std::string& value) {
+    return std::make_unique<Process>(
+        std::vector<std::string>{"rostopic", "pub", "-r", "50", "/alone/device_pose", type, value});
   };
-  std::unique_ptr<Process> driver = sender({"geometry_msgs/Point", "[0, 0, 1.0]"});
+  std::unique_ptr<Process> driver = sender("geometry_msgs/Point", "{z: 1.0}");
   ASSERT_TRUE(waitFor([&] { return height == 1.0; })) << process_->output();
   driver = nullptr;
-  driver = sender({"geometry_msgs/Twist", "[0, 0, 2.0]", "[0, 0, 0]"});
+  driver = sender("geometry_msgs/Twist", "{linear: {z: 2.0}}");
   EXPECT_TRUE(waitFor([&] { return height == 2.0; })) << process_->output();
 }
 
