@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cmath>
 
 namespace haptic_cloth {
 
@@ -16,6 +17,9 @@ using Mat6 = Eigen::Matrix<double, 6, 6, Eigen::DontAlign>;  ///< a linear map o
 // A program compiled with -mavx or -march=native must see the same types as the library. Eigen would align
 // those that it can to whole registers.
 static_assert(alignof(Quat) <= 16 && alignof(Vec6) <= 16 && alignof(Mat6) <= 16, "see above");
+
+/// Tells whether the norm of a quaternion is 1 but for rounding, as in a file.
+inline bool isRotation(const Quat& quaternion) { return std::abs(quaternion.norm() - 1.0) <= 1e-3; }
 
 inline Vec6 joined(const Vec3& motion, const Vec3& turn) { return (Vec6() << motion, turn).finished(); }
 

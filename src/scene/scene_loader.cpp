@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include "fabric/fabric_search.h"
@@ -12,15 +11,12 @@
 namespace haptic_cloth {
 namespace {
 
-constexpr double kAlmostUnit = 1e-3;  ///< a norm this close to 1 is rounded, not wrong [-]
-
 /// Reads a quaternion x y z w and normalises it.
 Quat readOrientation(const YamlValue& value) {
   const auto [x, y, z, w] = value.numbers<4>();
   const Quat orientation(w, x, y, z);
-  const double norm = orientation.norm();
-  if (!(norm > 0.0)) value.fail("must not be zero: a unit quaternion x y z w");
-  if (!(std::abs(norm - 1.0) <= kAlmostUnit)) value.fail("must be a unit quaternion x y z w");
+  if (!(orientation.norm() > 0.0)) value.fail("must not be zero: a unit quaternion x y z w");
+  if (!isRotation(orientation)) value.fail("must be a unit quaternion x y z w");
   return orientation.normalized();
 }
 

@@ -125,11 +125,6 @@ std::size_t Archive::sizeOf(Type type) {
   return sizeof(double);
 }
 
-bool Archive::isTurn(const Quat& turn) {
-  constexpr double kNorm = 1e-3;  // same tolerance as in scenes
-  return std::abs(turn.norm() - 1.0) <= kNorm;
-}
-
 void Archive::write(const std::string& name, Type type, const void* data, std::size_t count) {
   const std::string path = prefix_ + name;
   append(entries_, static_cast<std::uint32_t>(path.size()));

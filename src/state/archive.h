@@ -61,7 +61,7 @@ class Archive {
     } else {
       entry(name, typeOf<T>(), &value, sizeof(T) / sizeOf(typeOf<T>()));
     }
-    if constexpr (std::is_same_v<T, Quat>) check(isTurn(value), name, "must have norm 1");
+    if constexpr (std::is_same_v<T, Quat>) check(isRotation(value), name, "must have norm 1");
   }
 
   /// Saves or loads integers that must lie between low and high: one, or a vector of them.
@@ -91,7 +91,7 @@ class Archive {
       (*this)(name, values);
     }
     if constexpr (std::is_same_v<Member, Quat>) {
-      for (const Member& turn : values) check(isTurn(turn), name, "must have norm 1");
+      for (const Member& turn : values) check(isRotation(turn), name, "must have norm 1");
     }
     for (std::size_t k = 0; k < elements.size(); ++k) elements[k].*member = static_cast<Member>(values[k]);
   }
@@ -174,7 +174,6 @@ class Archive {
   }
 
   static std::size_t sizeOf(Type type);
-  static bool isTurn(const Quat& turn);
 
   template <class T>
   void list(const std::string& name, std::vector<T>& values) {

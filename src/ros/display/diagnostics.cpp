@@ -212,10 +212,10 @@ DiagnosticStatus probeStatus(const std::string& name, const DeviceCounters& coun
           std::string("the ") + (no_pose ? "pose" : "force") + "s stopped; no force");
   } else if (felt.status == HapticStatus::Paused) {
     judge(status, DiagnosticStatus::OK, "paused");
-  } else if (now - felt.stopped < kLately) {
-    judge(status, DiagnosticStatus::WARN, "the force was off within the last " + seconds(kLately));
   } else if (doubt != UnitDoubt::None) {
     judge(status, DiagnosticStatus::WARN, toText(doubt));
+  } else if (now - felt.stopped < kLately) {
+    judge(status, DiagnosticStatus::WARN, "the force was off within the last " + seconds(kLately));
   } else if (poses.transform_age > kTransformAge) {
     judge(status, DiagnosticStatus::WARN, "the transform of the device's frame is old");
   } else if (now - poses.bad_turn < kLately) {

@@ -12,12 +12,6 @@ namespace haptic_cloth {
 
 using XmlRpc::XmlRpcValue;
 
-namespace {
-
-constexpr double kUnitTolerance = 1e-3;  ///< tolerance of a quaternion's norm, as in scene files
-
-}  // namespace
-
 /// Reads a value into the member of its option.
 struct ParameterGroup::Reader {
   const ParameterGroup& group;
@@ -40,7 +34,7 @@ struct ParameterGroup::Reader {
   void operator()(Quat* value) const {
     const std::vector<double> entries = group.numbers(key, 4);
     const Quat quaternion(entries[3], entries[0], entries[1], entries[2]);
-    if (std::abs(quaternion.norm() - 1.0) > kUnitTolerance) group.fail(key, "must have norm 1");
+    if (!isRotation(quaternion)) group.fail(key, "must have norm 1");
     *value = quaternion.normalized();
   }
   void operator()(bool* value) const {

@@ -20,8 +20,7 @@ class ParameterGroup {
   /// @throws InputError if the tree is neither a mapping nor empty
   ParameterGroup(const XmlRpc::XmlRpcValue& tree, const std::string& origin, const std::string& path = "");
 
-  /// Reads and checks options. A quaternion is normalised if its norm is off by at most 1e-3, as
-  /// in a scene.
+  /// Reads and checks options. A quaternion must be almost of norm 1 (isRotation()) and is normalised.
   /// @throws InputError for a wrong type or value, like all functions below
   void read(const Options& options);
 
