@@ -5,6 +5,8 @@
 #include <ros/this_node.h>
 #include <xmlrpcpp/XmlRpcException.h>
 
+#include <algorithm>
+
 #include "haptic_cloth/error.h"
 #include "haptic_cloth/haptics.h"
 #include "ros/node/conversions.h"
@@ -71,12 +73,15 @@ void PoseAdapter::subscribe() {
 }
 
 void PoseAdapter::look() {
-  if (steadyNow() - asked_ < kAskPeriod) return;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (type_.empty() || steadyNow() - std::max(asked_, heard_) < kAskPeriod) return;
+  }
   asked_ = steadyNow();
   const std::optional<std::string> type = typeOnMaster(node_.resolveName(topics::kDevicePose));
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (!type || type_.empty() || *type == type_) return;
+    if (!type || *type == type_) return;
     type_ = *type;
   }
   ROS_INFO_STREAM("a driver publishes positions as " << *type << " now");
@@ -112,6 +117,10 @@ void PoseAdapter::accept(const ros::MessageEvent<topic_tools::ShapeShifter const
   if (!found) {
     ROS_WARN_STREAM_THROTTLE(kSayPeriod, "a message of " << message->getDataType() << " is too short");
     return;
+  }
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    heard_ = received;
   }
   geometry_msgs::PoseStamped pose;
   pose.header.stamp = found->header.stamp.isZero() ? ros::Time::now() : found->header.stamp;

@@ -36,8 +36,8 @@ class PoseAdapter {
  public:
   PoseAdapter(ros::NodeHandle& node, const AdapterOptions& options);
 
-  /// Subscribes again if a driver with another type has come: roscpp keeps to the first type. Call it every
-  /// few milliseconds, from one thread.
+  /// Subscribes again if no positions come and a driver with another type has: roscpp keeps to the first
+  /// type. Call it every few milliseconds, from one thread.
   void look();
 
  private:
@@ -49,7 +49,8 @@ class PoseAdapter {
   ros::Publisher pose_;
   std::string md5sum_;               ///< of the newest message; empty before the first
   PositionReader reader_ = nullptr;  ///< for messages with that sum
-  std::mutex mutex_;                 ///< protects the next one
+  std::mutex mutex_;                 ///< protects the next two
+  double heard_ = -1.0;              ///< newest position, steady clock [s]
   std::string type_;            ///< of the newest message, or of the driver for which it subscribed again
   double asked_ = -1.0;         ///< last question to the master for the type, steady clock [s]
   PoseGate gate_;               ///< keeps to the first sender, as the node's does
